@@ -34,6 +34,7 @@ struct PlanCommand {
   std::string domain, problem, out, svg;
   std::optional<double> timeout_s;
   std::int64_t budget = planner::PlanOptions{}.budget;
+  std::optional<std::int64_t> patience;
   bool anytime = false, json = false;
 };
 
@@ -199,6 +200,7 @@ int run(const PlanCommand& command) {
   if (!task) return fail_planning(task.error());
   planner::PlanOptions options;
   options.budget = command.budget;
+  options.patience = command.patience;
   if (deadline) options.timeout_s = std::chrono::duration<double>(*deadline - Clock::now()).count();
   options.anytime = command.anytime;
   std::optional<Interruption> interruption(std::in_place,
@@ -231,6 +233,9 @@ void add_plan(CLI::App& app, Action& action) {
       ->capture_default_str();
   plan->add_flag("--anytime", options->anytime,
                  "go on to better plans until time or budget end: by the metric, or shorter ones");
+  whole_number(plan->add_option("--patience", options->patience,
+                                "with --anytime: end when no better plan is found for so many work units"),
+               1);
   plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
   plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
   plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");

@@ -2,6 +2,7 @@
 // What planning costs in simulated time.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "cx/base/expected.h"
@@ -10,10 +11,11 @@ namespace cxlab::planner {
 
 /// A plan that took u work units is answered latency_a + latency_b * u seconds after it was asked for.
 struct PlanningCost {
-  double latency_a = 0.0;            ///< s that any answer takes
-  double latency_b = 1e-6;           ///< s a work unit; a unit is about a microsecond of one core
-  std::int64_t budget = 60'000'000;  ///< work units that a plan may take
-  bool charge = true;                ///< false: answers come at once
+  double latency_a = 0.0;                  ///< s that any answer takes
+  double latency_b = 1e-6;                 ///< s a work unit; a unit is about a microsecond of one core
+  std::int64_t budget = 60'000'000;        ///< work units that a plan may take
+  std::optional<std::int64_t> patience{};  ///< work units after a plan within which a better one must come
+  bool charge = true;                      ///< false: answers come at once
 
   template <class Keys>
   void fields(Keys& keys) {
@@ -22,6 +24,7 @@ struct PlanningCost {
       latency("b", latency_b);
     });
     keys("budget", budget);
+    keys("patience", patience);
     keys("charge", charge);
   }
 };
@@ -30,6 +33,8 @@ inline Status validate(const PlanningCost& cost) {
   if (cost.latency_a < 0 || cost.latency_b < 0) return input_error("latency: a and b must be 0 or more");
   if (cost.budget <= 0)
     return input_error("budget: found " + std::to_string(cost.budget) + ", expected work units above 0");
+  if (cost.patience && *cost.patience <= 0)
+    return input_error("patience: found " + std::to_string(*cost.patience) + ", expected work units above 0");
   return {};
 }
 

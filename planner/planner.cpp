@@ -172,7 +172,8 @@ Conclusion Portfolio::run() {
   everything_.forget();
   if (!context.best.exists()) return without_plan_;
   if (!context.options.anytime || context.best.by_metric()) context.bound.keep_first_slice_short();
-  context.bound.raise();
+  if (context.options.bound || !context.best.by_metric() || context.bound.may_prove(context.best))
+    context.bound.raise();
   if (context.options.anytime) context.best.by_metric() ? improve_metric() : improve_makespan();
   if (!context.bound.proves(context.best)) return {PlanStatus::kPlan, "a plan"};
   std::string reason = context.best.by_metric() ? "no plan has a better metric" : "no plan is shorter";
@@ -194,7 +195,7 @@ std::string missing_values(const Task& task, const GroundTask& ground) {
 
 Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
   const auto began = Incumbent::Clock::now();
-  Budget budget(options.budget, options.timeout_s);
+  Budget budget(options.budget, options.timeout_s, options.patience);
   PlanAnswer answer;
   const auto conclude = [&](Conclusion conclusion) {
     answer.status = conclusion.status;

@@ -32,9 +32,11 @@ struct PlanOptions {
   std::int64_t budget = 60'000'000;   ///< work units; a unit is about a microsecond
   std::optional<double> timeout_s{};  ///< wall time
   /// Better: a better metric if the problem has one, a shorter makespan among equals.
-  bool anytime = false;  ///< look for better plans until the budget ends or a plan is proved best
+  bool anytime = false;                    ///< look for better plans until the budget ends or a plan is proved best
+  std::optional<std::int64_t> patience{};  ///< work units after a plan within which a better one must come
+  bool bound = true;                       ///< false: none where it cannot prove that no plan has a better metric
   /// A plan under execution, its steps in their order; the first ones may have been done. The planner tries what is
-  /// left of it first, repairs it and improves it. Not used where there are events.
+  /// left of it first, repairs it and improves it.
   Plan warm_start{};
   /// Called with every plan that is better than all before it.
   std::function<void(const TimedPlan&, std::int64_t units)> on_plan{};

@@ -34,14 +34,20 @@ class Budget {
   static constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
 
   Budget() = default;
-  /// `units` to spend, and seconds of wall time from now.
-  Budget(std::int64_t units, std::optional<double> timeout_s) : limit_(units) {
+  /// `units` to spend, and seconds of wall time from now; after `improved` no more than `patience` units.
+  Budget(std::int64_t units, std::optional<double> timeout_s, std::optional<std::int64_t> patience = {})
+      : units_(units), patience_(patience), limit_(units) {
     if (timeout_s)
       deadline_ =
           std::chrono::steady_clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*timeout_s * 1e6));
   }
 
   void spend(Work kind, std::int64_t pieces) { counts_[static_cast<std::size_t>(kind)] += pieces; }
+
+  /// A better plan was found.
+  void improved() {
+    if (patience_) limit_ = std::min(units_, units() + *patience_);
+  }
 
   std::int64_t units() const {
     std::int64_t thousandths = 0;
@@ -72,6 +78,8 @@ class Budget {
   friend class BudgetSlice;
 
   std::array<std::int64_t, kWorkKinds> counts_{};
+  std::int64_t units_ = kUnlimited;
+  std::optional<std::int64_t> patience_;
   std::int64_t limit_ = kUnlimited, slice_ = kUnlimited, next_look_ = 0;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   bool over_ = false, late_ = false;

@@ -35,7 +35,7 @@ struct PddlManagerOptions {
   bool autostart = true;   ///< configured and activated when it is made
   double bond_period = 0;  ///< s between heartbeats on `bond` while active, as an environment manager; 0 = none
   bool original = false;   ///< answers as the first PDDL manager does, errors included
-  bool anytime = false;    ///< plans are improved until the budget ends
+  bool anytime = false;    ///< plans are improved until budget or patience end
   bool warm_start = true;  ///< a plan begins with what is left of the last one that has most goals in common with it
   PlanningCost cost;
   ExternalPlanner other;       ///< another planner that makes the plans; without a command: ours

@@ -93,7 +93,9 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   if (goal.type().find("output_dir")) dump(goal, *task);
   PlanOptions how;
   how.budget = options_.cost.budget;
+  how.patience = options_.cost.patience;
   how.anytime = options_.anytime;
+  how.bound = false;
   Goals goals = goals_of(*task);
   how.warm_start = steps_left(goal.text("pddl_instance"), *task, goals);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond

@@ -12,6 +12,9 @@ constexpr std::int64_t kLeastSlice = 2'000;
 constexpr std::int64_t kGrowth = 6;      ///< how much longer the next slice is,
 constexpr std::int64_t kShareOfAll = 5;  ///< and how many times as much has then been spent in all
 
+/// What happenings that may not coincide add to a makespan.
+Micros separations(const Incumbent& best) { return kSeparation * static_cast<Micros>(2 * best.plan().steps.size()); }
+
 }  // namespace
 
 void BestPossible::keep_first_slice_short() { slice_ = std::min(kFirstSlice, std::max(kLeastSlice, budget_.units())); }
@@ -30,10 +33,12 @@ void BestPossible::raise() {
 
 bool BestPossible::proves(const Incumbent& best) const {
   if (!best.exists()) return false;
-  const Micros separations = kSeparation * static_cast<Micros>(2 * best.plan().steps.size());
-  if (!best.by_metric()) return best.makespan() <= makespan_ + separations;
-  const double slack = objective_.time_weight() * in_seconds(separations);
-  return cost_ && best.cost() <= *cost_ + slack + 1e-9;
+  return best.by_metric() ? proves(best, cost_) : best.makespan() <= makespan_ + separations(best);
+}
+
+bool BestPossible::proves(const Incumbent& best, std::optional<double> cost) const {
+  const double slack = objective_.time_weight() * in_seconds(separations(best));
+  return cost && best.cost() <= *cost + slack + 1e-9;
 }
 
 void BestPossible::report(const Incumbent& best, PlanAnswer& answer) const {

@@ -12,6 +12,8 @@ class BestPossible {
 
   /// Computes the bound anew, for longer than the last time.
   void raise();
+  /// Whether some bound of the makespan would prove that no plan has a better metric.
+  bool may_prove(const Incumbent& best) const { return proves(best, objective_.bound(best.makespan())); }
   /// The first slice is as long as what was spent so far, within limits; for callers who want no better plan.
   void keep_first_slice_short();
   /// Whether so much has been spent elsewhere that it is the bound's turn.
@@ -27,6 +29,9 @@ class BestPossible {
   void report(const Incumbent& best, PlanAnswer& answer) const;
 
  private:
+  /// Whether a plan of this metric is the best if none is shorter than `makespan`.
+  bool proves(const Incumbent& best, std::optional<double> cost) const;
+
   static constexpr std::int64_t kFirstSlice = 30'000;
 
   const GroundTask& ground_;

@@ -109,6 +109,7 @@ bool Incumbent::offer(TimedPlan plan, Micros makespan) {
   makespan_ = makespan;
   if (!plan_) first_plan_s_ = std::chrono::duration<double>(Clock::now() - began_).count();
   plan_ = std::move(plan);
+  budget_.improved();
   if (on_plan_) on_plan_(*plan_, budget_.units());
   return true;
 }

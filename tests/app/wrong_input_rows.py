@@ -151,6 +151,7 @@ ROWS["options"] = [
     wrong("render of a camera that is not there", ["render", "turtles.yaml", "--out", "x.png", "--at", "0", "--camera", "canvs"], 3),
     wrong("render of an empty world", ["render", "scenario.yaml", "--out", "x.png", "--at", "0"], 3),
     # plan, validate
+    *[wrong(f"plan --patience '{value}'", ["plan", "d.pddl", "p.pddl", "--patience", value], 2) for value in ("-1", "x", "0", "1.5")],
     *[wrong(f"plan --budget '{value}'", ["plan", "d.pddl", "p.pddl", "--budget", value], 2) for value in ("-1", "x", "", "1.5", "0", "1e6", "0x10", "9223372036854775808", "99999999999999999999")],
     *[wrong(f"plan --timeout '{value}'", ["plan", "d.pddl", "p.pddl", "--timeout", value], 2) for value in ("-1", "x", "", "nan", "inf")],
     *[wrong(f"plan {option} to nowhere", ["plan", "d.pddl", "p.pddl", option, "missing/file"], 5) for option in ("--out", "--svg")],
@@ -177,7 +178,7 @@ KEYS = {  # key of a scenario: values that it cannot have
     "schema": ("2", "x", "[]", "1.5"), "seed": ("-1", "x", "1.5", "{}"), "duration_s": ("-1", "x", ".nan", ".inf", "[1]", "1e30"), "tick_s": ("0", "-1", "x", ".nan", "1e-12", "1e12", "1e9"),
     "physics_step_s": ("0", "-1", "x"), "epoch": ("x", "[]", ".inf"), "max_firings_per_tick": ("-1", "x", "1.5"), "on_rule_error": ("stopp", "1", "[]"), "trust_rules": ("maybe", "2", "[]"),
     "tier": ("fast", "[]"), "agents": ("x", "{}", "[x]", "[{}]", "[{config: }]", "[{config: [a]}]"), "servers": ("x", "[nonsense]", "[{nod: turtlesim}]", "[{node: turtlsim}]", "[3]", *(f"[{{node: league_client, {key}}}]" for key in ("team: BOTH", "robots: 4", "first_robot: 0", "cipher: des", "port_shift: 70000", "namespace: a b"))), "packages": ("x", "[a]", "{rules: nowhere}", "{rules: }"),
-    "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}"),
+    "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}", "{patience: 0}", "{patience: x}"),
     "expect": ("x", "[{}]", "[{path: status}]", "[{path: sttus, equals: completed}]", "[{path: ticks, min: x}]"), "world": ("x", "{kind: moon}", "{kind: turtlesm}", "[rcll]"),
 }
 ROWS["scenarios"] = [

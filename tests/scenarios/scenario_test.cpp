@@ -176,6 +176,7 @@ TEST(Scenario, ErrorsNameTheLine) {
            {"max_firings_per_tick: -1\n", "s.yaml:2: max_firings_per_tick: must be 0 (no limit) or more"},
            {"planner: {latency: {a: -1}}\n", "s.yaml:2: planner.latency: a and b must be 0 or more"},
            {"planner:\n  budget: 0\n", "s.yaml:3: planner.budget: found 0, expected work units above 0"},
+           {"planner:\n  patience: 0\n", "s.yaml:3: planner.patience: found 0, expected work units above 0"},
            {"timed: {pick_failure: 2}\n", "s.yaml:2: timed.pick_failure: found 2"},
            {"packages: {a: ''}\n", "s.yaml:2: packages.a: expected a folder"},
            {"agents:\n  - {config: a, namespace: a b}\n",

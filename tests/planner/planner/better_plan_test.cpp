@@ -46,6 +46,26 @@ TEST(FindPlan, EveryReportedPlanIsBetterThanTheLast) {
   EXPECT_EQ(reported.back(), found.plan->makespan_s);
 }
 
+TEST(FindPlan, EndsWhenNoBetterPlanComesForAsLongAsItsPatience) {
+  const Task task = parse(kJobs, kSixJobs);
+  const auto improve = [&](std::optional<std::int64_t> patience) {
+    std::int64_t last = 0;
+    PlanOptions options{.budget = 300'000, .anytime = true, .patience = patience};
+    options.on_plan = [&](const TimedPlan&, std::int64_t units) { last = units; };
+    return std::pair(answer(task, options), last);
+  };
+  const auto [without, best_at] = improve({});
+  ASSERT_GT(without.units, 290'000) << "the problem has no proof that ends it sooner";
+  const auto [patient, last] = improve(best_at);
+  EXPECT_EQ(patient.plan->makespan_s, without.plan->makespan_s);
+  EXPECT_EQ(last, best_at);
+  EXPECT_NEAR(static_cast<double>(patient.units), static_cast<double>(2 * best_at), 3000.0);
+  const auto [hasty, first] = improve(1);
+  EXPECT_GE(hasty.units, first);
+  EXPECT_LE(hasty.units, first + 3000);
+  EXPECT_LT(first, best_at) << "it ends at the first plan, not before";
+}
+
 TEST(FindPlan, PlansShiftedWithinThePartialOrderAreValid) {
   const Task task = parse(kJobs, kSixJobs);
   const PlanAnswer found = answer(task, {.budget = 200'000, .anytime = true});
@@ -139,6 +159,21 @@ TEST(Metric, TheBoundIsThatOfTheMakespanTimesItsWeight) {
   EXPECT_GT(*found.metric_bound, 0.0);
   const PlanAnswer unweighted = send_parcels("(:metric minimize (- (fuel-used) (total-time)))");
   EXPECT_FALSE(unweighted.metric_bound);  // waiting makes it better without end
+}
+
+TEST(Metric, ABoundThatCanProveNothingNeedNotBeComputed) {
+  const auto bound_with = [](const std::string& cost_of_work, bool bound) {
+    std::string jobs = std::string(kJobs) + "(:functions (cost))";
+    const std::string done = "(at end (done ?j))";
+    jobs.insert(jobs.find(done), "(at end (increase (cost) " + cost_of_work + ")) ");
+    const Task task = parse(jobs,
+                            "(:objects j1 j2 - job m - machine) (:init (waits j1) (waits j2) (free m) (= (cost) 0)) "
+                            "(:goal (and (done j1) (done j2))) (:metric minimize (+ (cost) (total-time)))");
+    return answer(task, {.budget = 300'000, .anytime = true, .bound = bound}).lower_bound_s;
+  };
+  EXPECT_EQ(bound_with("0", false), 14) << "it proves that no plan is better";
+  EXPECT_EQ(bound_with("1", false), 0);
+  EXPECT_EQ(bound_with("1", true), 14) << "for who wants to see it";
 }
 
 TEST(Metric, AMultipleOfTheMakespanIsTheMakespan) {
