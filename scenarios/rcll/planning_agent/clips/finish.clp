@@ -1,0 +1,67 @@
+; strategy.robot: finish. A step waits for a robot that is still busy, if that one is predicted to be done with it sooner than
+; any robot that is idle now.
+
+(defrule finish-took
+  "A robot has a job from now on."
+  (waits-for-busy-robots)
+  (job (id ?id) (robot ?robot&~"") (step ~DONE&~GIVEN-UP))
+  (not (took ?id ?robot ?))
+  (time ?now)
+  =>
+  (assert (took ?id ?robot ?now)))
+
+(defrule finish-left
+  ?took <- (took ?id ?robot ?)
+  (not (job (id ?id) (robot ?robot) (step ~DONE&~GIVEN-UP)))
+  =>
+  (retract ?took))
+
+(deffunction fetched-from (?action ?params)
+  "The machine where a robot fetches the piece of a step."
+  (machine-named (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params)))
+
+(deffunction way-between (?one ?other)
+  "s from one machine to another."
+  (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
+    (return (/ (distance ?a:x ?a:y ?b:x ?b:y) ?*SPEED*)))
+  0.0)
+
+(deffunction idle-arrival (?machine ?now)
+  "When the first idle robot can be there."
+  (bind ?first 1000000.0)
+  (do-for-fact ((?m machine)) (eq ?m:name ?machine)
+    (do-for-all-facts ((?r robot)) (eq ?r:state IDLE)
+      (bind ?first (min ?first (+ ?now (/ (distance ?r:x ?r:y ?m:x ?m:y) ?*SPEED*))))))
+  ?first)
+
+(deffunction job-end (?job ?since)
+  "When a job that began then is predicted to end."
+  (+ ?since ?*HANDLING* (way-between (machine-of (fact-slot-value ?job from)) (machine-of (fact-slot-value ?job to)))))
+
+(defrule finish-sooner
+  "A busy robot is on time, and will be there sooner: the step is held back until then."
+  (declare (salience 10))
+  (waits-for-busy-robots)
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
+  ?step <- (step (id ?id) (state CHECKING) (was ~APPROACHING) (worker ROBOT) (action ?action) (params $?params))
+  (time ?now)
+  (took ?job ?robot ?since)
+  ?j <- (job (id ?job) (to ?to))
+  (not (held-up (job ?job)))
+  (test (< ?now (job-end ?j ?since)))
+  (test (< (+ (job-end ?j ?since) (way-between (machine-of ?to) (fetched-from ?action ?params)))
+           (idle-arrival (fetched-from ?action ?params) ?now)))
+  =>
+  (retract ?check)
+  (decide (str-cat "hold back " ?action " " (implode$ ?params)) (str-cat ?robot " will be there sooner than a robot that is idle now"))
+  (assert (expected ?robot (job-end ?j ?since)))
+  (modify ?step (state BLOCKED)))
+
+(defrule finish-late
+  "The robot takes longer than was predicted: steps are looked at again."
+  ?expected <- (expected ? ?end)
+  (time ?now&:(>= ?now ?end))
+  ?version <- (world-version ?n)
+  =>
+  (retract ?expected ?version)
+  (assert (world-version (+ ?n 1))))
