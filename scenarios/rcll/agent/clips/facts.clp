@@ -17,7 +17,8 @@
   (slot kind (type SYMBOL))
   (slot state (type SYMBOL))
   (slot x (type FLOAT))
-  (slot y (type FLOAT)))
+  (slot y (type FLOAT))
+  (slot rotation (type INTEGER) (default 0)))  ; degrees; its input is on that side
 
 (deftemplate does
   "What a machine does to a product: a ring's colour, a cap's colour, or DELIVER."

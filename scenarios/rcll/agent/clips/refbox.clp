@@ -87,7 +87,7 @@
          then (assert (sighting (zone ?zone) (machine ?name) (rotation (ros-msgs-get-field ?message "rotation")))))
         (return))
   (assert (machine (name ?name) (kind (sym-cat (ros-msgs-get-field ?message "type"))) (state ?state)
-                   (x (zone-x ?zone)) (y (zone-y ?zone))))
+                   (x (zone-x ?zone)) (y (zone-y ?zone)) (rotation (ros-msgs-get-field ?message "rotation"))))
   (learn-works ?name (ros-msgs-get-field ?message "type") (ros-msgs-get-field ?message "ring_colors")))
 
 (defrule refbox-machine-info

@@ -131,9 +131,35 @@
   (fail-part ?step lose)
   (modify ?step (state OPEN) (seen -1)))
 
+(defrule failure-pay-otherwise
+  "The bare base that should pay is gone: a step is inserted into the plan, in which a new base pays."
+  ?step <- (step (id ?id) (action pay-with-bare-base) (params ?cs ?rs) (state RUNNING) (work ?work)
+                 (begin ?begin) (end ?end) (rank ?rank) (group ?group))
+  (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
+  (not (blocked-slide ?rs))
+  (machine (name ?bs) (kind BS))
+  =>
+  (fail-part ?step lose)
+  (modify ?step (state DONE))
+  (bind ?new (add-step pay-with-new-base (create$ (pddl-name ?bs) ?rs)))
+  (decide (str-cat "insert pay-with-new-base " (pddl-name ?bs) " " ?rs) "the bare base is gone")
+  (do-for-all-facts ((?w waits-for)) (eq ?w:for ?id) (modify ?w (for (fact-slot-value ?new id))))
+  (do-for-all-facts ((?f follows)) (eq ?f:after ?id) (modify ?f (after (fact-slot-value ?new id))))
+  (modify ?new (begin ?begin) (end ?end) (rank ?rank) (group ?group)))
+
+(defrule failure-gone-anyway
+  "The bare base that should go away is gone: the plan goes on."
+  ?step <- (step (action discard-bare-base) (state RUNNING) (work ?work))
+  (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
+  =>
+  (fail-part ?step lose)
+  (modify ?step (state DONE)))
+
 (defrule failure-plan-again
-  "The piece is gone."
-  ?step <- (step (action transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (state RUNNING) (work ?work))
+  "The product is gone, or its payment has no slide to go to."
+  (or ?step <- (step (action transport|bring-to-delivery) (state RUNNING) (work ?work))
+      (and (blocked-slide ?slide)
+           ?step <- (step (action pay-with-bare-base) (params ? ?slide) (state RUNNING) (work ?work))))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
   (fail-part ?step lose)
@@ -202,3 +228,38 @@
     (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params)))))
   (printout warn "nothing is under way, these wait: " ?waiting crlf)
   (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))
+
+; --- What is under way does not end
+
+(defglobal ?*STILL* = 240.0)  ; s without an effect: longer than any skill, work and down time
+
+(deffunction awaited (?work)
+  "The robot of a job, or the machine of an instruction."
+  (do-for-fact ((?j job)) (= ?j:id ?work) (return (if (eq ?j:robot "") then "a robot" else ?j:robot)))
+  (do-for-fact ((?i instruction)) (= ?i:id ?work) (return ?i:machine))
+  "nobody")
+
+(defrule still-begin
+  "Something is under way: from now on its effects are waited for."
+  (exists (step (state RUNNING) (action ~wait-for-window)))
+  (game (phase PRODUCTION))
+  (world-version ?version)
+  (not (still ?version ?))
+  (time ?now)
+  =>
+  (do-for-all-facts ((?s still)) TRUE (retract ?s))
+  (assert (still ?version ?now)))
+
+(defrule still-bites
+  "A robot or machine is not done with something, and so nobody is with anything."
+  ?still <- (still ?version ?since)
+  (world-version ?version)
+  (exists (step (state RUNNING) (action ~wait-for-window)))
+  (time ?now&:(> ?now (+ ?since ?*STILL*)))
+  =>
+  (retract ?still)
+  (bind ?waiting "")
+  (do-for-all-facts ((?s step)) (and (eq ?s:state RUNNING) (neq ?s:action wait-for-window))
+    (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params) " waits for " (awaited ?s:work)))))
+  (printout warn "nothing has ended for " ?*STILL* " s: " ?waiting crlf)
+  (decide "wait" ?waiting))
