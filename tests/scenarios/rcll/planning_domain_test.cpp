@@ -411,5 +411,33 @@ TEST(PlanningDomain, OutputThatARobotHasLeftIsNotFreedAgainWhenItLosesThePiece) 
   EXPECT_EQ(outputs, 4);
 }
 
+TEST(LevelTwo, ABaseComesOutAtTheSideOverWhichItIsThereSooner) {
+  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
+  auto task = load_task(folder + "refinement.pddl", folder + "refinement_problem.pddl");
+  ASSERT_TRUE(task) << task.error().text();
+  struct Ways {
+    double to_input, on_from_input, to_output, on_from_output;
+    std::string side;
+    double makespan;  // 15 s for the pick; the base takes 5 s to come out
+  };
+  for (const Ways& ways : {Ways{10, 12, 8, 10, "output", 33}, Ways{8, 10, 10, 12, "input", 33},
+                           Ways{8, 14, 12, 8, "output", 35}, Ways{1, 9, 4, 8, "output", 28}}) {
+    const auto problem = parse_problem(
+        "(define (problem p) (:domain rcll-refinement) (:init (station-free) (robot-free) (= (dispense-time) 5) (= "
+        "(handling-time) 15)"
+        " (= (way-to input) " +
+            std::to_string(ways.to_input) + ") (= (way-on input) " + std::to_string(ways.on_from_input) +
+            ") (= (way-to output) " + std::to_string(ways.to_output) + ") (= (way-on output) " +
+            std::to_string(ways.on_from_output) + ")) (:goal (base-there)))",
+        "p.pddl", task->domain);
+    ASSERT_TRUE(problem) << problem.error().text();
+    const auto found = find_plan({task->domain, *problem}, {.budget = 50'000, .anytime = true});
+    ASSERT_TRUE(found && found->plan);
+    EXPECT_NEAR(found->plan->makespan_s, ways.makespan, 0.01);
+    for (const PlanStep& step : found->plan->steps)
+      EXPECT_EQ(problem->objects[step.arguments[0]].name, ways.side) << ways.makespan;
+  }
+}
+
 }  // namespace
 }  // namespace cxlab::planner

@@ -7,7 +7,7 @@
   ?*LOOKAHEAD* = 1               ; groups that lookahead may begin early
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
   ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
-  ?*BASE-SIDE* = "nearest"       ; where bases come out: at the side that is nearest, or at the output
+  ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
   ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
   ?*PRODUCTS* = 3                ; that are planned for at once
   ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
@@ -35,7 +35,8 @@
     (case "rested" then (bind ?*WAY* 0.0))
     (case "finish" then (bind ?*REST* 0.0) (assert (waits-for-busy-robots)))
     (default none))
-  (bind ?*BASE-SIDE* (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output"))
+  (bind ?*BASE-SIDE* (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
+  (if (eq ?*BASE-SIDE* "planned") then (assert (plans-sides)))
   (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
   (bind ?*PATIENCE* (ros-param-get-value "strategy.patience" 10.0))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))

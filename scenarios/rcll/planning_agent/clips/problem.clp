@@ -18,7 +18,7 @@
 
 (defrule problem-numbers
   "Numbers of the problem file are known from the beginning."
-  (pddl-instance (name ?instance&~coarse) (state LOADED))
+  (pddl-instance (name ?instance&production|planning) (state LOADED))
   (not (pddl-get-numeric-fluents (instance ?instance)))
   =>
   (assert (pddl-get-numeric-fluents (instance ?instance))))
@@ -35,7 +35,7 @@
 (defrule problem-machine
   "A machine is found: it is empty, and so far from the others."
   (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (x ?x) (y ?y))
-  (pddl-instance (name ?instance&~coarse) (state LOADED))
+  (pddl-instance (name ?instance&production|planning) (state LOADED))
   (not (in-problem ?instance ?machine))
   =>
   (assert (in-problem ?instance ?machine))
@@ -73,7 +73,7 @@
 (defrule problem-order
   "An order whose machines are all found."
   (order (id ?id) (rings $?rings) (cap ?cap))
-  (pddl-instance (name ?instance&~coarse) (state LOADED))
+  (pddl-instance (name ?instance&production|planning) (state LOADED))
   (not (in-problem ?instance ?id))
   (machine (kind BS) (name ?bs))
   (in-problem ?instance ?bs)

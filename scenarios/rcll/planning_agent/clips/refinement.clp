@@ -1,0 +1,111 @@
+; An action that is refined only as it begins: at which side of its station a base comes out. A rule compares the ways of the
+; robot, or a plan of level two is made for it (refinement.pddl).
+
+(defglobal
+  ?*BELT-END* = 0.7    ; m from the middle of a machine to a robot before its belt
+  ?*IN-THE-WAY* = 10.0) ; s until a robot that stands there has gone
+
+(deffunction side-of-base-station (?bs ?direction)
+  "Where a robot stands at its input, 1.0, or output, -1.0: x, y."
+  (bind ?turn (deg-rad (fact-slot-value ?bs rotation)))
+  (create$ (+ (fact-slot-value ?bs x) (* ?direction ?*BELT-END* (cos ?turn)))
+           (+ (fact-slot-value ?bs y) (* ?direction ?*BELT-END* (sin ?turn)))))
+
+(deffunction way-from-side (?bs ?direction ?place)
+  "m to where a robot or machine is."
+  (bind ?side (side-of-base-station ?bs ?direction))
+  (distance (nth$ 1 ?side) (nth$ 2 ?side) (fact-slot-value ?place x) (fact-slot-value ?place y)))
+
+(deffunction way-over-side (?bs ?direction ?robot ?to)
+  (+ (way-from-side ?bs ?direction ?robot) (way-from-side ?bs ?direction ?to)))
+
+(defrule refine-by-way
+  "The side over which the way of the robot is shorter."
+  (declare (salience 10))
+  ?bs <- (machine (name ?name) (kind BS))
+  ?job <- (job (id ?id) (robot ?r&~"") (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
+  (held-up (job ?id) (step GO-FETCH))
+  ?robot <- (robot (name ?r))
+  ?goal <- (machine (name =(machine-of ?to)))
+  (test (< (way-over-side ?bs 1.0 ?robot ?goal) (way-over-side ?bs -1.0 ?robot ?goal)))
+  (test (eq ?*BASE-SIDE* "nearest"))
+  =>
+  (decide (str-cat "fetch the base at " (input-of ?name)) (str-cat "the way of " ?r " is shorter"))
+  (modify ?job (from (input-of ?name))))
+
+; --- Level two
+
+(defrule refine-load
+  (plans-sides)
+  (pddl-instance (name coarse) (directory ?folder))
+  (not (pddl-instance (name refinement)))
+  =>
+  (assert (pddl-instance (name refinement) (domain "refinement.pddl") (problem "refinement_problem.pddl") (directory ?folder))
+          (pddl-create-goal-instance (instance refinement) (goal base))
+          (pddl-goal-fluent (instance refinement) (goal base) (name base-there))))
+
+(defrule refine-goal
+  "The goal is the same for all."
+  ?made <- (pddl-create-goal-instance (instance refinement) (state DONE))
+  =>
+  (retract ?made)
+  (assert (pddl-set-goals (instance refinement) (goal base))))
+
+(defrule refine-ready
+  ?set <- (pddl-set-goals (instance refinement) (state DONE))
+  =>
+  (retract ?set)
+  (assert (can-refine)))
+
+(deffunction say-ways (?bs ?side ?direction ?robot ?to)
+  "s over a side of the base station, where another robot may stand in the way."
+  (bind ?spot (str-cat (fact-slot-value ?bs name) "-" (upcase ?side)))
+  (bind ?waits (if (any-factp ((?r robot)) (and (eq ?r:place ?spot) (neq ?r:name (fact-slot-value ?robot name)))) then ?*IN-THE-WAY* else 0.0))
+  (number refinement way-to (+ 1.0 ?waits (/ (way-from-side ?bs ?direction ?robot) ?*SPEED*)) ?side)
+  (number refinement way-on (+ 1.0 (/ (way-from-side ?bs ?direction ?to) ?*SPEED*)) ?side))
+
+(defrule refine-begin
+  "The base station is kept for the job until there is a plan."
+  (declare (salience 10))
+  (can-refine)
+  (not (refining ?))
+  ?bs <- (machine (name ?name) (kind BS))
+  (not (reserved (machine ?name)))
+  (job (id ?id) (robot ?r&~"") (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
+  (held-up (job ?id) (step GO-FETCH))
+  (not (refined ?id))
+  ?robot <- (robot (name ?r))
+  ?goal <- (machine (name =(machine-of ?to)))
+  =>
+  (assert (reserved (machine ?name) (job ?id)) (refining ?id))
+  (say-ways ?bs input 1.0 ?robot ?goal)
+  (say-ways ?bs output -1.0 ?robot ?goal))
+
+(defrule refine-plan
+  (refining ?)
+  (not (pddl-numeric-fluent-change (instance refinement)))
+  (not (pddl-plan (instance refinement)))
+  =>
+  (assert (pddl-plan (instance refinement) (id refine) (goal base) (plan-type TEMPORAL))))
+
+(defrule refine-done
+  "The base comes out where the plan has it; where there is no plan, at the output."
+  ?refining <- (refining ?id)
+  (pddl-plan (id refine) (state SUCCESS|FAILURE|CANCELED))
+  ?reserved <- (reserved (job ?id))
+  =>
+  (bind ?side output)
+  (do-for-fact ((?a pddl-action)) (and (eq ?a:plan refine) (eq ?a:name dispense)) (bind ?side (nth$ 1 ?a:params)))
+  (drop-plan refine)
+  (retract ?refining ?reserved)
+  (assert (refined ?id))
+  (do-for-fact ((?j job)) (= ?j:id ?id)
+    (bind ?spot (str-cat (machine-of ?j:from) "-" (upcase ?side)))
+    (decide (str-cat "fetch the base at " ?spot) (str-cat "a plan of level two for " ?j:robot))
+    (modify ?j (from ?spot))))
+
+(defrule refine-forgotten
+  ?refined <- (refined ?id)
+  (not (job (id ?id)))
+  =>
+  (retract ?refined))
