@@ -11,7 +11,7 @@
   (bind ?request (pddl-request CheckActionCondition nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "check_action_condition" ?request condition ?instance (fact-index ?ask))
+  (if (pddl-send ?node "check_action_condition" ?request condition ?instance ?ask)
    then (pddl-sent ?i CHECK-CONDITIONS ?ask CHECK-CONDITION)))
 
 (defrule pddl-condition-checked

@@ -27,7 +27,7 @@
   (bind ?request (pddl-request GetActionEffects nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "get_action_effects" ?request effects ?instance (fact-index ?ask) (if (eq ?state PENDING) then START else END))
+  (if (pddl-send ?node "get_action_effects" ?request effects ?instance ?ask (if (eq ?state PENDING) then START else END))
    then
     (pddl-put ?ask instance ?instance)
     (pddl-sent ?i ACTION-EFFECTS ?ask WAITING)))

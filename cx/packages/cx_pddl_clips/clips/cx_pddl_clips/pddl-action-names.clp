@@ -6,7 +6,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-action-names (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance (fact-index ?ask))
+  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance ?ask)
    then (pddl-sent ?i GET-ACTION-NAMES ?ask WAITING)))
 
 (defrule pddl-answer-action-names

@@ -6,7 +6,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
   =>
-  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance (fact-index ?ask))
+  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance ?ask)
    then (pddl-sent ?i CLEAR-GOALS ?ask WAITING)))
 
 (defrule pddl-goals-cleared

@@ -6,7 +6,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
   =>
-  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance (fact-index ?ask))
+  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance ?ask)
    then (pddl-sent ?i CREATE-GOAL-INSTANCE ?ask WAITING)))
 
 (defrule pddl-goal-instance-created

@@ -5,7 +5,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance (fact-index ?ask))
+  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance ?ask)
    then (pddl-sent ?i GET-FLUENTS ?ask WAITING)))
 
 (defrule pddl-answer-fluents

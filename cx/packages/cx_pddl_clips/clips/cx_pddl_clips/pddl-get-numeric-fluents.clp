@@ -5,7 +5,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance (fact-index ?ask))
+  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance ?ask)
    then (pddl-sent ?i GET-NUMERIC-FLUENTS ?ask WAITING)))
 
 (defrule pddl-answer-numeric-fluents

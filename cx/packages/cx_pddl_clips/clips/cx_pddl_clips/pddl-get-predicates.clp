@@ -5,7 +5,7 @@
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
   =>
-  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance (fact-index ?ask))
+  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance ?ask)
    then (pddl-sent ?i GET-PREDICATES ?ask WAITING)))
 
 (defrule pddl-answer-predicates

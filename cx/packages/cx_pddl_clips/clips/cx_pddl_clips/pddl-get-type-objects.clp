@@ -7,7 +7,7 @@
   =>
   (bind ?request (pddl-request GetTypeObjects ?instance nil))
   (ros-msgs-set-field ?request "type" (str-cat ?type))
-  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance (fact-index ?ask) ?type)
+  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance ?ask ?type)
    then (pddl-sent ?i GET-TYPE-OBJECTS ?ask WAITING)))
 
 (defrule pddl-answer-type-objects

@@ -10,7 +10,7 @@
   (ros-msgs-set-field ?request "directory" ?directory)
   (ros-msgs-set-field ?request "domain_file" ?domain)
   (ros-msgs-set-field ?request "problem_file" ?problem)
-  (if (pddl-send ?node "add_pddl_instance" ?request instance ?name (fact-index ?instance)) then (pddl-becomes ?instance WAITING "")))
+  (if (pddl-send ?node "add_pddl_instance" ?request instance ?name ?instance) then (pddl-becomes ?instance WAITING "")))
 
 (defrule pddl-instance-loaded
   ?note <- (pddl-asked ?service ?id instance ?name ?instance)

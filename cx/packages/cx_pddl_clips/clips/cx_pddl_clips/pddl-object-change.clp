@@ -13,7 +13,7 @@
   (bind ?request (pddl-request (if ?delete then RemoveObjects else AddObjects) nil nil))
   (ros-msgs-set-field ?request "objects" (create$ ?object))
   (ros-msgs-destroy-message ?object)
-  (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance (fact-index ?change) ?name ?delete))
+  (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance ?change ?name ?delete))
   (if ?id then
     (pddl-put ?change request-id ?id)
     (pddl-sent ?i OBJECTS ?change WAITING)))

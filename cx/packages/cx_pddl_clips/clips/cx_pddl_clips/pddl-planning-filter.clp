@@ -3,7 +3,7 @@
 (deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
   (bind ?request (pddl-request ?type ?instance ?goal))
   (ros-msgs-set-field ?request ?field (pddl-strings ?names))
-  (if (pddl-send ?node ?service ?request filter ?instance (fact-index ?filter)) then (modify ?i (busy-with ?busy))))
+  (if (pddl-send ?node ?service ?request filter ?instance ?filter) then (modify ?i (busy-with ?busy))))
 
 (defrule pddl-send-action-filter
   (declare (salience ?*PRIORITY-PDDL-SET-ACTION-FILTER*))

@@ -18,7 +18,7 @@
   (ros-msgs-set-field ?request "fluents" ?fluents)
   (ros-msgs-set-field ?request "functions" ?functions)
   (foreach ?part (create$ ?fluents ?functions) (ros-msgs-destroy-message ?part))
-  (if (pddl-send ?node "set_goals" ?request set-goals ?instance (fact-index ?ask))
+  (if (pddl-send ?node "set_goals" ?request set-goals ?instance ?ask)
    then (pddl-sent ?i SET-GOALS ?ask WAITING)))
 
 (defrule pddl-goals-were-set
