@@ -96,6 +96,7 @@ void BusConnection::close(Leftovers& left) {
 
 SimTime BusConnection::next_warning() const {
   SimTime next = kNever;
+  if (waiting_ == 0) return next;
   const auto look = [&](const auto& all) {
     for (const auto& [name, client] : all)
       if (client.waiting.since != kNever && !client.waiting.warned)
@@ -112,6 +113,7 @@ void BusConnection::warn_of_missing_servers() {
       if (client.waiting.warned || client.waiting.since > bus_.now() - kPatience) continue;
       log(LogLevel::kWarn, what + name + " not available, start waiting");
       client.waiting.warned = true;
+      --waiting_;
     }
   };
   look(clients_, "service ");
@@ -119,11 +121,14 @@ void BusConnection::warn_of_missing_servers() {
 }
 
 void BusConnection::wait(Waiting& waiting) {
-  if (waiting.since == kNever) waiting.since = bus_.now();
+  if (waiting.since != kNever) return;
+  waiting.since = bus_.now();
+  ++waiting_;
 }
 
 void BusConnection::reached(Waiting& waiting, const std::string& server) {
   if (waiting.warned) log(LogLevel::kInfo, server + " is finally reachable");
+  if (waiting.since != kNever && !waiting.warned) --waiting_;
   waiting = {};
 }
 

@@ -204,6 +204,7 @@ class BusConnection {
   ByName<Topic> publishers_, subscriptions_;
   ByName<Service> clients_, services_;
   ByName<ActionClient> action_clients_;
+  int waiting_ = 0;  ///< clients whose server is missing, and not yet reported as such
   std::map<Handle, Goal> goals_;
 
   /// The last meaning of the name of a message type, by its atom: looked up once for each call site.
