@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """The PDDL manager beside the Unified Planning Framework: check a step's condition at the start, take its effects, apply
 them, on blocks that go round in towers. Both carry out the same steps and must end in the same state. Then what a question
 costs that a rule asks: check_action_condition from CLIPS over the bus to the manager and back into a rule.
