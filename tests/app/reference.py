@@ -1,6 +1,7 @@
 """cxlab doc, and the pages that are made from the code. python3 -m unittest reference"""
 
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -57,6 +58,12 @@ class Doc(unittest.TestCase):
     def test_reference_page_is_up_to_date(self):
         page = (SOURCE / "docs/reference.md").read_text()
         self.assertEqual(doc("--markdown").stdout, page, "docs/reference.md is old: cxlab doc --markdown > docs/reference.md")
+
+    def test_scripts_that_pages_run_are_executable(self):
+        pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", SOURCE / "benchmarks/README.md", *(SOURCE / "docs").glob("*.md")]
+        scripts = {script for page in pages for script in re.findall(r"(?:^|`)((?:tests|benchmarks)/[\w/]+\.py) ", page.read_text(), re.M)}
+        self.assertGreater(len(scripts), 8)
+        self.assertEqual([script for script in sorted(scripts) if not os.access(SOURCE / script, os.X_OK)], [])
 
     def test_one_function(self):
         done = doc("ros-param-get-value")
