@@ -46,7 +46,7 @@ class Budget {
 
   /// A better plan was found.
   void improved() {
-    if (patience_) limit_ = std::min(units_, units() + *patience_);
+    if (patience_) limit_ = *patience_ < units_ - units() ? units() + *patience_ : units_;
   }
 
   std::int64_t units() const {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "answers.h"
 
 namespace cxlab::planner {
@@ -64,6 +66,7 @@ TEST(FindPlan, EndsWhenNoBetterPlanComesForAsLongAsItsPatience) {
   EXPECT_GE(hasty.units, first);
   EXPECT_LE(hasty.units, first + 3000);
   EXPECT_LT(first, best_at) << "it ends at the first plan, not before";
+  EXPECT_EQ(improve(std::numeric_limits<std::int64_t>::max()).first.units, without.units);
 }
 
 TEST(FindPlan, PlansShiftedWithinThePartialOrderAreValid) {
