@@ -235,6 +235,16 @@ TEST(Records, OfAnOrderSayAllAboutIt) {
   EXPECT_EQ(std::ranges::count(story.records().all(), wanted, &KeptRecords::Record::data), 1);
 }
 
+/// The records of a stream, in JSON.
+std::vector<std::string> told(const GameStory& story, std::string_view stream) {
+  std::vector<std::string> texts;
+  for (const KeptRecords::Record& record : story.records().all()) {
+    if (story.records().names()[static_cast<std::size_t>(record.stream)] != stream) continue;
+    EXPECT_TRUE(append_json(record.data, texts.emplace_back()).ok());
+  }
+  return texts;
+}
+
 TEST(Records, OfTheRefereeSayWhatItDecided) {
   WorldConfig config = GameStory::quiet_game();
   config.orders[0].delivery_end = 5;
@@ -251,16 +261,12 @@ TEST(Records, OfTheRefereeSayWhatItDecided) {
   EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RETRIEVE_CAP}").code, 0);
   EXPECT_EQ(story.carry_out("{machine: C-CS1, operation: RESET}").code, 0);
   story.run_for(0.1);
-  std::vector<std::string> told;  // but of pieces and states
-  for (const KeptRecords::Record& record : story.records().all()) {
-    if (story.records().names()[static_cast<std::size_t>(record.stream)] != "referee") continue;
-    std::string json;
-    EXPECT_TRUE(append_json(record.data, json).ok());
-    if (json.find("\"event\":\"piece\"") == json.npos && json.find("\"event\":\"machine\"") == json.npos)
-      told.push_back(json);
-  }
+  std::vector<std::string> decided = told(story, "referee");
+  std::erase_if(decided, [](const std::string& json) {
+    return json.starts_with(R"({"event":"piece",)") || json.starts_with(R"({"event":"machine",)");
+  });
   EXPECT_THAT(
-      told,
+      decided,
       ElementsAre(R"({"event":"phase","phase":"PRODUCTION"})",
                   R"({"event":"order","order":1,"complexity":"C0","product":"BASE_RED CAP_GREY","begin":0.0,"end":5.0,)"
                   R"("gate":1,"quantity":1,"competitive":false})",
@@ -289,18 +295,16 @@ TEST(Records, OfTheStorageSayWhatWasMovedWhere) {
   EXPECT_EQ(story.carry_out("{machine: C-SS, operation: STORE, shelf: 0, slot: 0}").code, 0);
   story.run_for(6);
   EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE, shelf: 0, slot: 1}").code, 0);
-  std::vector<std::string> told;
-  for (const KeptRecords::Record& record : story.records().all()) {
-    std::string json;
-    EXPECT_TRUE(append_json(record.data, json).ok());
-    if (json.find("stored") != json.npos || json.find("relocated") != json.npos) told.push_back(json);
-  }
-  ASSERT_EQ(told.size(), 3u);
-  EXPECT_EQ(told[0],
+  std::vector<std::string> moved = told(story, "referee");
+  std::erase_if(moved, [](const std::string& json) {
+    return json.find("stored") == json.npos && json.find("relocated") == json.npos;
+  });
+  ASSERT_EQ(moved.size(), 3u);
+  EXPECT_EQ(moved[0],
             R"({"event":"stored","machine":"C-SS","piece":1,"product":"BASE_CLEAR CAP_GREY","shelf":0,"slot":0})");
-  EXPECT_THAT(told[1], testing::StartsWith(R"({"event":"relocated","machine":"C-SS","product":"BASE_CLEAR CAP_GREY",)"
-                                           R"("from_shelf":0,"from_slot":0,"shelf":)"));
-  EXPECT_THAT(told[2], testing::HasSubstr(R"("unstored","machine":"C-SS")"));
+  EXPECT_THAT(moved[1], testing::StartsWith(R"({"event":"relocated","machine":"C-SS","product":"BASE_CLEAR CAP_GREY",)"
+                                            R"("from_shelf":0,"from_slot":0,"shelf":)"));
+  EXPECT_THAT(moved[2], testing::HasSubstr(R"("unstored","machine":"C-SS")"));
 }
 
 TEST(Records, OfAStoredPieceHaveOneTrack) {
@@ -309,13 +313,9 @@ TEST(Records, OfAStoredPieceHaveOneTrack) {
   EXPECT_EQ(story.carry_out("{machine: C-SS, operation: STORE, shelf: 0, slot: 0}").code, 0);
   story.run_for(6);
   EXPECT_EQ(story.carry_out("{machine: C-SS, operation: RETRIEVE, shelf: 0, slot: 0}").code, 0);
-  std::vector<std::string> steps;
-  for (const KeptRecords::Record& record : story.records().all()) {
-    std::string json;
-    EXPECT_TRUE(append_json(record.data, json).ok());
-    if (json.starts_with(R"({"event":"piece","piece":1,)"))
-      steps.push_back(json.substr(0, json.find(R"(,"position")")));
-  }
+  std::vector<std::string> steps = told(story, "referee");
+  std::erase_if(steps, [](const std::string& json) { return !json.starts_with(R"({"event":"piece","piece":1,)"); });
+  for (std::string& step : steps) step.resize(step.find(R"(,"position")"));
   ASSERT_GE(steps.size(), 3u);
   EXPECT_EQ(steps[steps.size() - 2],
             R"({"event":"piece","piece":1,"from":"belt","from_name":"C-SS","to":"storage","to_name":"C-SS")");
