@@ -20,23 +20,17 @@
   "The machine where a robot fetches the piece of a step."
   (machine-named (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params)))
 
-(deffunction way-between (?one ?other)
-  "s from one machine to another."
-  (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
-    (return (/ (distance ?a:x ?a:y ?b:x ?b:y) ?*SPEED*)))
-  0.0)
-
 (deffunction idle-arrival (?machine ?now)
   "When the first idle robot can be there."
   (bind ?first 1000000.0)
   (do-for-fact ((?m machine)) (eq ?m:name ?machine)
     (do-for-all-facts ((?r robot)) (eq ?r:state IDLE)
-      (bind ?first (min ?first (+ ?now (/ (distance ?r:x ?r:y ?m:x ?m:y) ?*SPEED*))))))
+      (bind ?first (min ?first (+ ?now (drive-time ?r:x ?r:y ?m:x ?m:y))))))
   ?first)
 
 (deffunction job-end (?job ?since)
   "When a job that began then is predicted to end."
-  (+ ?since ?*HANDLING* (way-between (machine-of (fact-slot-value ?job from)) (machine-of (fact-slot-value ?job to)))))
+  (+ ?since (transport-time (machine-of (fact-slot-value ?job from)) (machine-of (fact-slot-value ?job to)))))
 
 (defrule finish-sooner
   "A busy robot is on time, and will be there sooner: the step is held back until then."
@@ -49,7 +43,7 @@
   ?j <- (job (id ?job) (to ?to))
   (not (held-up (job ?job)))
   (test (< ?now (job-end ?j ?since)))
-  (test (< (+ (job-end ?j ?since) (way-between (machine-of ?to) (fetched-from ?action ?params)))
+  (test (< (+ (job-end ?j ?since) (way-time (machine-of ?to) (fetched-from ?action ?params)))
            (idle-arrival (fetched-from ?action ?params) ?now)))
   =>
   (retract ?check)

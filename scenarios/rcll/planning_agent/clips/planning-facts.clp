@@ -21,6 +21,18 @@
   (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
   ?default)
 
+(deffunction choose-robots-by (?word)
+  "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
+  (switch ?word
+    (case "nearest" then (bind ?*REST* 0.0))
+    (case "rested" then (bind ?*WAY* 0.0))
+    (case "finish" then (bind ?*REST* 0.0) (assert (waits-for-busy-robots)))
+    (default none)))
+
+(deffunction choose-base-side-by (?word)
+  (bind ?*BASE-SIDE* ?word)
+  (if (eq ?word "planned") then (assert (plans-sides))))
+
 (defrule read-settings
   "The parameters of the node say how to play."
   ?read <- (read-settings)
@@ -30,13 +42,8 @@
   (bind ?*LOOKAHEAD* (ros-param-get-value "strategy.lookahead" ?*LOOKAHEAD*))
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
-  (switch (one-of "strategy.robot" "both" "nearest" "rested" "both" "finish")
-    (case "nearest" then (bind ?*REST* 0.0))
-    (case "rested" then (bind ?*WAY* 0.0))
-    (case "finish" then (bind ?*REST* 0.0) (assert (waits-for-busy-robots)))
-    (default none))
-  (bind ?*BASE-SIDE* (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
-  (if (eq ?*BASE-SIDE* "planned") then (assert (plans-sides)))
+  (choose-robots-by (one-of "strategy.robot" "both" "nearest" "rested" "both" "finish"))
+  (choose-base-side-by (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
   (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
   (bind ?*PATIENCE* (ros-param-get-value "strategy.patience" 10.0))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))

@@ -5,6 +5,20 @@
   ?*SPEED* = 0.4          ; m/s, turns and detours included
   ?*WINDOW-LEAD* = 45.0)  ; so long before its window a product is fetched for its delivery, s
 
+(deffunction drive-time (?x ?y ?to-x ?to-y)
+  "s from one place to another."
+  (/ (distance ?x ?y ?to-x ?to-y) ?*SPEED*))
+
+(deffunction way-time (?one ?other)
+  "s from one machine to another."
+  (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
+    (return (drive-time ?a:x ?a:y ?b:x ?b:y)))
+  0.0)
+
+(deffunction transport-time (?from ?to)
+  "s for a piece from one machine to another."
+  (+ ?*HANDLING* (way-time ?from ?to)))
+
 (defrule problem-load
   "Both instances, and the coarse actions alone, for their names; by the folder of this package."
   (pddl-manager)
@@ -32,28 +46,6 @@
 (deffunction number (?instance ?name ?value $?params)
   (assert (pddl-numeric-fluent-change (instance ?instance) (name ?name) (params ?params) (value (float ?value)))))
 
-(defrule problem-machine
-  "A machine is found: it is empty, and so far from the others."
-  (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (x ?x) (y ?y))
-  (pddl-instance (name ?instance&production|planning) (state LOADED))
-  (not (in-problem ?instance ?machine))
-  =>
-  (assert (in-problem ?instance ?machine))
-  (bind ?name (pddl-name ?machine))
-  (bind ?type (switch ?kind (case BS then base-station) (case CS then cap-station) (case RS then ring-station) (default delivery-station)))
-  (assert (pddl-object-change (instance ?instance) (name ?name) (type ?type)))
-  (fluent ?instance input-free ?name)
-  (fluent ?instance output-free ?name)
-  (if (eq ?kind CS) then (number ?instance shelf-time ?*HANDLING* ?name))
-  (if (eq ?kind RS) then (number ?instance payments 0 ?name) (number ?instance slide-room 3 ?name))
-  (do-for-all-facts ((?m machine) (?known in-problem))
-      (and (eq ?known:implied (create$ ?instance ?m:name)) (neq ?m:name ?machine))
-    (bind ?other (pddl-name ?m:name))
-    (bind ?time (+ ?*HANDLING* (/ (distance ?x ?y ?m:x ?m:y) ?*SPEED*)))
-    (number ?instance transport-time ?time ?name ?other)
-    (number ?instance transport-time ?time ?other ?name))
-  (number ?instance transport-time ?*HANDLING* ?name ?name))
-
 (defrule problem-robot
   (robot (name ?robot))
   (pddl-instance (name planning) (state LOADED))
@@ -61,6 +53,33 @@
   =>
   (assert (in-problem planning ?robot))
   (assert (pddl-object-change (instance planning) (name (sym-cat ?robot)) (type robot))))
+
+(deffunction type-of (?kind)
+  (switch ?kind (case BS then base-station) (case CS then cap-station) (case RS then ring-station) (default delivery-station)))
+
+(deffunction say-transport-times (?instance ?machine)
+  "To and from the machines that are in the problem, this one among them."
+  (do-for-all-facts ((?known in-problem)) (eq (nth$ 1 ?known:implied) ?instance)
+    (bind ?other (nth$ 2 ?known:implied))
+    (if (any-factp ((?m machine)) (eq ?m:name ?other))
+     then
+      (number ?instance transport-time (transport-time ?machine ?other) (pddl-name ?machine) (pddl-name ?other))
+      (number ?instance transport-time (transport-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
+
+(defrule problem-machine
+  "A machine is found: it is empty, and so far from the others."
+  (machine (name ?machine) (kind ?kind&BS|CS|RS|DS))
+  (pddl-instance (name ?instance&production|planning) (state LOADED))
+  (not (in-problem ?instance ?machine))
+  =>
+  (assert (in-problem ?instance ?machine))
+  (bind ?name (pddl-name ?machine))
+  (assert (pddl-object-change (instance ?instance) (name ?name) (type (type-of ?kind))))
+  (fluent ?instance input-free ?name)
+  (fluent ?instance output-free ?name)
+  (if (eq ?kind CS) then (number ?instance shelf-time ?*HANDLING* ?name))
+  (if (eq ?kind RS) then (number ?instance payments 0 ?name) (number ?instance slide-room 3 ?name))
+  (say-transport-times ?instance ?machine))
 
 (deffunction problem-works (?instance ?product ?works ?machines)
   "The steps of a product."
@@ -113,6 +132,10 @@
   (fluent planning deadline ?product ?moment)
   (number planning loss ?points ?product ?moment))
 
+(deffunction forget-deadlines (?product)
+  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance planning) (eq ?f:name deadline) (eq (nth$ 1 ?f:params) ?product))
+    (no-fluent planning deadline ?f:params)))
+
 (defrule problem-deadlines
   "The later a delivery, the fewer points; after the end of the game there are none. A pause moves the moments."
   (planning-since ?)
@@ -125,8 +148,7 @@
   (bind ?product (product-of ?id))
   (bind ?window (- ?end ?begin))
   (bind ?all (points-of ?complexity ?rings ?competitive 0 ?window))
-  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance planning) (eq ?f:name deadline) (eq (nth$ 1 ?f:params) ?product))
-    (no-fluent planning deadline ?f:params))
+  (forget-deadlines ?product)
   (bind ?loss 0.0)
   (loop-for-count (?quarter 0 3)
     (bind ?moment (+ ?end (* ?quarter (/ ?window 4))))

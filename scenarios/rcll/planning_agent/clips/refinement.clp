@@ -12,9 +12,9 @@
            (+ (fact-slot-value ?bs y) (* ?direction ?*BELT-END* (sin ?turn)))))
 
 (deffunction way-from-side (?bs ?direction ?place)
-  "m to where a robot or machine is."
+  "s to where a robot or machine is."
   (bind ?side (side-of-base-station ?bs ?direction))
-  (distance (nth$ 1 ?side) (nth$ 2 ?side) (fact-slot-value ?place x) (fact-slot-value ?place y)))
+  (drive-time (nth$ 1 ?side) (nth$ 2 ?side) (fact-slot-value ?place x) (fact-slot-value ?place y)))
 
 (deffunction way-over-side (?bs ?direction ?robot ?to)
   (+ (way-from-side ?bs ?direction ?robot) (way-from-side ?bs ?direction ?to)))
@@ -61,8 +61,8 @@
   "s over a side of the base station, where another robot may stand in the way."
   (bind ?spot (str-cat (fact-slot-value ?bs name) "-" (upcase ?side)))
   (bind ?waits (if (any-factp ((?r robot)) (and (eq ?r:place ?spot) (neq ?r:name (fact-slot-value ?robot name)))) then ?*IN-THE-WAY* else 0.0))
-  (number refinement way-to (+ 1.0 ?waits (/ (way-from-side ?bs ?direction ?robot) ?*SPEED*)) ?side)
-  (number refinement way-on (+ 1.0 (/ (way-from-side ?bs ?direction ?to) ?*SPEED*)) ?side))
+  (number refinement way-to (+ 1.0 ?waits (way-from-side ?bs ?direction ?robot)) ?side)
+  (number refinement way-on (+ 1.0 (way-from-side ?bs ?direction ?to)) ?side))
 
 (defrule refine-begin
   "The base station is kept for the job until there is a plan."
