@@ -58,13 +58,17 @@
   (modify ?step (state CHECKING) (seen ?version) (was ?state))
   (assert (pddl-action-condition (instance production) (action ?id))))
 
+(deffunction hold-back (?step ?check ?why)
+  "The step is looked at again when the world has changed; a robot that drove there in advance waits there."
+  (retract ?check)
+  (decide (str-cat "hold back " (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))) ?why)
+  (modify ?step (state (if (eq (fact-slot-value ?step was) APPROACHING) then APPROACHING else BLOCKED))))
+
 (defrule agenda-blocked
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
-  ?step <- (step (id ?id) (state CHECKING) (was ?was) (action ?action) (params $?params))
+  ?step <- (step (id ?id) (state CHECKING))
   =>
-  (retract ?check)
-  (decide (str-cat "hold back " ?action " " (implode$ ?params)) (implode$ ?missing))
-  (modify ?step (state (if (eq ?was APPROACHING) then APPROACHING else BLOCKED))))
+  (hold-back ?step ?check (implode$ ?missing)))
 
 (defrule agenda-no-carrier
   "The PDDL domain knows nothing of empty shelves."
@@ -73,9 +77,7 @@
   ?step <- (step (id ?id) (state CHECKING) (action fetch-carrier) (params ?cs))
   (test (eq (full-shelf-spot (machine-named ?cs)) ""))
   =>
-  (retract ?check)
-  (decide (str-cat "hold back fetch-carrier " ?cs) "the shelf is empty")
-  (modify ?step (state BLOCKED)))
+  (hold-back ?step ?check "the shelf is empty"))
 
 (deffunction payments-before (?slide ?begin)
   "How many payments are to come to the slide before that time of the plan."
@@ -87,13 +89,11 @@
   "What room the slide has is for the payments before this one: without them a product would wait for ever."
   (declare (salience 10))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
-  ?step <- (step (id ?id) (state CHECKING) (action ?action&pay-with-new-base|pay-with-bare-base) (params ?from ?slide) (begin ?begin))
+  ?step <- (step (id ?id) (state CHECKING) (action pay-with-new-base|pay-with-bare-base) (params ? ?slide) (begin ?begin))
   (pddl-numeric-fluent (instance production) (name slide-room) (params ?slide) (value ?room))
   (test (<= ?room (payments-before ?slide ?begin)))
   =>
-  (retract ?check)
-  (decide (str-cat "hold back " ?action " " ?from " " ?slide) "the room is for payments before it")
-  (modify ?step (state BLOCKED)))
+  (hold-back ?step ?check "the room is for payments before it"))
 
 (defrule agenda-begin
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))

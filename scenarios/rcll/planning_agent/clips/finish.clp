@@ -46,10 +46,8 @@
   (test (< (+ (job-end ?j ?since) (way-time (machine-of ?to) (fetched-from ?action ?params)))
            (idle-arrival (fetched-from ?action ?params) ?now)))
   =>
-  (retract ?check)
-  (decide (str-cat "hold back " ?action " " (implode$ ?params)) (str-cat ?robot " will be there sooner than a robot that is idle now"))
   (assert (expected ?robot (job-end ?j ?since)))
-  (modify ?step (state BLOCKED)))
+  (hold-back ?step ?check (str-cat ?robot " will be there sooner than a robot that is idle now")))
 
 (defrule finish-late
   "The robot takes longer than was predicted: steps are looked at again."
