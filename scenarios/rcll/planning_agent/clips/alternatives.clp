@@ -1,9 +1,5 @@
 ; Which orders are worked for: plans are made for several sets of them at once, and the most valuable plan is taken.
 
-(deffunction game-time ()
-  (do-for-fact ((?g game) (?t time)) TRUE (return (- (nth$ 1 ?t:implied) ?g:begin)))
-  0.0)
-
 (deffunction best-of (?orders)
   "The order of these that earns most for each job, if it is begun now; 0: none is worth it."
   (bind ?best 0)
@@ -41,7 +37,7 @@
 (deffunction worker-of (?action)
   (switch ?action
     (case retrieve-cap then MACHINE) (case mount-ring then MACHINE) (case mount-cap then MACHINE) (case deliver then MACHINE)
-    (case wait-for-window then AGENT)
+    (case wait-for-window then AGENT) (case wait-until-it-works then AGENT)
     (default ROBOT)))
 
 (deffunction objects-of (?name ?params)

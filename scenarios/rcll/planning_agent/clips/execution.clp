@@ -160,6 +160,14 @@
   (apply-effects ?id END)
   (modify ?step (state DONE)))
 
+(defrule work-in-order
+  "The machine works again, or did already."
+  ?step <- (step (id ?id) (action wait-until-it-works) (params ?name) (state RUNNING))
+  (pddl-fluent (instance production) (name working) (params ?name))
+  =>
+  (apply-effects ?id END)
+  (modify ?step (state DONE)))
+
 (defrule work-forgotten
   "A step that is done is of no use when no other one waits for it."
   (planning (state IDLE))

@@ -38,8 +38,7 @@
   (apply-action empty-input (create$ ?name))
   (apply-action empty-output (create$ ?name))
   (if (eq ?kind CS) then (apply-action empty-cap-station (create$ ?name)))
-  (if (eq ?kind RS) then (apply-action empty-slide (create$ ?name)))
-  (assert (replan (reason (str-cat ?machine " has broken down")))))
+  (if (eq ?kind RS) then (apply-action empty-slide (create$ ?name))))
 
 (defrule failure-repaired
   (machine (name ?machine) (state ~BROKEN))

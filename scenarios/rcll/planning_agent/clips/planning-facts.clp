@@ -110,6 +110,10 @@
   (planning)
   (world-version 0))
 
+(deffunction game-time ()
+  (do-for-fact ((?g game) (?t time)) TRUE (return (- (nth$ 1 ?t:implied) ?g:begin)))
+  0.0)
+
 (deffunction list-text (?text ?more)
   "Texts one after the other."
   (if (eq ?text "") then ?more else (str-cat ?text "; " ?more)))

@@ -53,7 +53,7 @@
     (bind ?why (list-text ?why ?r:reason))
     (retract ?r))
   (decide "plan" ?why)
-  (do-for-all-facts ((?s step)) (and (eq ?s:action wait-for-window) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
+  (do-for-all-facts ((?s step)) (and (eq ?s:worker AGENT) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
   (modify ?planning (state COPY)))
 
 (defrule plan-goals

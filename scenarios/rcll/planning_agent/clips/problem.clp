@@ -75,6 +75,8 @@
   (assert (in-problem ?instance ?machine))
   (bind ?name (pddl-name ?machine))
   (assert (pddl-object-change (instance ?instance) (name ?name) (type (type-of ?kind))))
+  (fluent ?instance working ?name)
+  (number ?instance down-for 0 ?name)
   (fluent ?instance input-free ?name)
   (fluent ?instance output-free ?name)
   (if (eq ?kind CS) then (number ?instance shelf-time ?*HANDLING* ?name))
@@ -111,6 +113,34 @@
   (fluent ?instance at-step ?product s0)
   (number ?instance window-in 0 ?product)
   (problem-works ?instance ?product (works-for ?rings ?cap) (machines-for (works-for ?rings ?cap))))
+
+; --- Machines that are out of order
+
+(defglobal
+  ?*DOWN-TIME* = 45.0     ; s, the mean of the league
+  ?*REPAIR-TIME* = 30.0)  ; s, of a broken machine
+
+(deffunction change-working (?machine ?change)
+  (bind ?name (pddl-name ?machine))
+  (if ?change then (fluent production working ?name) else (no-fluent production working ?name))
+  (do-for-fact ((?v world-version)) TRUE (assert (world-version (+ (nth$ 1 ?v:implied) 1))) (retract ?v)))
+
+(defrule problem-out-of-order
+  "Nobody knows when a machine that is down will work again: about the mean of the league later."
+  (in-problem production ?machine)
+  (machine (name ?machine) (state ?state&DOWN|BROKEN))
+  (not (out-of-order ?machine ?))
+  =>
+  (assert (out-of-order ?machine (+ (game-time) (if (eq ?state DOWN) then ?*DOWN-TIME* else ?*REPAIR-TIME*)))
+          (replan (reason (str-cat ?machine (if (eq ?state DOWN) then " is down" else " has broken down")))))
+  (change-working ?machine FALSE))
+
+(defrule problem-in-order-again
+  ?out <- (out-of-order ?machine ?)
+  (machine (name ?machine) (state ~DOWN&~BROKEN))
+  =>
+  (retract ?out)
+  (change-working ?machine TRUE))
 
 ; --- When points are lost
 

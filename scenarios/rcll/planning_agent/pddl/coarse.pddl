@@ -20,6 +20,7 @@
     (at-input ?p - product ?m - machine)
     (at-output ?p - product ?m - machine)
     ; a side of a machine is free when nothing lies there and nobody brings a piece
+    (working ?m - machine)             ; is not down or broken
     (input-free ?m - machine)
     (output-free ?m - machine)
     (carrier-at-input ?cs - cap-station)
@@ -33,6 +34,7 @@
     (transport-time ?from ?to - machine)
     (shelf-time ?cs - cap-station)
     (window-in ?p - product)           ; s until the product may be fetched for its delivery
+    (down-for ?m - machine)            ; s until it works again
     (ring-time) (cap-time) (retrieve-time) (delivery-time))
 
   ; --- robots
@@ -48,7 +50,7 @@
   (:durative-action retrieve-cap
     :parameters (?cs - cap-station)
     :duration (= ?duration (retrieve-time))
-    :condition (and (at start (carrier-at-input ?cs)) (at start (output-free ?cs)))
+    :condition (and (at start (carrier-at-input ?cs)) (at start (output-free ?cs)) (at start (working ?cs)))
     :effect (and (at start (not (carrier-at-input ?cs))) (at start (not (output-free ?cs)))
                  (at end (cap-loaded ?cs)) (at end (bare-base-at-output ?cs)) (at end (input-free ?cs))))
 
@@ -57,7 +59,7 @@
     :duration (= ?duration (ring-time))
     :condition (and (at start (at-input ?p ?rs)) (at start (output-free ?rs)) (at start (at-step ?p ?s))
                     (at start (work-at ?p ?s ?rs)) (at start (next-step ?p ?s ?next))
-                    (at start (>= (payments ?rs) (price ?p ?s))))
+                    (at start (>= (payments ?rs) (price ?p ?s))) (at start (working ?rs)))
     :effect (and (at start (not (at-input ?p ?rs))) (at start (not (output-free ?rs))) (at start (not (at-step ?p ?s)))
                  (at start (decrease (payments ?rs) (price ?p ?s))) (at start (increase (slide-room ?rs) (price ?p ?s)))
                  (at end (at-step ?p ?next)) (at end (at-output ?p ?rs)) (at end (input-free ?rs))))
@@ -66,7 +68,8 @@
     :parameters (?p - product ?cs - cap-station ?s ?next - step)
     :duration (= ?duration (cap-time))
     :condition (and (at start (at-input ?p ?cs)) (at start (output-free ?cs)) (at start (at-step ?p ?s))
-                    (at start (work-at ?p ?s ?cs)) (at start (next-step ?p ?s ?next)) (at start (cap-loaded ?cs)))
+                    (at start (work-at ?p ?s ?cs)) (at start (next-step ?p ?s ?next)) (at start (cap-loaded ?cs))
+                    (at start (working ?cs)))
     :effect (and (at start (not (at-input ?p ?cs))) (at start (not (output-free ?cs))) (at start (not (at-step ?p ?s)))
                  (at start (not (cap-loaded ?cs)))
                  (at end (at-step ?p ?next)) (at end (at-output ?p ?cs)) (at end (input-free ?cs))))
@@ -74,7 +77,7 @@
   (:durative-action deliver
     :parameters (?p - product ?ds - delivery-station ?s - step{% block moment %}{% endblock %})
     :duration (= ?duration (delivery-time))
-    :condition (and (at start (at-input ?p ?ds)) (at start (at-step ?p ?s)) (at start (work-at ?p ?s ?ds)){% block in_time %}{% endblock %})
+    :condition (and (at start (at-input ?p ?ds)) (at start (at-step ?p ?s)) (at start (work-at ?p ?s ?ds)) (at start (working ?ds)){% block in_time %}{% endblock %})
     :effect (and (at start (not (at-input ?p ?ds))) (at start (not (at-step ?p ?s)))
                  (at end (delivered ?p)) (at end (input-free ?ds)){% block loss %}{% endblock %}))
 
@@ -85,5 +88,11 @@
     :duration (= ?duration (window-in ?p))
     :condition (at start (not (window-near ?p)))
     :effect (at end (window-near ?p)))
+
+  (:durative-action wait-until-it-works
+    :parameters (?m - machine)
+    :duration (= ?duration (down-for ?m))
+    :condition (and)
+    :effect (at end (working ?m)))
 
 {% block more %}{% endblock %})
