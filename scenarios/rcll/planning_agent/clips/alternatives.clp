@@ -20,10 +20,19 @@
 (deffunction propose (?number $?orders)
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
+(deffunction last-not-begun (?ours)
+  "Of these orders that whose base nobody has fetched, and which earns least; 0: all are begun."
+  (bind ?last 0)
+  (foreach ?id ?ours
+    (if (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ (product-of ?id)))))
+     then (if (or (= ?last 0) (= (best-of (create$ ?last ?id)) ?last)) then (bind ?last ?id))))
+  ?last)
+
 (deffunction propose-alternatives ()
-  "What we work for, and that with each of the best open orders."
+  "What we work for, and that with each of the best open orders; where there is no room for one, in place of an order that is not begun."
   (bind ?ours (orders-in STARTED))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
+  (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (last-not-begun ?ours))))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (return))
   (bind ?open (orders-in OPEN))
   (loop-for-count (?i 1 ?*ALTERNATIVES*)

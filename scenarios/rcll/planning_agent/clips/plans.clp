@@ -7,14 +7,15 @@
   (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (orders-in OPEN)) 0)))
 
 (defrule plan-for-new-order
-  "Where there is no room for it, it is looked at when a product is delivered."
+  "Where there is no room for it, and all is begun that we work for, it is looked at when a product is delivered."
   (game (phase PRODUCTION))
   (in-problem planning ?id)
   (order (id ?id) (state ~DONE))
   (not (considered ?id))
   =>
   (assert (considered ?id))
-  (if (< (length$ (orders-in STARTED)) ?*PRODUCTS*) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
+  (bind ?ours (orders-in STARTED))
+  (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (last-not-begun ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
 
 (defrule plan-again-when-done
   "Every step of the plan is done, and there is more to do."
@@ -241,10 +242,17 @@
   (order-steps)
   (rank-steps))
 
+(deffunction put-off (?orders)
+  "What we work for no more."
+  (do-for-all-facts ((?o order)) (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)))
+    (decide (str-cat "put off order " ?o:id) "another one is worth more")
+    (modify ?o (state OPEN))))
+
 (deffunction carry-out (?best)
   (bind ?orders (fact-slot-value ?best orders))
   (decide (str-cat "work for the orders " (implode$ ?orders)) (format nil "%.3f points for each second of a robot" (gain ?best)))
   (bind ?ours (length$ (orders-in STARTED)))
+  (put-off ?orders)
   (foreach ?id ?orders (do-for-fact ((?o order)) (= ?o:id ?id) (modify ?o (state STARTED))))
   (take-plan (fact-slot-value ?best name))
   (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
