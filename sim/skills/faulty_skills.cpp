@@ -64,7 +64,7 @@ const Fault* FaultySkills::striking(FaultKind kind, const SkillGoal& goal, SimTi
 /// All that was to happen to the last skill.
 void FaultySkills::forget() {
   begins_at_ = fails_at_ = late_until_ = searches_until_ = kNever;
-  broken_off_ = cancelled_ = misplaced_ = astray_ = false;
+  begun_ = broken_off_ = cancelled_ = misplaced_ = astray_ = false;
   misplacing_ = nullptr;
   late_.reset();
 }
@@ -96,6 +96,7 @@ void FaultySkills::start(const SkillGoal& goal, SimTime now) {
 }
 
 void FaultySkills::begin(SimTime now) {
+  begun_ = true;
   leg_ = goal_;
   if (!goes_astray(now)) skills_->start(goal_, now);
 }

@@ -31,7 +31,7 @@ class FaultySkills final : public RobotSkills {
   SkillPhase phase() const override {
     return stalled() ? SkillPhase::kWait : searching() ? SkillPhase::kLook : skills_->phase();
   }
-  SkillKind part() const override { return stalled() ? goal_.kind : astray_ ? leg_.kind : skills_->part(); }
+  SkillKind part() const override { return !begun_ ? goal_.kind : astray_ ? leg_.kind : skills_->part(); }
   double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
   SimTime next_due() const override;
 
@@ -68,6 +68,7 @@ class FaultySkills final : public RobotSkills {
   SkillGoal leg_;               // the skill, or the second part of a transport
   SimTime begins_at_ = kNever;  // of a skill that is stalled
   SimTime fails_at_ = kNever;
+  bool begun_ = false;   // not as long as it is stalled, and never if its goal was lost
   bool astray_ = false;  // drives to a wrong pose, or searches there
   SimTime searches_until_ = kNever;
   const Fault* failing_ = nullptr;

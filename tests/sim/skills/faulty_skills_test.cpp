@@ -132,6 +132,32 @@ class FaultLog final : public RecordSink {
   const std::vector<Fault>& faults_;
 };
 
+/// A transport that was never begun has not come to the part in which the last one ended.
+TEST(FaultySkills, AGoalThatIsLostOrCancelledBeforeItBeginsIsAtItsBeginning) {
+  for (const FaultKind kind : {FaultKind::kGoalLost, FaultKind::kSkillStalls}) {
+    Log calls;
+    Hand hand;
+    std::vector<Fault> faults(1);
+    faults[0].kind = kind;
+    faults[0].at = from_seconds(3);
+    faults[0].duration = from_seconds(5);
+    FaultLog sink(calls, faults);
+    Traffic traffic(hand.plan());
+    FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(1)), RobotId{0}, hand, traffic, faults, 1,
+                        sink);
+    const SkillGoal transport{SkillKind::kTransport, "A to B", SpotId{0}, {}, SpotId{1}};
+    skills.start(transport, {});
+    (void)skills.sense(from_seconds(0.5));
+    ASSERT_TRUE(skills.sense(from_seconds(1)));
+    EXPECT_EQ(skills.part(), SkillKind::kPlace);
+    skills.start(transport, from_seconds(3));
+    EXPECT_EQ(skills.part(), SkillKind::kTransport);
+    if (kind == FaultKind::kSkillStalls) skills.cancel(from_seconds(4));
+    ASSERT_TRUE(skills.sense(from_seconds(30)));
+    EXPECT_EQ(skills.part(), SkillKind::kTransport) << to_string(kind);
+  }
+}
+
 TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
   Log calls;
   Hand hand;
