@@ -18,6 +18,14 @@
   (do-for-fact ((?o order)) (= ?o:id ?order-id) (return ?o:base))
   "BASE_RED")
 
+(deffunction dispense-base (?job)
+  "Has the base of a job dispensed, at the side where it is fetched."
+  (bind ?from (fact-slot-value ?job from))
+  (bind ?bs (fact-slot-value ?job station))
+  (assert (instruction (id (fact-slot-value ?job id)) (machine ?bs) (operation "DISPENSE_BASE")
+                       (side (if (eq ?from (output-of ?bs)) then "OUTPUT" else "INPUT"))
+                       (color (base-of (fact-slot-value ?job order))))))
+
 (deffunction create-job (?purpose ?urgency ?order ?from ?to)
   "A job without a robot; returns its number."
   (bind ?id (new-id))

@@ -2,14 +2,14 @@
 
 (defrule base-reserve
   "A robot that needs a base gets the base station, and the base comes out while it drives."
-  (job (id ?id) (robot ~"") (step GO-FETCH) (order ?order) (from ?from))
+  ?job <- (job (id ?id) (robot ~"") (step GO-FETCH))
   ?held <- (held-up (job ?id) (step GO-FETCH))
   (machine (name ?bs) (kind BS))
   (not (reserved (machine ?bs)))
   =>
   (retract ?held)
   (assert (reserved (machine ?bs) (job ?id)))
-  (assert (instruction (id ?id) (machine ?bs) (operation "DISPENSE_BASE") (side (if (eq ?from (output-of ?bs)) then "OUTPUT" else "INPUT")) (color (base-of ?order)))))
+  (dispense-base ?job))
 
 (defrule base-ready
   "The base lies at the output."

@@ -84,14 +84,14 @@
 (defrule recover-missing-base
   "No base at the base station: have another one dispensed, onto an empty belt."
   ?trouble <- (trouble (job ?id) (kind MISSING))
-  ?job <- (job (id ?id) (station ?bs) (order ?order))
+  ?job <- (job (id ?id) (station ?bs))
   (machine (name ?bs) (kind BS) (state ?state&~DOWN))
   =>
   (retract ?trouble)
-  (modify ?job (tries 0) (handed-over 0))
+  (bind ?job (modify ?job (tries 0) (handed-over 0)))
   (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?bs))
   (assert (held-up (job ?id) (step FETCH)))
-  (assert (instruction (id ?id) (machine ?bs) (operation "DISPENSE_BASE") (side "OUTPUT") (color (base-of ?order)))))
+  (dispense-base ?job))
 
 (defrule recover-gone-with-machine
   "The station breaks down before the robot has fetched from it."
