@@ -339,9 +339,10 @@ void Console::note(std::string_view text) {
 }
 
 void Console::line(const cx::LogLine& line) {
-  if (quiet_ || line.level == cx::LogLevel::kDebug) return;
+  const bool is_error = line.level == cx::LogLevel::kError;
+  if (quiet_ ? !(is_error && line.of_rules) : line.level == cx::LogLevel::kDebug) return;
   clear();
-  if (line.level == cx::LogLevel::kError) errors_.emplace(line.text);
+  if (is_error) errors_.emplace(line.text);
   const std::string text = printable(line.text), logger = printable(line.logger);
   cx::LogLine shown = line;
   shown.text = text;

@@ -80,6 +80,8 @@ Result Episode::result() const {
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())
       out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)),
                                  entry.error.message, entry.error.line, entry.error.t / scenario_.tick});
+  for (const auto& agent : agents_)
+    for (const Error& warning : agent->warnings()) out.warnings.push_back(warning.text());
   out.journal_hash = journal_.journal_hash();
   for (const Journal::StreamSummary& stream : journal_.streams())
     out.stream_hashes.emplace_back(stream.name, stream.hash);

@@ -72,6 +72,7 @@ Json result_json(const Result& r) {
                                   {"side", e.side},
                                   {"tick", e.tick},
                                   {"message", e.message}});
+  out["warnings"] = r.warnings;
   out["journal_hash"] = r.journal_hash;
   out["physics_hash"] = r.physics_hash.empty() ? Json(nullptr) : Json(r.physics_hash);
   out["stream_hashes"] = Json::object();
@@ -129,6 +130,7 @@ Json sample_result(const Scenario& scenario) {
   Result sample;
   sample.reason = run_error("message", "file", 1).with_code("code");
   sample.rule_errors.emplace_back();
+  sample.warnings.emplace_back();
   if (scenario.world.kind->add_sample) scenario.world.kind->add_sample(sample);
   for (const ServerSpec& server : scenario.servers)
     if (server.kind->add_sample) server.kind->add_sample(sample);

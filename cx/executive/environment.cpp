@@ -14,7 +14,7 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
       router_(options_.redirect_stdout_to_debug,
               [this](LogLevel level, std::string_view colour, std::string_view logical_name, std::string_view text) {
                 // In the file every line has the level `info`, as in the files of CX.
-                write_line({now(), level, name_in_log(), text, colour}, LogLevel::kInfo);
+                write_line({now(), level, name_in_log(), text, colour, logical_name != "stderr"}, LogLevel::kInfo);
                 if (options_.topic_logging) options_.publish_line(name(), logical_name, text);
               }) {}
 

@@ -225,6 +225,8 @@ Status EnvironmentManager::do_deactivate() {
   if (options_.strict) note_rule_errors();
   for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
   plugin_services_.clear();
+  warnings_ = parameters_.in_vain();
+  for (const Error& warning : warnings_) log(LogLevel::kWarn, options_.node, warning.text());
   log_life("Deactivated", "...");
   keep_first(first, flush_logs());
   return first;

@@ -32,7 +32,7 @@ struct ManagerOptions : RunSettings {
   std::string node = "clips_manager";
   std::string name_space = "/";
   std::vector<std::pair<std::string, std::string>> remaps;  ///< FROM := TO, see `bus::NodeName`
-  std::vector<GivenParameter> params;                       ///< those of other nodes are left alone
+  std::vector<GivenParameter> params;                       ///< of this node
   std::map<std::string, Package> packages;
   std::vector<PluginType> plugin_types;  ///< e.g. `builtin_plugins()`
   FileRead on_read;                      ///< called with each file that plugins and rules read; may be none
@@ -103,6 +103,8 @@ class EnvironmentManager final : public Agent {
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
   const std::vector<Error>& load_errors() const { return load_errors_; }
+  /// After deactivation: parameters that were given and nobody asked for.
+  const std::vector<Error>& warnings() const { return warnings_; }
   /// False once a plugin has opened a gate for threads, or a person has done something in an environment.
   bool deterministic() const;
   /// Writes the log files out.
@@ -193,6 +195,7 @@ class EnvironmentManager final : public Agent {
   std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;
   std::vector<Error> load_errors_;
+  std::vector<Error> warnings_;
   std::unique_ptr<Bond> bond_;  // may be none
   Status failure_;              // of something that was asked for, that must end the run
   bool shutdown_ = false;

@@ -8,6 +8,17 @@
 
 namespace cxlab::cx {
 
+namespace {
+
+/// ", did you mean 'clips_manager.strategy.dispatch'?" for "strategy.dispatch" and "clips_manger.strategy.dispatch".
+std::string did_you_mean_node(const std::string& name, const std::string& node) {
+  const std::size_t dot = name.find('.');
+  const bool misspelt = dot != std::string::npos && !nearest_word(name.substr(0, dot), {node}).empty();
+  return ", did you mean '" + node + (misspelt ? name.substr(dot) : '.' + name) + "'?";
+}
+
+}  // namespace
+
 Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(ManagerOptions options, bus::Bus& bus,
                                                                          RecordSink& journal) {
   if (options.on_read)
@@ -21,11 +32,15 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   auto parameters = Parameters::load(options.config, options.node, options.name_space);
   if (!parameters) return parameters.error();
   const std::string full_name = name.full_name();
-  for (const GivenParameter& given : options.params)
-    for (const std::string& prefix : {options.node + '.', full_name + '.'})
-      if (given.name.starts_with(prefix))
-        if (Status s = parameters->set(given.name.substr(prefix.size()), given.value, given.origin); !s)
-          return s.error();
+  for (const GivenParameter& given : options.params) {
+    const std::vector<std::string> nodes{options.node + '.', full_name + '.'};
+    const auto node = std::ranges::find_if(nodes, [&](const auto& prefix) { return given.name.starts_with(prefix); });
+    if (node == nodes.end())
+      return input_error("found the parameter '" + given.name + "', expected NODE.NAME with the node " + options.node +
+                             did_you_mean_node(given.name, options.node),
+                         given.origin);
+    if (Status s = parameters->set(given.name.substr(node->size()), given.value, given.origin); !s) return s.error();
+  }
   auto manager = std::unique_ptr<EnvironmentManager>(
       new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();

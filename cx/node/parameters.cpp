@@ -174,7 +174,9 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
 
 const Parameter* Parameters::find(std::string_view name) const {
   const auto found = values_.find(name);
-  return found == values_.end() ? nullptr : &found->second;
+  if (found == values_.end()) return nullptr;
+  found->second.asked_for = true;
+  return &found->second;
 }
 
 Status Parameters::set(const std::string& name, const std::string& yaml, const Origin& origin) {
@@ -187,9 +189,22 @@ Status Parameters::set(const std::string& name, const std::string& yaml, const O
   for (auto& [key, value] : values) {
     value.line = origin.line;  // not that in the value
     for (Parameter& item : value.items) item.line = origin.line;
+    value.given = true;
     values_[key] = std::move(value);
   }
   return {};
+}
+
+std::vector<Error> Parameters::in_vain() const {
+  std::vector<Error> out;
+  for (const auto& [name, value] : values_) {
+    if (!value.given || value.asked_for) continue;
+    std::vector<std::string> others = names();
+    std::erase(others, name);
+    out.push_back(input_error("parameter '" + name + "' was set and nobody asked for it" + did_you_mean(name, others),
+                              value.file, value.line));
+  }
+  return out;
 }
 
 std::vector<std::string> Parameters::names() const {

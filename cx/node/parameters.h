@@ -24,6 +24,8 @@ struct Parameter {
   std::string file;
   int line = 0;
   bool at_run_time = false;  ///< set by a service or by rules
+  bool given = false;        ///< beside the file
+  mutable bool asked_for = false;
 };
 /// "a bool", "an integer", ...
 std::string_view to_string(Parameter::Type type);
@@ -41,11 +43,13 @@ class Parameters {
   static Expected<Parameters> load(const std::filesystem::path& file, const std::string& node,
                                    const std::string& name_space);
 
-  /// The parameter, or nullptr.
+  /// The parameter, which is asked for from now on, or nullptr.
   const Parameter* find(std::string_view name) const;
   /// Sets a parameter; `yaml` is its value as YAML.
   Status set(const std::string& name, const std::string& yaml, const Origin& origin);
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
+  /// Those that were set beside the file and never asked for: where each is, and the nearest of the other names.
+  std::vector<Error> in_vain() const;
   /// All names, sorted.
   std::vector<std::string> names() const;
   /// Names of the parameters (or groups) directly below `group` ("" = all), sorted.

@@ -159,6 +159,10 @@ class Output(Lab):
         self.assertEqual(lines, {"1: rule broken, RHS: [PRNTUTIL7] Attempt to divide by zero in '/' function.",
                                  "2: rule other, RHS: [PRNTUTIL7] Attempt to divide by zero in 'mod' function."})
 
+    def test_quiet_leaves_what_rules_print_as_an_error(self):
+        self.agent('(defrule once (not (said)) => (assert (said)) (printout warn "hm" crlf) (printout error "no" crlf))')
+        self.assertEqual(self.run_it().stderr, "[    0.000] [error] [main] no\n")
+
     def test_rules_get_the_same_answers_without_a_folder(self):
         self.agent("""(defrule files => (printout t (open "a.txt" f "w") (close f) (open "a.txt" f "r") (readline f) (remove "b.txt")
   (rename "a.txt" "c.txt") (save-facts "d.txt") crlf))""")

@@ -12,7 +12,7 @@ from lab import CONFIG, CXLAB, GAME, SCENARIO, SOURCE, Lab
 KINDS = ["delivery", "ring", "cap", "buffer", "payment", "late", "competitive", "exploration", "penalty"]
 FIELDS = ["schema", "scenario", "seed", "tier", "status", "reason", "deterministic", "sim_time_s", "wall_time_s", "physics_wall_s",
           "real_time_factor", "ticks", "steps", "peak_rss_mb", "teams", "orders", "deliveries", "robots", "plans", "replans",
-          "rule_errors", "journal_hash", "physics_hash", "stream_hashes"]
+          "rule_errors", "warnings", "journal_hash", "physics_hash", "stream_hashes"]
 
 
 class LastTick(Lab):

@@ -203,7 +203,7 @@ ROWS["scenarios"] = [
     wrong("package of a name that is no UTF-8", RUN, 0, files={"scenario.yaml": SCENARIO.encode().replace(b"{rules: rules}", b"{rules: rules, \xe4\xff: rules}")}),
     *[scenario(f"agent {text}", f"schema: 1\nduration_s: 1\nagents: [{text}]\n")
       for text in ("{config: missing.yaml}", "{config: rules}", "{config: garbage}", "{config: agent.yaml, namespace: a b}", "{config: agent.yaml, remap: {a: b c}}", "{config: agent.yaml, remap: x}", "{config: agent.yaml, packages: {rules: missing}}",
-                   "{config: agent.yaml, params: x}", "{config: agent.yaml, params: {x: 1}}", "{config: agent.yaml, packages: {rules: rules}, params: {clips_manager.executive.refresh_rate: x}}", "{config: agent.yaml, activate: 5}", "{config: agent.yaml, confg: x}")],
+                   "{config: agent.yaml, params: x}", "{config: agent.yaml, params: {x: 1}}", "{config: agent.yaml, params: {clips_manger.executive.refresh_rate: 10}}", "{config: agent.yaml, packages: {rules: rules}, params: {clips_manager.executive.refresh_rate: x}}", "{config: agent.yaml, activate: 5}", "{config: agent.yaml, confg: x}")],
     *[scenario(kind, text)
       for kind, text in (("tab", "schema: 1\n\tseed: 1\n"), ("two documents", SCENARIO + "---\nschema: 1\n"), ("documents without end", ",z{]{{{ b:"), ("key twice", SCENARIO + "duration_s: 3\n"), ("cycle of aliases", "schema: 1\nworld: &a {kind: *a}\n"),
                          ("many aliases", "schema: 1\na0: &a0 [1,1,1,1,1,1,1,1,1]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 12))), ("deep", "schema: 1\nworld: " + "[" * 5000),

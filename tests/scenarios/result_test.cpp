@@ -27,6 +27,7 @@ TEST(Result, HasItsKeysInTheirOrder) {
   result.status = RunStatus::kCompleted;
   result.sim_time = from_seconds(1.5);
   result.rule_errors.push_back({"r", "f.clp", "RHS", "what", 3, 7});
+  result.warnings.emplace_back("careful");
   result.stream_hashes = {{"a", "1"}, {"b", "2"}};
   EXPECT_EQ(result.to_json(), R"({
   "schema": 1,
@@ -58,6 +59,9 @@ TEST(Result, HasItsKeysInTheirOrder) {
       "tick": 7,
       "message": "what"
     }
+  ],
+  "warnings": [
+    "careful"
   ],
   "journal_hash": "",
   "physics_hash": null,
@@ -117,7 +121,7 @@ TEST(Result, PathsAreCheckedAgainstWhatTheWorldAdds) {
   };
   for (const char* path : {"status", "reason.code", "teams.CYAN.points", "teams.MAGENTA.by_kind.delivery",
                            "orders[0].delivered_at", "orders[9].points", "deliveries[0].late_s", "robots[2].busy_s",
-                           "plans", "rule_errors[0].rule", "stream_hashes.env/main"})
+                           "plans", "rule_errors[0].rule", "warnings[0]", "stream_hashes.env/main"})
     EXPECT_EQ(check(path, rcll::kWorld), "") << path;
   EXPECT_EQ(check("turtles[1].walls", turtlesim::kWorld), "");
   EXPECT_EQ(check("turtles[0].walls", rcll::kWorld).find("result.json has no 'turtles'; known are: schema, "), 0u);

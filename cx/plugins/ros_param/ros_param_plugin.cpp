@@ -93,6 +93,7 @@ class RosParamPlugin final : public Plugin {
   void get(Environment& environment, Call& call) {
     const std::string parameter(call.text(0));
     const ValueRef& fallback = call.arg(1);
+    context().parameters.find(parameter);  // it is asked for in a replay, too
     // Others may set parameters during the run: what rules found is part of the input log, as (TRUE value...) or (FALSE
     // why).
     const Value found = environment.look("ros-param-get-value " + parameter, [&] {

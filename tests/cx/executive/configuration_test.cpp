@@ -82,6 +82,34 @@ TEST(Configuration, DottedNamesAndOverridesAreTheSameParameters) {
   EXPECT_EQ(lab.manager->next_due(), SimTime{20'000'000});
 }
 
+TEST(Configuration, AGivenParameterOfNoNodeIsAnError) {
+  for (const auto& [given, meant] : {std::pair{"exec.refresh_rate", "clips_manager.exec.refresh_rate"},
+                                     {"clips_manger.exec.refresh_rate", "clips_manager.exec.refresh_rate"},
+                                     {"clips_manager", "clips_manager.clips_manager"}}) {
+    Lab lab;
+    lab.config("environments: [\"main\"]");
+    lab.options.params = {{given, "50", {"game.yaml", 7}}};
+    const Status made = lab.create();
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().text(), std::string("game.yaml:7: found the parameter '") + given +
+                                       "', expected NODE.NAME with the node clips_manager, did you mean '" + meant +
+                                       "'?");
+  }
+}
+
+TEST(Configuration, AGivenParameterForWhichNobodyAsksIsTold) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain.plugins: [\"params\"]\nparams.plugin: \"cx::RosParamPlugin\"");
+  lab.options.params = {{"clips_manager.gain", "2", {"game.yaml", 7}}, {"clips_manager.gian", "3", {"game.yaml", 8}}};
+  lab.run_up();
+  ASSERT_TRUE(lab.engine().eval("(ros-param-get-value gain 1)"));
+  ASSERT_TRUE(lab.manager->deactivate());
+  ASSERT_EQ(lab.manager->warnings().size(), 1u);
+  EXPECT_EQ(lab.manager->warnings()[0].text(),
+            "game.yaml:8: parameter 'gian' was set and nobody asked for it, did you mean 'gain'?");
+  EXPECT_THAT(lab.log.with("'gian' was set"), ::testing::SizeIs(1));
+}
+
 TEST(Configuration, EnvironmentsComeInTheirOrder) {
   Lab lab;
   lab.config("environments: [\"b\", \"c\", \"a\"]");

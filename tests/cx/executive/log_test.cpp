@@ -68,7 +68,7 @@ TEST(Log, AnUnknownLogicalNameIsAnErrorOfClips) {
 TEST(Log, RulesAndWatchesPrintToTheEnvironmentsFile) {
   Lab lab;
   lab.agent("(defrule say (time ?t) => (printout debug \"quiet\" crlf) (printout warn \"loud\" crlf))");
-  lab.options.params = {{"clips_manager.main.watch", "[Rules]"}, {"other.main.watch", "[nonsense]"}};
+  lab.options.params = {{"clips_manager.main.watch", "[Rules]"}};
   lab.options.run_folder = lab.folder / "run";
   lab.run_up();
   lab.ticks(6);

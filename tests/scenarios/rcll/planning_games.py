@@ -51,9 +51,22 @@ class PlanningGames(unittest.TestCase):
     def test_a_strategy_that_nobody_knows_is_told(self):
         for parameter, known in {"dispatch": '"groups" "lookahead" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
                                  "robot": '"nearest" "rested" "both"'}.items():
-            done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--out", self.folder / parameter,
-                         "--set", f"agents[0].params={{clips_manager.strategy.{parameter}: other}}")
-            self.assertIn(f"strategy.{parameter}: found 'other', expected one of: {known}", done.stdout + done.stderr)
+            said = self.said_with(f"clips_manager.strategy.{parameter}: other")
+            self.assertIn(f"strategy.{parameter}: found 'other', expected one of: {known}", said)
+
+    def test_numbers_out_of_range_are_told(self):
+        for parameter, found, expected in (("lookahead", "-1", "a whole number of at least 0; taken: 1"),
+                                           ("products", "0", "a whole number of at least 1; taken: 3"),
+                                           ("alternatives", "-1", "a whole number of at least 1; taken: 3"),
+                                           ("patience", "-0.5", "a number of at least 0; taken: 10.0")):
+            said = self.said_with(f"clips_manager.strategy.{parameter}: {found}")
+            self.assertIn(f"strategy.{parameter}: found {found}, expected {expected}", said)
+
+    def said_with(self, parameters):
+        done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--quiet", "--out", "none",
+                     "--set", f"agents[0].params={{{parameters}}}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stderr
 
 
 if __name__ == "__main__":

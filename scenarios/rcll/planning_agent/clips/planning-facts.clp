@@ -21,6 +21,14 @@
   (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
   ?default)
 
+(deffunction at-least (?least ?parameter ?default)
+  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (>= ?value ?least) then (return ?value))
+  (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
+                  ?least "; taken: " ?default crlf)
+  ?default)
+
 (deffunction choose-robots-by (?word)
   "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
   (switch ?word
@@ -39,16 +47,16 @@
   =>
   (retract ?read)
   (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "groups" "lookahead" "partial-order" "stn"))
-  (bind ?*LOOKAHEAD* (ros-param-get-value "strategy.lookahead" ?*LOOKAHEAD*))
+  (bind ?*LOOKAHEAD* (at-least 0 "strategy.lookahead" ?*LOOKAHEAD*))
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
   (choose-robots-by (one-of "strategy.robot" "both" "nearest" "rested" "both" "finish"))
   (choose-base-side-by (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
   (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
-  (bind ?*PATIENCE* (ros-param-get-value "strategy.patience" 10.0))
+  (bind ?*PATIENCE* (at-least 0 "strategy.patience" 10.0))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
-  (bind ?*PRODUCTS* (ros-param-get-value "strategy.products" ?*PRODUCTS*))
-  (bind ?*ALTERNATIVES* (ros-param-get-value "strategy.alternatives" ?*ALTERNATIVES*))
+  (bind ?*PRODUCTS* (at-least 1 "strategy.products" ?*PRODUCTS*))
+  (bind ?*ALTERNATIVES* (at-least 1 "strategy.alternatives" ?*ALTERNATIVES*))
   (assert (pddl-manager (node (ros-param-get-value "planner.node" "/pddl_manager")))))
 
 (deftemplate step
