@@ -91,13 +91,13 @@
   "The skill failed: try it again a little later, or have the trouble seen to."
   ?command <- (command (id ?id) (state FAILED) (skill ?skill) (part ?part) (target ?target) (error-code ?code) (error ?error))
   ?job <- (job (id ?id) (step ?step&:(not (and (eq ?step FETCH) (member$ ?part (create$ "drive_to" "place"))))) (moving YES)
-               (tries ?tries))
+               (tries ?tries) (from ?from))
   (time ?now)
   =>
   (printout warn "job " ?id ": " ?skill " " ?target " failed: " ?code " " ?error crlf)
   (retract ?command)
   (modify ?job (moving NO) (tries (+ ?tries 1)) (not-before (+ ?now 1.0)))
-  (bind ?kind (trouble-of ?step ?code ?tries ?target))
+  (bind ?kind (trouble-of ?step ?code ?tries (if (eq ?step FETCH) then ?from else ?target)))
   (if (neq ?kind NONE) then (assert (trouble (job ?id) (kind ?kind)))))
 
 (defrule job-robot-free
