@@ -17,6 +17,13 @@
     (bind ?ids (create$ ?ids ?o:id)))
   ?ids)
 
+(deffunction open-orders ()
+  "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
+  (bind ?ids (create$))
+  (foreach ?id (orders-in OPEN)
+    (if (not (any-factp ((?s skipped)) (= ?s:order ?id))) then (bind ?ids (create$ ?ids ?id))))
+  ?ids)
+
 (deffunction propose (?number $?orders)
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
@@ -34,7 +41,7 @@
   (if (neq ?ours (create$)) then (propose 0 ?ours))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (last-not-begun ?ours))))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (return))
-  (bind ?open (orders-in OPEN))
+  (bind ?open (open-orders))
   (loop-for-count (?i 1 ?*ALTERNATIVES*)
     (bind ?id (best-of ?open))
     (if (= ?id 0) then (return))

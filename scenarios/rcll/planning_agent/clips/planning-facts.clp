@@ -103,6 +103,10 @@
   (slot points (type FLOAT) (default 0.0))  ; that the plan earns
   (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
 
+(deftemplate skipped
+  "An order for which there is no plan as the world is: it is not proposed until a machine works again or a product is delivered."
+  (slot order (type INTEGER)))
+
 (deftemplate decision
   "What was decided, and why: the journal has them as records of their own."
   (slot what (type STRING))

@@ -2,9 +2,12 @@
 
 ; --- When there is a new plan to be made
 
+(deffunction skip-no-more ()
+  (do-for-all-facts ((?s skipped)) TRUE (retract ?s)))
+
 (deffunction room-for-more ()
   "Whether another order could be worked for, and one is worth it."
-  (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (orders-in OPEN)) 0)))
+  (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (open-orders)) 0)))
 
 (defrule plan-for-new-order
   "Where there is no room for it, and all is begun that we work for, it is looked at when a product is delivered."
@@ -35,6 +38,7 @@
   ?delivered <- (product-done ?)
   =>
   (retract ?delivered)
+  (skip-no-more)
   (assert (replan (reason "a product is delivered"))))
 
 ; --- 1. The world as it will be (copy.clp), and what to plan for in it
@@ -257,8 +261,21 @@
   (take-plan (fact-slot-value ?best name))
   (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
 
-(deffunction go-on ()
+(deffunction skip-without-plan ()
+  "Orders for which there is no plan beside what we work for, if there is one for that. TRUE: there are some."
+  (bind ?some FALSE)
+  (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (= ?ours:work 0.0))))
+   then
+    (do-for-all-facts ((?a alternative)) (= ?a:work 0.0)
+      (bind ?id (nth$ (length$ ?a:orders) ?a:orders))
+      (decide (str-cat "skip order " ?id) "there is no plan for it as the world is")
+      (assert (skipped (order ?id)))
+      (bind ?some TRUE)))
+  ?some)
+
+(deffunction go-on (?others)
   (decide "go on as before" "no plan is worth anything")
+  (if ?others then (assert (replan (reason "orders are skipped"))))
   (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
 
 (deffunction note-planned (?now)
@@ -274,8 +291,9 @@
   =>
   (note-planned ?now)
   (assert (had-plan))
+  (bind ?others (skip-without-plan))
   (bind ?best (best-alternative))
-  (if ?best then (carry-out ?best) else (go-on))
+  (if ?best then (carry-out ?best) else (go-on ?others))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
   (modify ?planning (state IDLE)))
 

@@ -140,6 +140,7 @@
   (machine (name ?machine) (state ~DOWN&~BROKEN))
   =>
   (retract ?out)
+  (do-for-all-facts ((?s skipped)) TRUE (retract ?s))
   (change-working ?machine TRUE))
 
 ; --- When points are lost
