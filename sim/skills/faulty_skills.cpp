@@ -71,6 +71,8 @@ void FaultySkills::forget() {
 
 void FaultySkills::abandon(SimTime now) {
   forget();
+  halted_until_ = slow_until_ = {};
+  set_speed(now);
   skills_->abandon(now);
 }
 
@@ -257,6 +259,10 @@ void FaultySkills::limit_speed(SimTime now) {
     SimTime& until = halts ? halted_until_ : slow_until_;
     until = std::max(until, now + fault.duration);
   }
+  set_speed(now);
+}
+
+void FaultySkills::set_speed(SimTime now) {
   const double speed = now < halted_until_ ? 0 : now < slow_until_ ? slow_ : 1;
   if (std::exchange(speed_, speed) != speed) traffic_.set_speed(robot_, speed, now);
 }

@@ -52,6 +52,7 @@ class FaultySkills final : public RobotSkills {
   /// The result, unless it is late.
   std::optional<SkillResult> deliver(std::optional<SkillResult> result, SimTime now);
   void limit_speed(SimTime now);
+  void set_speed(SimTime now);
   void misplace(SimTime now);
   void record(const Fault& fault, SimTime now);
   void drop_due(SimTime now);

@@ -162,11 +162,12 @@ TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
   Log calls;
   Hand hand;
   std::vector<Fault> faults;
-  for (const FaultKind kind :
-       {FaultKind::kSkillFails, FaultKind::kSkillStalls, FaultKind::kGoalLost, FaultKind::kResultLate}) {
+  for (const FaultKind kind : {FaultKind::kSkillFails, FaultKind::kSkillStalls, FaultKind::kGoalLost,
+                               FaultKind::kResultLate, FaultKind::kRobotHalts, FaultKind::kRobotSlow}) {
     faults.assign(1, {});
     faults[0].kind = kind;
     faults[0].at = SimTime{};
+    faults[0].factor = 0.5;
     faults[0].after = faults[0].duration = from_seconds(3);
     FaultLog sink(calls, faults);
     Traffic traffic(hand.plan());
@@ -174,6 +175,7 @@ TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
                         sink);
     const SkillGoal drive{SkillKind::kDriveTo, "A", std::nullopt, {}};
     skills.start(drive, {});
+    EXPECT_FALSE(skills.sense(from_seconds(0.5)));
     if (kind == FaultKind::kResultLate) {
       EXPECT_FALSE(skills.sense(from_seconds(1)));
     }

@@ -5,11 +5,17 @@
   (slot name (type STRING))
   (slot state (type SYMBOL) (allowed-values IDLE BUSY ROAMING OFF-FIELD))
   (slot duty (type SYMBOL) (default ACTIVE))  ; as the referee box says
+  (slot number (type INTEGER) (default 0))    ; in its team, from 1
   (slot home (type STRING))
   (slot place (type STRING) (default ""))
   (slot x (type FLOAT) (default 0.0))
   (slot y (type FLOAT) (default 0.0))
   (slot idle-since (type FLOAT) (default 0.0)))
+
+(deftemplate under-way
+  "Since when a robot has been at a goal."
+  (slot goal-id (type SYMBOL))
+  (slot since (type FLOAT)))
 
 (deftemplate machine
   "A machine as the referee box last reported it."

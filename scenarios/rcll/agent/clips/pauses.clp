@@ -4,6 +4,7 @@
   "The pause is over: all that is to come comes later by its length."
   (delayed-do-for-all-facts ((?r robot)) TRUE (modify ?r (idle-since (+ ?r:idle-since ?length))))
   (delayed-do-for-all-facts ((?j job)) TRUE (modify ?j (not-before (+ ?j:not-before ?length))))
+  (delayed-do-for-all-facts ((?u under-way)) TRUE (modify ?u (since (+ ?u:since ?length))))
   (delayed-do-for-all-facts ((?s shelf-refill)) TRUE (modify ?s (at (+ ?s:at ?length)))))
 
 (defrule pause-time-stands

@@ -115,10 +115,11 @@
 (deffunction learn-robot (?message ?letter)
   "A robot of our team: robot 1 starts in zone 51, 2 in 61, 3 in 71."
   (bind ?name (ros-msgs-get-field ?message "name"))
-  (bind ?home (str-cat ?letter "_Z" (+ 4 (ros-msgs-get-field ?message "number")) "1"))
+  (bind ?number (ros-msgs-get-field ?message "number"))
+  (bind ?home (str-cat ?letter "_Z" (+ 4 ?number) "1"))
   (if (and (eq (sub-string 1 1 (ros-msgs-get-field ?message "team_color")) ?letter)
            (not (any-factp ((?known robot)) (eq ?known:name ?name))))
-   then (assert (robot (name ?name) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home))))
+   then (assert (robot (name ?name) (number ?number) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home))))
   (bind ?duty (sym-cat (ros-msgs-get-field ?message "state")))
   (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (neq ?r:duty ?duty)) (modify ?r (duty ?duty))))
 
