@@ -66,6 +66,24 @@
   (modify ?job (step GIVEN-UP))
   (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?name)))
 
+(defrule failure-out-of-reach
+  "No robot could fetch the piece, though the machine sees it: it stays there. If that is so once more it goes with a reset."
+  (declare (salience 10))
+  (trouble (job ?id) (kind UNABLE))
+  ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
+  (machine (name ?name) (kind ~BS) (state READY-AT-OUTPUT))
+  (not (returned ?name))
+  =>
+  (assert (returned ?name))
+  (modify ?job (step GIVEN-UP)))
+
+(defrule failure-in-reach
+  "It is gone from there."
+  ?returned <- (returned ?name)
+  (machine (name ?name) (state ~READY-AT-OUTPUT))
+  =>
+  (retract ?returned))
+
 (defrule failure-lost
   "The piece fell."
   ?trouble <- (trouble (job ?id) (kind LOST))
@@ -122,12 +140,22 @@
   =>
   (modify ?step (state OPEN) (seen -1)))
 
+(defrule failure-return
+  "The piece lies where it lay."
+  (declare (salience 10))
+  ?step <- (step (state RUNNING) (work ?work))
+  (job (id ?work) (step GIVEN-UP) (robot ""))
+  (trouble (job ?work) (kind UNABLE))
+  =>
+  (fail-part ?step return)
+  (plan-again ?step))
+
 (defrule failure-try-again
   "Nothing is lost that another try does not bring: a carrier, a base."
   ?step <- (step (id ?id) (action fetch-carrier|bring-base|pay-with-new-base) (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
-  (fail-part ?step lose)
+  (fail-part ?step (if (any-factp ((?p picked)) (eq ?p:implied (create$ ?id))) then lose else return))
   (modify ?step (state OPEN) (seen -1)))
 
 (defrule failure-pay-otherwise
