@@ -6,6 +6,7 @@ would do otherwise, and that a run comes again.
 """
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -49,14 +50,48 @@ class PlanningGames(unittest.TestCase):
         self.assertEqual(hashes[0], hashes[1])
 
     def test_a_strategy_that_nobody_knows_is_told(self):
-        for parameter, known in {"dispatch": '"groups" "lookahead" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
+        for parameter, known in {"dispatch": '"greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
                                  "robot": '"nearest" "rested" "both"'}.items():
             said = self.said_with(f"clips_manager.strategy.{parameter}: other")
             self.assertIn(f"strategy.{parameter}: found 'other', expected one of: {known}", said)
 
+    def test_lookahead_takes_a_number_of_groups(self):
+        for found in ("lookahead", "lookahead:-1", "lookahead:1.5", '"lookahead:"', '"lookahead:1 2"', "lookahead:all"):
+            said = self.said_with(f"clips_manager.strategy.dispatch: {found}")
+            self.assertIn("strategy.dispatch: found '" + found.strip('"') + "', expected one of: ", said)
+        for right in ("lookahead:0", "lookahead:12", "lookahead:unlimited"):
+            self.assertEqual(self.said_with(f"clips_manager.strategy.dispatch: {right}"), "")
+
+    def test_greedy_plays_as_the_rule_agent(self):
+        of_rules = self.result_of(pathlib.Path(SCENARIO).parent / "game.yaml", {})
+        of_setting = self.result_of(SCENARIO, {"dispatch": "greedy"})
+        self.assertGreaterEqual(of_rules["teams"]["CYAN"]["points"], LEAST_POINTS)
+        for part in ("teams", "orders", "deliveries", "robots"):
+            self.assertEqual(of_setting[part], of_rules[part])
+
+    def test_greedy_loads_all_files_of_the_rule_agent(self):
+        rcll = pathlib.Path(SCENARIO).parent
+        of_rules = re.findall(r'"clips/(.*)\.clp"', (rcll / "agent/params/agent.yaml").read_text())
+        loaded = re.search(r'greedy"\)\s+then\s+\(load-files "rcll_agent"(.*?)\)', (rcll / "planning_agent/clips/strategy.clp").read_text(), re.DOTALL)
+        self.assertEqual(loaded.group(1).split(), of_rules)
+
+    def test_greedy_has_the_settings_of_robots(self):
+        greedy = self.result_of(SCENARIO, {"dispatch": "greedy"})
+        for parameter, value in {"robot": "rested", "transport": "false", "patience": "30.0"}.items():
+            other = self.result_of(SCENARIO, {"dispatch": "greedy", parameter: value})
+            self.assertEqual(other["warnings"], [])
+            self.assertNotEqual(other["robots"], greedy["robots"], parameter)
+
+    def result_of(self, scenario, settings):
+        out = self.folder / "-".join([pathlib.Path(scenario).stem, *settings])
+        parameters = ", ".join(f"clips_manager.strategy.{name}: {value}" for name, value in settings.items())
+        done = cxlab("run", scenario, "--tier", "timed", "--strict-cx", "--quiet", "--out", out,
+                     "--set", f"agents[0].params={{{parameters}}}")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return json.loads((out / "result.json").read_text())
+
     def test_numbers_out_of_range_are_told(self):
-        for parameter, found, expected in (("lookahead", "-1", "a whole number of at least 0; taken: 1"),
-                                           ("products", "0", "a whole number of at least 1; taken: 3"),
+        for parameter, found, expected in (("products", "0", "a whole number of at least 1; taken: 3"),
                                            ("alternatives", "-1", "a whole number of at least 1; taken: 3"),
                                            ("patience", "-0.5", "a number of at least 0; taken: 10.0")):
             said = self.said_with(f"clips_manager.strategy.{parameter}: {found}")

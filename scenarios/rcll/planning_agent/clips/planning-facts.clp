@@ -4,7 +4,7 @@
 
 (defglobal
   ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order, stn
-  ?*LOOKAHEAD* = 1               ; groups that lookahead may begin early
+  ?*LOOKAHEAD* = 1               ; groups that lookahead:n may begin early
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
   ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
   ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
@@ -12,30 +12,18 @@
   ?*PRODUCTS* = 3                ; that are planned for at once
   ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
 
-(deffacts settings (read-settings))
+(deffunction groups-ahead (?dispatch)
+  "The n of lookahead:n; FALSE: it is none."
+  (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
+  (bind ?n (explode$ (sub-string 11 (str-length ?dispatch) ?dispatch)))
+  (if (eq ?n (create$ unlimited)) then (return 1000000))
+  (if (and (= (length$ ?n) 1) (integerp (nth$ 1 ?n)) (>= (nth$ 1 ?n) 0)) then (nth$ 1 ?n) else FALSE))
 
-(deffunction one-of (?parameter ?default $?words)
-  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
-  (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (member$ ?value ?words) then (return ?value))
-  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
-  ?default)
-
-(deffunction at-least (?least ?parameter ?default)
-  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
-  (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (>= ?value ?least) then (return ?value))
-  (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
-                  ?least "; taken: " ?default crlf)
-  ?default)
-
-(deffunction choose-robots-by (?word)
-  "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
-  (switch ?word
-    (case "nearest" then (bind ?*REST* 0.0))
-    (case "rested" then (bind ?*WAY* 0.0))
-    (case "finish" then (bind ?*REST* 0.0) (assert (waits-for-busy-robots)))
-    (default none)))
+(deffunction choose-dispatch-by (?word)
+  (bind ?ahead (groups-ahead ?word))
+  (if ?ahead
+   then (bind ?*STRATEGY* "lookahead") (bind ?*LOOKAHEAD* ?ahead)
+   else (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))))
 
 (deffunction choose-base-side-by (?word)
   (bind ?*BASE-SIDE* ?word)
@@ -46,14 +34,11 @@
   ?read <- (read-settings)
   =>
   (retract ?read)
-  (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "groups" "lookahead" "partial-order" "stn"))
-  (bind ?*LOOKAHEAD* (at-least 0 "strategy.lookahead" ?*LOOKAHEAD*))
+  (choose-dispatch-by (ros-param-get-value "strategy.dispatch" ?*STRATEGY*))
+  (read-settings-of-robots 10.0 "nearest" "rested" "both" "finish")
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
-  (choose-robots-by (one-of "strategy.robot" "both" "nearest" "rested" "both" "finish"))
   (choose-base-side-by (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
-  (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
-  (bind ?*PATIENCE* (at-least 0 "strategy.patience" 10.0))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
   (bind ?*PRODUCTS* (at-least 1 "strategy.products" ?*PRODUCTS*))
   (bind ?*ALTERNATIVES* (at-least 1 "strategy.alternatives" ?*ALTERNATIVES*))

@@ -1,0 +1,32 @@
+; The parameters that every strategy has (docs/planning-agent.md, Parameters), read once at the beginning.
+
+(deffacts settings (read-settings))
+
+(deffunction one-of (?parameter ?default $?words)
+  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (member$ ?value ?words) then (return ?value))
+  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
+  ?default)
+
+(deffunction at-least (?least ?parameter ?default)
+  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (>= ?value ?least) then (return ?value))
+  (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
+                  ?least "; taken: " ?default crlf)
+  ?default)
+
+(deffunction choose-robots-by (?word)
+  "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
+  (switch ?word
+    (case "nearest" then (bind ?*REST* 0.0))
+    (case "rested" then (bind ?*WAY* 0.0))
+    (case "finish" then (bind ?*REST* 0.0) (assert (waits-for-busy-robots)))
+    (default none)))
+
+(deffunction read-settings-of-robots (?patience $?choices)
+  "Those of every strategy; the patience is that without the parameter."
+  (choose-robots-by (one-of "strategy.robot" "both" ?choices))
+  (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
+  (bind ?*PATIENCE* (at-least 0 "strategy.patience" ?patience)))
