@@ -27,19 +27,29 @@
 (deffunction propose (?number $?orders)
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
-(deffunction last-not-begun (?ours)
-  "Of these orders that whose base nobody has fetched, and which earns least; 0: all are begun."
+(deffunction not-begun (?product)
+  (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ ?product)))))
+
+(deffunction stuck (?product)
+  "Whether it lies at or in a machine that is out of order for long."
+  (or (any-factp ((?l long-out-of-order) (?f pddl-fluent))
+        (and (eq ?f:instance production) (eq ?f:name at-input) (eq ?f:params (create$ ?product (pddl-name (nth$ 1 ?l:implied))))))
+      (any-factp ((?l long-out-of-order) (?s step))
+        (and (eq ?s:state RUNNING) (eq ?s:worker MACHINE) (eq (subseq$ ?s:params 1 2) (create$ ?product (pddl-name (nth$ 1 ?l:implied))))))))
+
+(deffunction can-be-put-off (?ours)
+  "Of these orders that which earns least, of those whose base nobody has fetched and those that are stuck; 0: there is none."
   (bind ?last 0)
   (foreach ?id ?ours
-    (if (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ (product-of ?id)))))
+    (if (or (not-begun (product-of ?id)) (stuck (product-of ?id)))
      then (if (or (= ?last 0) (= (best-of (create$ ?last ?id)) ?last)) then (bind ?last ?id))))
   ?last)
 
 (deffunction propose-alternatives ()
-  "What we work for, and that with each of the best open orders; where there is no room for one, in place of an order that is not begun."
+  "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
   (bind ?ours (orders-in STARTED))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
-  (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (last-not-begun ?ours))))
+  (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (can-be-put-off ?ours))))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (return))
   (bind ?open (open-orders))
   (loop-for-count (?i 1 ?*ALTERNATIVES*)

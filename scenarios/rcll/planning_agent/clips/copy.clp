@@ -2,7 +2,7 @@
 
 (defrule copy-true
   (planning (state COPY))
-  (pddl-fluent (instance production) (name ?name) (params $?params))
+  (pddl-fluent (instance production) (name ?name&~output-ready) (params $?params))
   (not (pddl-fluent (instance planning) (name ?name) (params $?params)))
   =>
   (fluent planning ?name ?params))
@@ -31,9 +31,27 @@
 
 (defrule copy-out-of-order
   (planning (state COPY))
-  (out-of-order ?machine ?until)
+  (out-of-order ?machine ?since ?mean)
   =>
-  (number planning down-for (max 1.0 (- ?until (game-time))) (pddl-name ?machine)))
+  (number planning down-for (out-of-order-for ?since ?mean) (pddl-name ?machine)))
+
+(defrule copy-output-not-ready
+  "What a machine that is down has in work comes out when it works again."
+  (planning (state COPY))
+  (out-of-order ?machine ? ?)
+  (pddl-fluent (instance planning) (name output-ready) (params ?m&:(eq ?m (pddl-name ?machine))))
+  (step (state RUNNING) (worker MACHINE) (params $? ?m $?))
+  =>
+  (no-fluent planning output-ready ?m))
+
+(defrule copy-output-ready
+  (planning (state COPY))
+  (pddl-fluent (instance production) (name output-ready) (params ?m))
+  (not (pddl-fluent (instance planning) (name output-ready) (params ?m)))
+  (not (and (out-of-order ?machine&:(eq ?m (pddl-name ?machine)) ? ?)
+            (step (state RUNNING) (worker MACHINE) (params $? ?m $?))))
+  =>
+  (fluent planning output-ready ?m))
 
 (defrule copy-robot
   "Robots that are on the field share the steps."

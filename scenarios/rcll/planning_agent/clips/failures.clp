@@ -232,7 +232,7 @@
   (planning (state IDLE))
   (game (phase PRODUCTION))
   (exists (step (state OPEN|BLOCKED)))
-  (not (step (state RUNNING) (action ~wait-for-window)))
+  (not (step (state RUNNING) (worker ~AGENT)))
   (not (watched ?))
   (time ?now)
   =>
@@ -240,7 +240,7 @@
 
 (defrule watch-end
   ?watched <- (watched ?)
-  (or (exists (step (state RUNNING) (action ~wait-for-window)))
+  (or (exists (step (state RUNNING) (worker ~AGENT)))
       (not (step (state OPEN|BLOCKED))))
   =>
   (retract ?watched))
@@ -268,7 +268,7 @@
 
 (defrule still-begin
   "Something is under way: from now on its effects are waited for."
-  (exists (step (state RUNNING) (action ~wait-for-window)))
+  (exists (step (state RUNNING) (worker ~AGENT)))
   (game (phase PRODUCTION))
   (world-version ?version)
   (not (still ?version ?))
@@ -281,12 +281,12 @@
   "A robot or machine is not done with something, and so nobody is with anything."
   ?still <- (still ?version ?since)
   (world-version ?version)
-  (exists (step (state RUNNING) (action ~wait-for-window)))
+  (exists (step (state RUNNING) (worker ~AGENT)))
   (time ?now&:(> ?now (+ ?since ?*STILL*)))
   =>
   (retract ?still)
   (bind ?waiting "")
-  (do-for-all-facts ((?s step)) (and (eq ?s:state RUNNING) (neq ?s:action wait-for-window))
+  (do-for-all-facts ((?s step)) (and (eq ?s:state RUNNING) (neq ?s:worker AGENT))
     (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params) " waits for " (awaited ?s:work)))))
   (printout warn "nothing has ended for " ?*STILL* " s: " ?waiting crlf)
   (decide "wait" ?waiting))

@@ -10,7 +10,7 @@
   (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (open-orders)) 0)))
 
 (defrule plan-for-new-order
-  "Where there is no room for it, and all is begun that we work for, it is looked at when a product is delivered."
+  "Where there is no room for it, and nothing can be put off, it is looked at when a product is delivered."
   (game (phase PRODUCTION))
   (in-problem planning ?id)
   (order (id ?id) (state ~DONE))
@@ -18,7 +18,7 @@
   =>
   (assert (considered ?id))
   (bind ?ours (orders-in STARTED))
-  (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (last-not-begun ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
+  (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
 
 (defrule plan-again-when-done
   "Every step of the plan is done, and there is more to do."

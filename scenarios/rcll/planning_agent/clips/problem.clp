@@ -76,6 +76,7 @@
   (bind ?name (pddl-name ?machine))
   (assert (pddl-object-change (instance ?instance) (name ?name) (type (type-of ?kind))))
   (fluent ?instance working ?name)
+  (fluent ?instance output-ready ?name)
   (number ?instance down-for 0 ?name)
   (fluent ?instance input-free ?name)
   (fluent ?instance output-free ?name)
@@ -118,6 +119,7 @@
 
 (defglobal
   ?*DOWN-TIME* = 45.0     ; s, the mean of the league
+  ?*LONGEST-DOWN* = 60.0  ; s
   ?*REPAIR-TIME* = 30.0)  ; s, of a broken machine
 
 (deffunction change-working (?machine ?change)
@@ -125,18 +127,39 @@
   (if ?change then (fluent production working ?name) else (no-fluent production working ?name))
   (do-for-fact ((?v world-version)) TRUE (assert (world-version (+ (nth$ 1 ?v:implied) 1))) (retract ?v)))
 
+(deffunction out-of-order-for (?since ?mean)
+  "s that are still expected: until the league's mean is over; a machine that is down for longer than can be is not counted on any more."
+  (bind ?already (- (game-time) ?since))
+  (max 5.0 (- (if (> ?already ?*LONGEST-DOWN*) then (- ?*GAME* ?since) else ?mean) ?already)))
+
 (defrule problem-out-of-order
-  "Nobody knows when a machine that is down will work again: about the mean of the league later."
+  "Nobody knows when a machine that is down will work again."
   (in-problem production ?machine)
   (machine (name ?machine) (state ?state&DOWN|BROKEN))
-  (not (out-of-order ?machine ?))
+  (not (out-of-order ?machine ? ?))
   =>
-  (assert (out-of-order ?machine (+ (game-time) (if (eq ?state DOWN) then ?*DOWN-TIME* else ?*REPAIR-TIME*)))
+  (assert (out-of-order ?machine (game-time) (if (eq ?state DOWN) then ?*DOWN-TIME* else ?*REPAIR-TIME*))
           (replan (reason (str-cat ?machine (if (eq ?state DOWN) then " is down" else " has broken down")))))
   (change-working ?machine FALSE))
 
+(defrule problem-still-out-of-order
+  "Longer than that can be: what needs the machine has to wait, and other orders come first."
+  (out-of-order ?machine ?since ?)
+  (not (long-out-of-order ?machine))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*LONGEST-DOWN*)))
+  =>
+  (assert (long-out-of-order ?machine) (replan (reason (str-cat ?machine " is still out of order")))))
+
+(defrule problem-long-no-more
+  ?long <- (long-out-of-order ?machine)
+  (not (out-of-order ?machine ? ?))
+  =>
+  (retract ?long)
+  (assert (replan (reason (str-cat ?machine " works again")))))
+
 (defrule problem-in-order-again
-  ?out <- (out-of-order ?machine ?)
+  ?out <- (out-of-order ?machine ? ?)
   (machine (name ?machine) (state ~DOWN&~BROKEN))
   =>
   (retract ?out)

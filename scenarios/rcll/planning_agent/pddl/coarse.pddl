@@ -21,6 +21,7 @@
     (at-output ?p - product ?m - machine)
     ; a side of a machine is free when nothing lies there and nobody brings a piece
     (working ?m - machine)             ; is not down or broken
+    (output-ready ?m - machine)        ; what is in work there will come out; not where the machine is down meanwhile
     (input-free ?m - machine)
     (output-free ?m - machine)
     (carrier-at-input ?cs - cap-station)
@@ -93,6 +94,6 @@
     :parameters (?m - machine)
     :duration (= ?duration (down-for ?m))
     :condition (and)
-    :effect (at end (working ?m)))
+    :effect (and (at end (working ?m)) (at end (output-ready ?m))))
 
 {% block more %}{% endblock %})
