@@ -15,7 +15,8 @@ struct PlanningCost {
   double latency_b = 1e-6;                 ///< s a work unit; a unit is about a microsecond of one core
   std::int64_t budget = 60'000'000;        ///< work units that a plan may take
   std::optional<std::int64_t> patience{};  ///< work units after a plan within which a better one must come
-  bool charge = true;                      ///< false: answers come at once
+  std::string planning_time = "charged";   ///< free: answers come at once
+  bool is_charged() const { return planning_time == "charged"; }
 
   template <class Keys>
   void fields(Keys& keys) {
@@ -25,7 +26,7 @@ struct PlanningCost {
     });
     keys("budget", budget);
     keys("patience", patience);
-    keys("charge", charge);
+    keys.word("planning_time", planning_time, {"charged", "free"});
   }
 };
 

@@ -169,7 +169,7 @@ PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id,
     }
   }
   const double wait = options_.cost.latency_a + options_.cost.latency_b * static_cast<double>(outcome.answer.units);
-  job.due = bus_.now() + (options_.cost.charge ? from_seconds(wait) : SimTime{});
+  job.due = bus_.now() + (options_.cost.is_charged() ? from_seconds(wait) : SimTime{});
   job.result = std::move(result);
   job.report = std::move(report);
   return job;

@@ -178,7 +178,7 @@ KEYS = {  # key of a scenario: values that it cannot have
     "schema": ("2", "x", "[]", "1.5"), "seed": ("-1", "x", "1.5", "{}"), "duration_s": ("-1", "x", ".nan", ".inf", "[1]", "1e30"), "tick_s": ("0", "-1", "x", ".nan", "1e-12", "1e12", "1e9"),
     "physics_step_s": ("0", "-1", "x"), "epoch": ("x", "[]", ".inf"), "max_firings_per_tick": ("-1", "x", "1.5"), "on_rule_error": ("stopp", "1", "[]"), "trust_rules": ("maybe", "2", "[]"),
     "tier": ("fast", "[]"), "agents": ("x", "{}", "[x]", "[{}]", "[{config: }]", "[{config: [a]}]"), "servers": ("x", "[nonsense]", "[{nod: turtlesim}]", "[{node: turtlsim}]", "[3]", *(f"[{{node: league_client, {key}}}]" for key in ("team: BOTH", "robots: 4", "first_robot: 0", "cipher: des", "port_shift: 70000", "namespace: a b"))), "packages": ("x", "[a]", "{rules: nowhere}", "{rules: }"),
-    "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}", "{patience: 0}", "{patience: x}"),
+    "stimuli": ("x", "[x]", "[{}]"), "faults": ("x", "[{}]", "[{kind: skil_fails}]", "[{kind: machine_breaks, at: 1}]"), "planner": ("x", "{latency: {a: -1}}", "{budget: -1}", "{latncy: {}}", "{budget: 0}", "{patience: 0}", "{patience: x}", "{planning_time: gratis}", "{charge: false}"),
     "expect": ("x", "[{}]", "[{path: status}]", "[{path: sttus, equals: completed}]", "[{path: ticks, min: x}]"), "world": ("x", "{kind: moon}", "{kind: turtlesm}", "[rcll]"),
 }
 ROWS["scenarios"] = [

@@ -120,7 +120,7 @@ TEST_F(ManagerTest, AGoalCanRequireTheNumberZero) {
 
 TEST_F(ManagerTest, GoalsAreAddedUntilTheyAreCleared) {
   PddlManagerOptions options;
-  options.cost.charge = false;
+  options.cost.planning_time = "free";
   start(std::move(options));
   load_blocks();
   const auto steps = [&] {
@@ -139,7 +139,7 @@ TEST_F(ManagerTest, GoalsAreAddedUntilTheyAreCleared) {
 
 TEST_F(ManagerTest, AFilterReplacesTheLastOneAndAnErrorLeavesItUnchanged) {
   PddlManagerOptions options;
-  options.cost.charge = false;
+  options.cost.planning_time = "free";
   start(std::move(options));
   load_blocks();
   request("set_goals", "SetGoals", kHold);
@@ -225,7 +225,7 @@ struct Blocks {
 
 TEST_F(ManagerTest, AnInstanceAgreesWithASetUnderRandomRequests) {
   PddlManagerOptions options;
-  options.cost.charge = false;
+  options.cost.planning_time = "free";
   options.cost.budget = 20'000;
   start(std::move(options));
   load_blocks();

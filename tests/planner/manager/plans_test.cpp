@@ -39,7 +39,7 @@ TEST_F(ManagerTest, APlanIsAnsweredAfterItsSimulatedTime) {
 
 TEST_F(ManagerTest, AnswersAtOnceWithoutCharge) {
   PddlManagerOptions options = at_cost(1.5, 1);
-  options.cost.charge = false;
+  options.cost.planning_time = "free";
   start(std::move(options));
   load_blocks();
   request("set_goals", "SetGoals", kTower);
