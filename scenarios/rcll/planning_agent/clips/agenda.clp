@@ -152,6 +152,7 @@
   (not (and (allowed ?id) (step (id ?id) (worker ROBOT) (state OPEN|APPROACHING))))
   (not (step (state CHECKING)))
   (not (step (action pay-with-new-base) (state ~DONE)))
+  (not (step (begin 100000.0) (state ~DONE)))
   (robot-waits)
   (pddl-numeric-fluent (instance production) (name slide-room) (params ?rs) (value ?room&:(>= ?room 1)))
   (not (pddl-numeric-fluent (instance production) (name slide-room) (value ?more&:(> ?more ?room))))

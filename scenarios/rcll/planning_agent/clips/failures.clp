@@ -160,19 +160,14 @@
 
 (defrule failure-pay-otherwise
   "The bare base that should pay is gone: a step is inserted into the plan, in which a new base pays."
-  ?step <- (step (id ?id) (action pay-with-bare-base) (params ?cs ?rs) (state RUNNING) (work ?work)
-                 (begin ?begin) (end ?end) (rank ?rank) (group ?group))
+  ?step <- (step (id ?id) (action pay-with-bare-base) (params ?cs ?rs) (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   (not (blocked-slide ?rs))
   (machine (name ?bs) (kind BS))
   =>
   (fail-part ?step lose)
-  (modify ?step (state DONE))
-  (bind ?new (add-step pay-with-new-base (create$ (pddl-name ?bs) ?rs)))
-  (decide (str-cat "insert pay-with-new-base " (pddl-name ?bs) " " ?rs) "the bare base is gone")
-  (do-for-all-facts ((?w waits-for)) (eq ?w:for ?id) (modify ?w (for (fact-slot-value ?new id))))
-  (do-for-all-facts ((?f follows)) (eq ?f:after ?id) (modify ?f (after (fact-slot-value ?new id))))
-  (modify ?new (begin ?begin) (end ?end) (rank ?rank) (group ?group)))
+  (insert-instead ?step "the bare base is gone" pay-with-new-base (pddl-name ?bs) ?rs)
+  (modify ?step (state DONE)))
 
 (defrule failure-gone-anyway
   "The bare base that should go away is gone: the plan goes on."

@@ -1,5 +1,5 @@
-; An action that is refined only as it begins: at which side of its station a base comes out. A rule compares the ways of the
-; robot, or a plan of level two is made for it (refinement.pddl).
+; Actions that are refined only as they begin: which base pays, and at which side of its station a base comes out. For the side a
+; rule compares the ways of the robot, or a plan of level two is made for it (refinement.pddl).
 
 (defglobal
   ?*BELT-END* = 0.7    ; m from the middle of a machine to a robot before its belt
@@ -32,6 +32,47 @@
   =>
   (decide (str-cat "fetch the base at " (input-of ?name)) (str-cat "the way of " ?r " is shorter"))
   (modify ?job (from (input-of ?name))))
+
+; --- Which base pays
+
+(deffunction wait-for-instead (?old ?new)
+  "What waits for the one step, or comes after it, does so for the other one."
+  (do-for-all-facts ((?w waits-for)) (eq ?w:for ?old) (modify ?w (for ?new)))
+  (do-for-all-facts ((?f follows)) (eq ?f:after ?old) (modify ?f (after ?new))))
+
+(deffunction insert-instead (?step ?why ?action $?params)
+  "A step in the place that another one has in the plan; returns its id."
+  (decide (str-cat "insert " ?action " " (implode$ ?params)) ?why)
+  (bind ?new (add-step ?action ?params))
+  (bind ?id (fact-slot-value ?new id))
+  (modify ?new (begin (fact-slot-value ?step begin)) (end (fact-slot-value ?step end))
+               (rank (fact-slot-value ?step rank)) (group (fact-slot-value ?step group)))
+  (wait-for-instead (fact-slot-value ?step id) ?id)
+  ?id)
+
+(deffunction forget-step (?step)
+  "One that has not begun; what waited for it has been told."
+  (bind ?id (fact-slot-value ?step id))
+  (do-for-all-facts ((?w waits-for)) (eq ?w:step ?id) (retract ?w))
+  (do-for-all-facts ((?f follows)) (eq ?f:step ?id) (retract ?f))
+  (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?id) (retract ?a))
+  (retract ?step))
+
+(defrule refine-payment
+  "A bare base lies there that the plan only gets rid of, or does not use: it pays."
+  (declare (salience 5))
+  ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
+  ?step <- (step (id ?id) (state CHECKING) (action pay-with-new-base) (params ? ?rs))
+  (pddl-fluent (instance production) (name bare-base-at-output) (params ?cs))
+  (not (step (action pay-with-bare-base) (params ?cs ?) (state ~DONE)))
+  (not (step (action discard-bare-base) (params ?cs ?) (state APPROACHING)))
+  =>
+  (retract ?check)
+  (bind ?new (insert-instead ?step "the plan has no other use for this base" pay-with-bare-base ?cs ?rs))
+  (forget-step ?step)
+  (delayed-do-for-all-facts ((?s step)) (and (eq ?s:action discard-bare-base) (eq (nth$ 1 ?s:params) ?cs) (member$ ?s:state (create$ OPEN BLOCKED)))
+    (wait-for-instead ?s:id ?new)
+    (forget-step ?s)))
 
 ; --- Level two
 
