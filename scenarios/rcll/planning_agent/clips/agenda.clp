@@ -32,7 +32,7 @@
   (logical
     (step (id ?id) (state OPEN|BLOCKED|APPROACHING) (group ?group))
     (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits))
-    (not (step (state ~DONE) (group ?g&:(< 0 ?g (- ?group (ahead))))))
+    (not (step (state ~DONE) (worker ~AGENT) (group ?g&:(< 0 ?g (- ?group (ahead))))))
     (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
               (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
     (not (and (follows (step ?id) (after ?before))
@@ -40,10 +40,15 @@
   =>
   (assert (allowed ?id)))
 
+(defrule agenda-open
+  "Steps begin while there is a plan, also while a new one is made; not while the world is copied for it."
+  (logical (or (and (planning (state IDLE)) (not (replan))) (planning (state GOALS))))
+  =>
+  (assert (may-begin)))
+
 (defrule agenda-look
   "Of these, the one of the smallest rank that has not been looked at since the world changed."
-  (planning (state IDLE))
-  (not (replan))
+  (may-begin)
   (not (step (state CHECKING)))
   (not (pddl-action-get-effect))
   (not (pddl-fluent-change (instance production)))
@@ -106,6 +111,7 @@
   (if (eq ?was APPROACHING)
    then (do-for-all-facts ((?h held-up)) (and (= ?h:job ?work) (eq ?h:step FETCH)) (retract ?h))
    else (bind ?work (begin-work ?action ?params)))
+  (if (any-factp ((?p planning)) (eq ?p:state GOALS)) then (assert (begun (action ?action) (params ?params))))
   (modify ?step (state RUNNING) (work ?work)))
 
 ; --- Robots that would stand idle drive to where the next piece comes out

@@ -15,7 +15,7 @@
 
 (defrule effects-applied
   "The world has changed: what was held back may begin."
-  (planning (state IDLE))
+  (planning (state IDLE|GOALS))
   ?effect <- (pddl-action-get-effect (action ?action) (state DONE))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-numeric-fluent-change (instance production)))

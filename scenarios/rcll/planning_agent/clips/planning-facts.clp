@@ -76,6 +76,11 @@
    GOALS: plans are made for the alternatives."
   (slot state (type SYMBOL) (allowed-values IDLE COPY END GOALS) (default IDLE)))
 
+(deftemplate begun
+  "A step of the old plan that began while the new one was made."
+  (slot action (type SYMBOL))
+  (multislot params (type SYMBOL)))
+
 (deftemplate replan
   "Somebody wants a new plan."
   (slot reason (type STRING)))
@@ -84,7 +89,7 @@
   "A set of orders, and the plan for it."
   (slot name (type SYMBOL))
   (multislot orders (type INTEGER))
-  (slot state (type SYMBOL) (allowed-values NEW CLEARED SET PLANNING PLANNED) (default NEW))
+  (slot state (type SYMBOL) (allowed-values NEW CLEARED SET PLANNING PLANNED WITHOUT-PLAN) (default NEW))
   (slot points (type FLOAT) (default 0.0))  ; that the plan earns
   (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
 

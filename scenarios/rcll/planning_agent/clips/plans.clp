@@ -58,6 +58,7 @@
     (bind ?why (list-text ?why ?r:reason))
     (retract ?r))
   (decide "plan" ?why)
+  (do-for-all-facts ((?b begun)) TRUE (retract ?b))
   (do-for-all-facts ((?s step)) (and (eq ?s:worker AGENT) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
   (modify ?planning (state COPY)))
 
@@ -132,7 +133,7 @@
   (pddl-plan (id ?name) (state FAILURE|CANCELED))
   =>
   (decide "no value" (str-cat "there is no plan for the orders " (implode$ ?orders)))
-  (modify ?alternative (state PLANNED)))
+  (modify ?alternative (state WITHOUT-PLAN)))
 
 ; --- 3. The best one
 
@@ -141,8 +142,16 @@
   (do-for-all-facts ((?p pddl-plan)) (eq ?p:id ?name) (retract ?p))
   (do-for-all-facts ((?a alternative)) (eq ?a:name ?name) (retract ?a)))
 
+(deffunction has-begun (?action ?params)
+  "Whether the step began while the plan was made: TRUE once for each."
+  (do-for-fact ((?b begun)) (and (eq ?b:action ?action) (eq ?b:params ?params))
+    (retract ?b)
+    (return TRUE))
+  FALSE)
+
 (deffunction take-step (?action)
-  "A step of the plan, in the words of the world."
+  "A step of the plan, in the words of the world, if it has not begun meanwhile."
+  (if (has-begun (fact-slot-value ?action name) (params-of ?action)) then (return))
   (bind ?begin (fact-slot-value ?action planned-start-time))
   (modify (add-step (fact-slot-value ?action name) (params-of ?action))
           (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration))) (robot (robot-of ?action))))
@@ -229,7 +238,7 @@
   "That with the greatest gain; of those without one, that for what we work for."
   (bind ?best FALSE)
   (bind ?most -1.0)
-  (do-for-all-facts ((?a alternative)) (and (> ?a:work 0.0) (or (eq ?a:name alternative-0) (> (gain ?a) 0.0)))
+  (do-for-all-facts ((?a alternative)) (and (eq ?a:state PLANNED) (or (eq ?a:name alternative-0) (> (gain ?a) 0.0)))
     (if (> (gain ?a) ?most) then (bind ?most (gain ?a)) (bind ?best ?a)))
   ?best)
 
@@ -242,13 +251,16 @@
   (do-for-all-facts ((?w waits-for)) TRUE (retract ?w))
   (do-for-all-facts ((?f follows)) TRUE (retract ?f))
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?name) (take-step ?a))
+  (do-for-all-facts ((?b begun)) (neq (worker-of ?b:action) AGENT)
+    (assert (replan (reason (str-cat ?b:action " " (implode$ ?b:params) " has begun and is not in the plan")))))
   (group-steps)
   (order-steps)
   (rank-steps))
 
 (deffunction put-off (?orders)
-  "What we work for no more."
-  (do-for-all-facts ((?o order)) (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)))
+  "What we work for no more, unless it has begun meanwhile."
+  (do-for-all-facts ((?o order))
+      (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)) (or (not-begun (product-of ?o:id)) (stuck (product-of ?o:id))))
     (decide (str-cat "put off order " ?o:id) "another one is worth more")
     (modify ?o (state OPEN))))
 
@@ -264,9 +276,9 @@
 (deffunction skip-without-plan ()
   "Orders for which there is no plan beside what we work for, if there is one for that. TRUE: there are some."
   (bind ?some FALSE)
-  (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (= ?ours:work 0.0))))
+  (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (eq ?ours:state WITHOUT-PLAN))))
    then
-    (do-for-all-facts ((?a alternative)) (= ?a:work 0.0)
+    (do-for-all-facts ((?a alternative)) (eq ?a:state WITHOUT-PLAN)
       (bind ?id (nth$ (length$ ?a:orders) ?a:orders))
       (decide (str-cat "skip order " ?id) "there is no plan for it as the world is")
       (assert (skipped (order ?id)))
@@ -284,9 +296,11 @@
 
 (defrule plan-choose
   "All alternatives are planned: the best plan is carried out."
+  (declare (salience 20))
   ?planning <- (planning (state GOALS))
+  (not (step (state CHECKING)))
   (exists (alternative))
-  (not (alternative (state ~PLANNED)))
+  (not (alternative (state ~PLANNED&~WITHOUT-PLAN)))
   (time ?now)
   =>
   (note-planned ?now)
