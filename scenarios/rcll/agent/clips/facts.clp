@@ -39,7 +39,7 @@
   (slot base (type STRING))
   (multislot rings (type STRING))
   (slot cap (type STRING))
-  (slot competitive (type SYMBOL) (allowed-values FALSE TRUE) (default FALSE))
+  (slot bonus (type INTEGER) (default 0))  ; of a competitive one: the first team gains 10 points, the second one loses them
   (slot begin (type FLOAT))
   (slot end (type FLOAT))
   (slot state (type SYMBOL) (allowed-values OPEN STARTED DONE) (default OPEN)))

@@ -18,7 +18,7 @@
   (bind ?best 0)
   (bind ?most 0.0)
   (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (can-begin (machines-for (works-for ?o:rings ?o:cap))))
-    (bind ?worth (worth ?o:complexity ?o:rings ?o:competitive ?o:begin ?o:end ?time))
+    (bind ?worth (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end ?time))
     (if (> ?worth ?most) then (bind ?most ?worth) (bind ?best ?o:id)))
   ?best)
 

@@ -32,25 +32,35 @@
     (modify ?g (state ?state) (begin ?begin)))
   (if (not (any-factp ((?g game)) TRUE)) then (assert (game (phase ?phase) (state ?state) (begin ?begin)))))
 
-(deffunction learn-order (?o)
-  "A released order, if it is new."
+(deffunction bonus-of (?o ?letter)
+  "Of a competitive order: the team that is first with it gains 10 points, the other one loses them."
+  (if (not (ros-msgs-get-field ?o "competitive")) then (return 0))
+  (bind ?theirs (if (eq ?letter "C") then "quantity_delivered_magenta" else "quantity_delivered_cyan"))
+  (if (> (ros-msgs-get-field ?o ?theirs) 0) then -10 else 10))
+
+(deffunction learn-order (?o ?letter)
+  "A released order, if it is new; else what it still earns."
   (bind ?id (ros-msgs-get-field ?o "id"))
-  (if (not (any-factp ((?known order)) (= ?known:id ?id)))
-   then (assert (order (id ?id)
-                       (complexity (ros-msgs-get-field ?o "complexity"))
-                       (base (ros-msgs-get-field ?o "base_color"))
-                       (rings (ros-msgs-get-field ?o "ring_colors"))
-                       (cap (ros-msgs-get-field ?o "cap_color"))
-                       (competitive (ros-msgs-get-field ?o "competitive"))
-                       (begin (float (ros-msgs-get-field ?o "delivery_period_begin")))
-                       (end (float (ros-msgs-get-field ?o "delivery_period_end")))))))
+  (bind ?bonus (bonus-of ?o ?letter))
+  (if (do-for-fact ((?known order)) (= ?known:id ?id) (if (<> ?known:bonus ?bonus) then (modify ?known (bonus ?bonus))) TRUE)
+   then (return))
+  (assert (order (id ?id)
+                 (complexity (ros-msgs-get-field ?o "complexity"))
+                 (base (ros-msgs-get-field ?o "base_color"))
+                 (rings (ros-msgs-get-field ?o "ring_colors"))
+                 (cap (ros-msgs-get-field ?o "cap_color"))
+                 (bonus ?bonus)
+                 (begin (float (ros-msgs-get-field ?o "delivery_period_begin")))
+                 (end (float (ros-msgs-get-field ?o "delivery_period_end"))))))
 
 (defrule refbox-order-info
+  "Once we know which team we are."
   ?message <- (ros-msgs-message (topic "/order_info") (msg-ptr ?m))
+  (we-are ?letter)
   =>
   (bind ?orders (ros-msgs-get-field ?m "orders"))
   (foreach ?o ?orders
-    (learn-order ?o)
+    (learn-order ?o ?letter)
     (ros-msgs-destroy-message ?o))
   (ros-msgs-destroy-message ?m)
   (retract ?message))

@@ -17,10 +17,10 @@
   "The share of the delivery's points that is lost so long after the window."
   (if (<= ?late 0) then 0 else (* 0.1875 (min 4 (+ 1 (div (* 4 ?late) ?window))))))
 
-(deffunction points-of (?complexity ?rings ?competitive ?late ?window)
+(deffunction points-of (?complexity ?rings ?bonus ?late ?window)
   "What a product earns: delivery, cap, rings with their payments, and a bonus."
   (bind ?delivery (switch ?complexity (case "C0" then 20) (case "C1" then 30) (case "C2" then 50) (default 100)))
-  (bind ?points (+ (* ?delivery (- 1 (late-share ?late ?window))) 12 (if ?competitive then 10 else 0)))
+  (bind ?points (+ (* ?delivery (- 1 (late-share ?late ?window))) 12 ?bonus))
   (foreach ?ring ?rings
     (bind ?points (+ ?points (switch (price-of ?ring) (case 0 then 5) (case 1 then 12) (default 24)))))
   ?points)
@@ -31,12 +31,12 @@
   (foreach ?ring ?rings (bind ?jobs (+ ?jobs 1 (price-of ?ring))))
   ?jobs)
 
-(deffunction worth (?complexity ?rings ?competitive ?begin ?end ?time)
+(deffunction worth (?complexity ?rings ?bonus ?begin ?end ?time)
   "Points for a job, of an order that is begun at this time of the game; 0 if there is no time left for it."
   (bind ?ready (+ ?time (time-to-make ?rings)))
   (if (> ?ready ?*GAME*) then (return 0.0))
   (if (< ?ready (- ?begin ?*EARLY*)) then (return 0.0))
-  (/ (points-of ?complexity ?rings ?competitive (- ?ready ?end) (- ?end ?begin)) (jobs-of ?rings)))
+  (/ (points-of ?complexity ?rings ?bonus (- ?ready ?end) (- ?end ?begin)) (jobs-of ?rings)))
 
 (deffunction machines-for (?works)
   "The machines that do these works, one after the other; nothing, if one is not known yet."

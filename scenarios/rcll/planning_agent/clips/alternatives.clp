@@ -6,7 +6,7 @@
   (bind ?most 0.0)
   (foreach ?id ?orders
     (do-for-fact ((?o order)) (= ?o:id ?id)
-      (bind ?worth (worth ?o:complexity ?o:rings ?o:competitive ?o:begin ?o:end (game-time)))
+      (bind ?worth (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end (game-time)))
       (if (> ?worth ?most) then (bind ?most ?worth) (bind ?best ?id))))
   ?best)
 
@@ -81,7 +81,7 @@
   "What the delivery of a product earns at this time of the game."
   (if (> ?at ?*GAME*) then (return 0.0))
   (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product)
-    (return (points-of ?o:complexity ?o:rings ?o:competitive (- ?at ?o:end) (- ?o:end ?o:begin))))
+    (return (points-of ?o:complexity ?o:rings ?o:bonus (- ?at ?o:end) (- ?o:end ?o:begin))))
   0.0)
 
 (deffunction params-of (?action)

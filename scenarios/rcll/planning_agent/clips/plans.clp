@@ -20,6 +20,15 @@
   (bind ?ours (orders-in STARTED))
   (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
 
+(defrule plan-again-when-second
+  "The other team has delivered a competitive order that we work for: there it takes points away."
+  (order (id ?id) (bonus ?bonus&:(< ?bonus 0)) (state ?state))
+  (deadlines ?id ? ?bonus)
+  (not (second-with ?id))
+  =>
+  (assert (second-with ?id))
+  (if (eq ?state STARTED) then (assert (replan (reason (str-cat "the other team was first with order " ?id))))))
+
 (defrule plan-again-when-done
   "Every step of the plan is done, and there is more to do."
   (planning (state IDLE))

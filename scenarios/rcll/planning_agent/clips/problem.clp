@@ -191,17 +191,18 @@
     (no-fluent planning deadline ?f:params)))
 
 (defrule problem-deadlines
-  "The later a delivery, the fewer points; after the end of the game there are none. A pause moves the moments."
+  "The later a delivery, the fewer points; after the end of the game there are none. A pause moves the moments, and who is second
+   with a competitive order loses less."
   (planning-since ?)
   (game (begin ?zero))
   (in-problem planning ?id)
-  (order (id ?id) (complexity ?complexity) (rings $?rings) (competitive ?competitive) (begin ?begin) (end ?end))
-  (not (deadlines ?id ?zero))
+  (order (id ?id) (complexity ?complexity) (rings $?rings) (bonus ?bonus) (begin ?begin) (end ?end))
+  (not (deadlines ?id ?zero ?bonus))
   =>
-  (assert (deadlines ?id ?zero))
+  (assert (deadlines ?id ?zero ?bonus))
   (bind ?product (product-of ?id))
   (bind ?window (- ?end ?begin))
-  (bind ?all (points-of ?complexity ?rings ?competitive 0 ?window))
+  (bind ?all (points-of ?complexity ?rings ?bonus 0 ?window))
   (forget-deadlines ?product)
   (bind ?loss 0.0)
   (loop-for-count (?quarter 0 3)
@@ -209,7 +210,7 @@
     (if (< ?moment ?*GAME*)
      then
       (lose-at ?product (moment-at ?moment) ?loss)
-      (bind ?loss (- ?all (points-of ?complexity ?rings ?competitive (+ (- ?moment ?end) 1) ?window)))))
+      (bind ?loss (- ?all (points-of ?complexity ?rings ?bonus (+ (- ?moment ?end) 1) ?window)))))
   (lose-at ?product (moment-at ?*GAME*) ?loss)
   (lose-at ?product never ?all))
 
