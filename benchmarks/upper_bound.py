@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The most points that any agent could reach in a game of the Logistics League, timed tier, rules `league`.
 
-    benchmarks/upper_bound.py GAME.yaml ...   games as `cxlab new game` writes them
+    benchmarks/upper_bound.py GAME.yaml ...   game files as `cxlab run --set world.game=GAME.yaml` plays them
     benchmarks/upper_bound.py RUN ...         the games of runs (folders), the points of each scenario's runs, and their share
     benchmarks/upper_bound.py RUN ... rows.csv    also the rows of a `cxlab bench` with the same games: each strategy's
 
@@ -29,9 +29,13 @@ import collections
 import csv
 import json
 import math
+import os
 import pathlib
+import shutil
 import statistics
+import subprocess
 import sys
+import tempfile
 
 POINTS = {"C0": 20, "C1": 30, "C2": 50, "C3": 100}
 RING_POINTS = (5, 10, 20)  # by price
@@ -57,7 +61,7 @@ PRODUCTION = 1200
 
 def read_game(text):
     """The game of a file as cxlab writes it: keys, lists of "- key: value" blocks, and lists of words."""
-    game, table, words = {}, {}, []
+    game, blocks, table, words = {}, [], {}, []
     for line in text.splitlines():
         depth, item = len(line) - len(line.lstrip(" ")), line.strip()
         if depth == 0 and item.endswith(":"):
@@ -227,28 +231,83 @@ def upper_bound(game, robots=3, durations="physics"):
     return best + EXPLORATION_POINTS
 
 
+class BadInput(Exception):
+    """What cannot be used, and why."""
+
+
+def program():
+    """$CXLAB, the cxlab of this tree, or the one that is installed."""
+    built = pathlib.Path(__file__).resolve().parents[1] / "build/release/cxlab"
+    found = os.environ.get("CXLAB") or (built if built.exists() else shutil.which("cxlab"))
+    if not found:
+        raise BadInput("no cxlab to read game files with: ./dev path builds it; or name the folders of runs")
+    return found
+
+
+def game_of_file(path):
+    """The game of any file that a run plays: cxlab writes it in its own way."""
+    drawn = []
+    with tempfile.TemporaryDirectory(prefix="cxlab-bound-") as folder:
+        for seed in "1", "2":
+            out = pathlib.Path(folder) / seed
+            done = subprocess.run([program(), "new", "game", out, "--seed", seed, "--set", f"world.game={json.dumps(str(path.resolve()))}"],
+                                  capture_output=True, text=True, stdin=subprocess.DEVNULL)
+            if done.returncode != 0:
+                raise BadInput((done.stderr.strip().splitlines() or [f"{path}: cxlab cannot read it"])[0].removeprefix("error: "))
+            drawn.append(read_game(out.read_text()))
+    for part in "layout", "ring_prices", "orders":
+        if drawn[0][part] != drawn[1][part]:
+            raise BadInput(f"{path}: {part} is left out, and drawn from the seed of a run: name the folder of a run of it")
+    return drawn[0]
+
+
+def game_of_run(path, robots):
+    """Seed, scenario and points of a run, and its game."""
+    try:
+        result = json.loads((path / "result.json").read_text())
+        game = (path / "game.yaml").read_text()
+    except FileNotFoundError as missing:
+        raise BadInput(f"{path}: no run of a game: {pathlib.Path(missing.filename).name} is missing") from None
+    if result["tier"] != "timed" or len(result["robots"]) != robots or result["sim_time_s"] > PRODUCTION:
+        raise BadInput(f"{path}: expected a run in the timed tier of {PRODUCTION} s and one team with {robots} robots")
+    return str(result["seed"]), result["scenario"], result["teams"]["CYAN"]["points"], read_game(game)
+
+
+def read_rows(path):
+    """A table of cxlab bench."""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    lacking = {"game", "seed", "strategy", "points"} - set(rows[0] if rows else ())
+    if lacking:
+        raise BadInput(f"{path}: no rows of cxlab bench: the column {min(lacking)} is missing")
+    return rows
+
+
 def read_inputs(paths, robots):
     """Games by name, and of each strategy the points in games: {strategy: {game: points}}."""
     games, points, rows = {}, collections.defaultdict(dict), []
     for path in map(pathlib.Path, paths):
-        if path.suffix == ".csv":
-            with open(path, newline="") as file:
-                rows += csv.DictReader(file)
-            continue
-        name, file = path.stem, path
-        if path.is_dir():
-            result = json.loads((path / "result.json").read_text())
-            name, file = str(result["seed"]), path / "game.yaml"
-            if result["tier"] != "timed" or len(result["robots"]) != robots or result["sim_time_s"] > PRODUCTION:
-                sys.exit(f"{path}: expected a run in the timed tier of {PRODUCTION} s and one team with {robots} robots")
-            points[result["scenario"]][name] = result["teams"]["CYAN"]["points"]
-        text = file.read_text()
-        if games.setdefault(name, text) != text:
-            sys.exit(f"{path}: another game {name} than before")
+        try:
+            if path.suffix == ".csv":
+                rows += read_rows(path)
+                continue
+            if path.is_dir():
+                name, scenario, reached, game = game_of_run(path, robots)
+                points[scenario][name] = reached
+            elif path.exists():
+                name, game = path.stem, game_of_file(path)
+            else:
+                raise BadInput(f"{path}: there is no such file or folder")
+        except OSError as problem:
+            raise BadInput(f"{path}: {problem.strerror}") from None
+        except (KeyError, TypeError, ValueError, csv.Error) as problem:
+            raise BadInput(f"{path}: not as cxlab writes it: {problem!r}") from None
+        if games.setdefault(name, game) != game:
+            raise BadInput(f"{path}: another game {name} than before")
     for row in rows:
         name = row["game"] or row["seed"]
         if name not in games:
-            sys.exit(f"no game {name} for the rows: name its file, or the folder of a run of it")
+            raise BadInput(f"no game {name} for the rows: name its file, or the folder of a run of it")
         if row["points"]:
             points[row["strategy"]][name] = float(row["points"])
     return games, points
@@ -257,16 +316,20 @@ def read_inputs(paths, robots):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("input", nargs="+", help="folder of a run, game file, or rows.csv of cxlab bench")
-    parser.add_argument("--robots", type=int, default=3)
+    parser.add_argument("--robots", type=int, choices=(1, 2, 3), default=3)
     parser.add_argument("--durations", choices=HANDLING, default="physics", help="timed.durations of the runs")
     options = parser.parse_args()
-    games, points = read_inputs(options.input, options.robots)
     bounds = {}
-    for name, text in games.items():
-        try:
-            bounds[name] = upper_bound(read_game(text), options.robots, options.durations)
-        except (KeyError, IndexError, ValueError) as problem:
-            sys.exit(f"game {name}: not as `cxlab new game` writes it: {problem!r}")
+    try:
+        games, points = read_inputs(options.input, options.robots)
+        for name, game in games.items():
+            try:
+                bounds[name] = upper_bound(game, options.robots, options.durations)
+            except (KeyError, IndexError, TypeError, ValueError) as problem:
+                raise BadInput(f"game {name}: not as cxlab writes it: {problem!r}") from None
+    except BadInput as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        sys.exit(3)
 
     print("| Game | Bound |" + "".join(f" {strategy} |" for strategy in points))
     print("|---|---|" + "---|" * len(points))

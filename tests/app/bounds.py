@@ -95,7 +95,35 @@ class Bounds(Lab):
         self.assertRegex(lines[2], r"^\| 101 \| 823 \| \d+ \(\d+%\) \| \d+ \(\d+%\) \| 0 \(0%\) \|$")
         (self.folder / "rows.csv").write_text("scenario,strategy,game,seed,points\ngame,lucky,,101,824\n")
         self.assertIn("more than the bound: lucky in game 101", self.script("rcll/game", "rows.csv", code=1))
-        self.assertIn("no game 101", self.script("rows.csv", code=1))
-        self.assertIn("one team with 2 robots", self.script("rcll/game", "--robots", 2, code=1))
-        (self.folder / "g.yaml").write_text("orders:\n  - {complexity: C0}\n")
-        self.assertIn("not as `cxlab new game` writes it", self.script("g.yaml", code=1))
+        self.assertIn("no game 101", self.script("rows.csv", code=3))
+        self.assertIn("one team with 2 robots", self.script("rcll/game", "--robots", 2, code=3))
+
+    def test_games_as_people_write_them(self):
+        bound = self.bound([order("C1", "RING_ORANGE")])
+        layout = ",\n  ".join(f"{{machine: {team}-{name}, zone: {zone if team == 'C' else 'M' + zone[1:]}, rotation: 0}}"
+                              for name, zone in LAYOUT.items() for team in "CM")
+        (self.folder / "flow, [1].yaml").write_text(
+            f"layout: [{layout}]  # in a row\n"
+            "ring_prices: {RING_BLUE: 0, RING_GREEN: 1, RING_ORANGE: 0, RING_YELLOW: 2}\n"
+            "orders:\n- {complexity: C1, base_color: 'BASE_RED', ring_colors: [RING_ORANGE], cap_color: CAP_GREY, activate_at: 0,\n"
+            "   delivery_begin: 0, delivery_end: 1200, delivery_gate: 1, quantity: 1, competitive: no}\n")
+        self.assertIn(f"| flow, [1] | {bound} |", self.script("flow, [1].yaml"))
+
+    def test_what_cannot_be_used_is_said_in_one_line(self):
+        (self.folder / "run").mkdir()
+        (self.folder / "part.yaml").write_text("ring_prices: {RING_BLUE: 0, RING_GREEN: 1, RING_ORANGE: 0, RING_YELLOW: 2}\n")
+        (self.folder / "wrong.yaml").write_text("orders:\n  - {complexity: C7}\n")
+        (self.folder / "rows.csv").write_text("seed,points\n1,2\n")
+        for said, *arguments in (
+                ("none.yaml: there is no such file or folder", "none.yaml"),
+                ("none.csv: No such file or directory", "none.csv"),
+                ("run: no run of a game: result.json is missing", "run"),
+                ("part.yaml: layout is left out, and drawn from the seed of a run: name the folder of a run of it", "part.yaml"),
+                ("rows.csv: no rows of cxlab bench: the column game is missing", "rows.csv")):
+            self.assertEqual(self.script(*arguments, code=3), f"error: {said}\n")
+        self.assertRegex(self.script("wrong.yaml", code=3), r"^error: .*wrong.yaml:2: .*'C7'.*\n$")
+        (self.folder / "run/result.json").write_text("{}")
+        self.assertEqual(self.script("run", code=3), "error: run: no run of a game: game.yaml is missing\n")
+        (self.folder / "run/game.yaml").write_text("layout:\n")
+        self.assertEqual(self.script("run", code=3), "error: run: not as cxlab writes it: KeyError('tier')\n")
+        self.assertIn("the following arguments are required", self.script(code=2))
