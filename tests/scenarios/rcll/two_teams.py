@@ -52,6 +52,23 @@ class TwoTeams(unittest.TestCase):
         self.assertEqual(teams["MAGENTA"], {"points": 2, "by_kind": {**dict.fromkeys(teams["MAGENTA"]["by_kind"], 0), "payment": 2}})
         self.assertGreater(teams["CYAN"]["points"], 30)
 
+    def test_two_planning_agents_with_a_pddl_manager_each(self):
+        """The settings of docs/planning-agent.md, Limits."""
+        settings = ["servers=[{node: pddl_manager, name: pddl_manager, namespace: /cyan, anytime: true}, "
+                    "{node: pddl_manager, name: pddl_manager, namespace: /magenta, anytime: true}]",
+                    "agents[0].params={clips_manager.planner.node: /cyan/pddl_manager}",
+                    "agents[1].config=planning_agent/params/agent.yaml",
+                    "agents[1].packages={rcll_agent: agent, rcll_planning_agent: planning_agent}",
+                    "agents[1].params={clips_manager.planner.node: /magenta/pddl_manager}"]
+        with tempfile.TemporaryDirectory(prefix="cxlab-planners-") as folder:
+            out = pathlib.Path(folder) / "out"
+            subprocess.run([PROGRAM, "run", pathlib.Path(SCENARIO).parent / "plans_against_rules.yaml", "--tier", "timed", "--quiet",
+                            "--out", out, *(word for setting in settings for word in ("--set", setting))],
+                           check=True, capture_output=True)
+            teams = json.loads((out / "result.json").read_text())["teams"]
+        for team in ("CYAN", "MAGENTA"):
+            self.assertGreaterEqual(teams[team]["points"], LEAST_POINTS, team)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
