@@ -113,11 +113,13 @@
   "The idle robot that has the shortest way to a zone where it shall look."
   (game (phase PRODUCTION))
   ?look <- (to-look (zone ?zone) (skill ?skill))
-  ?robot <- (robot (state IDLE) (x ?x) (y ?y))
+  ?robot <- (robot (name ?name) (state IDLE) (x ?x) (y ?y))
   (not (and (to-look (zone ?z) (skill ?s))
             (robot (state IDLE) (x ?rx) (y ?ry&:(< (way-to-look ?rx ?ry ?z ?s) (way-to-look ?x ?y ?zone ?skill))))))
   =>
   (retract ?look)
+  (decide (str-cat ?name " for a look at " ?zone)
+          (format nil "%.1f m to go: the shortest way%s" (distance ?x ?y (zone-x ?zone) (zone-y ?zone)) (if (eq ?skill explore) then " to what can be read" else "")))
   (roam ?robot ?skill ?zone))
 
 (defrule finalize-publishers

@@ -137,6 +137,21 @@
   (slot zone (type STRING))
   (slot skill (type SYMBOL) (allowed-values explore drive_to)))
 
+; --- What it decides
+
+(deftemplate decision
+  "What was decided, and why: the journal has them as records of their own."
+  (slot what (type STRING))
+  (slot why (type STRING)))
+
+(deffunction decide (?what ?why)
+  "No rule needs it: it is there for the journal."
+  (retract (assert (decision (what ?what) (why ?why)))))
+
+(deffunction text-of-job (?job)
+  "MOVE C-BS-OUTPUT C-RS1-INPUT"
+  (str-cat (fact-slot-value ?job purpose) " " (fact-slot-value ?job from) " " (fact-slot-value ?job to)))
+
 (defglobal ?*last-id* = 0)
 
 (deffunction new-id ()

@@ -57,6 +57,7 @@
   (held-up (job ?other) (step GO-FETCH))
   (time ?now&:(may-take ?robot ?avoid ?wait ?now))
   =>
+  (decide (str-cat ?robot " for " (text-of-job ?job)) "its base is ready, and the robot waits for another one")
   (modify ?own (robot "") (step WAITING))
   (modify ?job (robot ?robot) (step GO-FETCH) (not-before 0.0)))
 

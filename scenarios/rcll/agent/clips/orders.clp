@@ -22,6 +22,13 @@
     (if (> ?worth ?most) then (bind ?most ?worth) (bind ?best ?o:id)))
   ?best)
 
+(deffunction choose-order (?time)
+  (bind ?best (best-order ?time))
+  (do-for-fact ((?o order)) (= ?o:id ?best)
+    (decide (str-cat "begin order " ?best)
+            (format nil "%.1f points for each job of a robot" (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end ?time))))
+  (assert (chosen ?best)))
+
 (deffacts orders
   (next-choice 0.0))
 
@@ -34,7 +41,7 @@
   =>
   (retract ?choice)
   (assert (next-choice (+ ?now 1.0)))
-  (if (< (length$ (find-all-facts ((?p product)) TRUE)) ?robots) then (assert (chosen (best-order (- ?now ?zero))))))
+  (if (< (length$ (find-all-facts ((?p product)) TRUE)) ?robots) then (choose-order (- ?now ?zero))))
 
 (defrule order-choose-none
   ?chosen <- (chosen 0)

@@ -19,6 +19,9 @@
   (modify ?slide (coming (+ (fact-slot-value ?slide coming) 1)))
   (create-job (if (str-index "-BS-" ?from) then PAY else CLEAR) ?urgency 0 ?from (fact-slot-value ?slide spot)))
 
+(deffunction missing-text (?missing)
+  (str-cat ?missing (if (= ?missing 1) then " payment is" else " payments are") " missing there"))
+
 (deffunction unpay (?machine ?price)
   "The ring was not mounted: its payments still lie there."
   (do-for-fact ((?s slide)) (eq ?s:machine ?machine) (modify ?s (loaded (+ ?s:loaded ?price)))))
@@ -30,6 +33,8 @@
   (not (slide (loaded ?l1) (coming ?c1&:(< (+ ?l1 ?c1) 3)) (wanted ?w1&:(> (- ?w1 ?l1 ?c1) (- ?w ?l ?c)))))
   =>
   (retract ?clear)
+  (bind ?missing (- ?w ?l ?c))
+  (decide (str-cat "pay at " ?m " with the bare base of " ?name) (if (> ?missing 0) then (missing-text ?missing) else "there is room"))
   (hold-up (pay ?slide 2 (str-cat ?name "-OUTPUT")) FETCH))
 
 (defrule payment-no-room
@@ -39,13 +44,15 @@
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?clear)
+  (decide (str-cat "throw away the bare base of " ?name) "no slide has room")
   (hold-up (create-job CLEAR 2 0 (str-cat ?name "-OUTPUT") (str-cat ?delivery "-INPUT")) FETCH GO-PUT))
 
 (defrule payment-wanted
   "Payments are missing, and no bare base is at hand: fetch one from the base station."
-  ?slide <- (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)) (wanted ?w&:(> ?w (+ ?l ?c))))
+  ?slide <- (slide (machine ?m) (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)) (wanted ?w&:(> ?w (+ ?l ?c))))
   (machine (name ?bs) (kind BS))
   =>
+  (decide (str-cat "pay at " ?m " with a new base") (missing-text (- ?w ?l ?c)))
   (hold-up (pay ?slide 4 (str-cat ?bs "-OUTPUT")) GO-FETCH FETCH))
 
 (defrule payment-in-advance
@@ -55,10 +62,11 @@
   (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
   (not (job (step WAITING)))
   (not (job (purpose PAY)))
-  ?slide <- (slide (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)))
+  ?slide <- (slide (machine ?m) (loaded ?l) (coming ?c&:(< (+ ?l ?c) 3)))
   (not (slide (loaded ?l1) (coming ?c1&:(< (+ ?l1 ?c1) (+ ?l ?c)))))
   (machine (name ?bs) (kind BS))
   =>
+  (decide (str-cat "pay in advance at " ?m) "a robot has nothing to do")
   (hold-up (pay ?slide 5 (str-cat ?bs "-OUTPUT")) GO-FETCH FETCH))
 
 (defrule payment-done

@@ -161,6 +161,7 @@
   ?order <- (order (id ?id))
   =>
   (retract ?lost ?product)
+  (decide (str-cat "open order " ?id " again") "its product is lost")
   (modify ?order (state OPEN))
   (do-for-all-facts ((?r reserved)) (= ?r:job ?job) (retract ?r))
   (do-for-fact ((?j job)) (= ?j:id ?job) (if (neq ?j:step GIVEN-UP) then (assert (trouble (job ?job) (kind GONE)))))

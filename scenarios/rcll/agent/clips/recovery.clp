@@ -9,6 +9,7 @@
   ?station <- (cap-station (name ?name))
   =>
   (retract ?trouble)
+  (decide (str-cat "give up " (text-of-job ?job)) "no carrier is there")
   (modify ?job (step GIVEN-UP))
   (modify ?station (phase EMPTY)))
 
@@ -20,8 +21,9 @@
   (machine (name ?name) (kind ~BS) (state ?state&~DOWN))
   =>
   (retract ?trouble)
-  (modify ?job (step GIVEN-UP))
   (bind ?jammed (eq ?state READY-AT-OUTPUT))
+  (decide (str-cat "give up " (text-of-job ?job)) (if ?jammed then "nobody can take the piece: reset" else "the piece is not there"))
+  (modify ?job (step GIVEN-UP))
   (if ?jammed then (reset-machine ?name))
   (do-for-fact ((?s cap-station)) (and (eq ?s:name ?name) (eq ?s:phase CLEARING))
     (modify ?s (phase (if ?jammed then EMPTY else LOADED)))))
@@ -37,6 +39,7 @@
   (time ?now)
   =>
   (retract ?trouble)
+  (decide (str-cat "reset " ?name) "something lies on its belt that nobody takes away")
   (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*)))
   (if (and (eq ?purpose MOVE) (neq ?kind DS)) then (hold-up ?id PUT))
   (reset-machine ?name))
@@ -49,6 +52,7 @@
   (machine (name ?delivery) (kind DS))
   =>
   (retract ?trouble)
+  (decide (str-cat "pay no more at " ?name) "its slide is blocked")
   (modify ?slide (coming (+ ?coming 3)))
   (do-for-all-facts ((?d does)) (and (eq ?d:machine ?name) (> ?d:price 0))
     (assert (unpayable ?d:work))
@@ -62,6 +66,7 @@
   (product (order ?id) (todo $? ?work $?) (at ?name) (state ~MOVING))
   (machine (name ?name) (kind ~BS))
   =>
+  (decide (str-cat "reset " ?name) (str-cat "the product of order " ?id " needs a ring that nobody can pay"))
   (assert (lost ?id))
   (reset-machine ?name))
 
@@ -71,6 +76,7 @@
   ?station <- (cap-station (name ?name))
   =>
   (retract ?trouble)
+  (decide (str-cat "give up " (text-of-job ?job)) "the carrier is lost")
   (modify ?job (step GIVEN-UP))
   (modify ?station (phase EMPTY)))
 
@@ -80,6 +86,7 @@
   ?job <- (job (id ?id) (purpose ~BUFFER))
   =>
   (retract ?trouble)
+  (decide (str-cat "give up " (text-of-job ?job)) "the piece is lost")
   (modify ?job (step GIVEN-UP)))
 
 (defrule recover-product-in-the-way
@@ -91,6 +98,7 @@
   (team (size ?size&:(< ?size 3)))
   (machine (name ?delivery) (kind DS))
   =>
+  (decide (str-cat "give up " (text-of-job ?job)) (str-cat ?name " has lost its cap, and " ?robot " is needed"))
   (modify ?job (step GIVEN-UP) (robot ""))
   (discard ?robot ?delivery))
 
@@ -100,6 +108,7 @@
   (cap-station (name ?name) (phase EMPTY|BUFFERING))
   (machine (name ?name) (state IDLE))
   =>
+  (decide (str-cat "reset " ?name) (str-cat "it has lost its cap, and the product of order " ?id " lies on its belt"))
   (assert (lost ?id))
   (reset-machine ?name))
 

@@ -13,6 +13,13 @@
   "The robot that left a job to others takes it again only after a while."
   (or (>= ?now ?not-before) (and (neq ?avoid "") (neq ?robot ?avoid))))
 
+(deffunction choice-text (?way ?rest)
+  "Why this robot: of those that are idle."
+  (bind ?idle (length$ (find-all-facts ((?r robot)) (eq ?r:state IDLE))))
+  (if (= ?idle 1)
+   then "no other robot is idle"
+   else (format nil "%.1f m to go and %.0f s of rest: best of %d idle robots" ?way ?rest ?idle)))
+
 (defrule robot-take-job
   "The most urgent waiting job, of equals the oldest, goes to the idle robot with the least reluctance."
   (not (to-look))
@@ -25,6 +32,7 @@
   (not (robot (state IDLE) (name ?o-name&~?name&:(may-take ?o-name ?avoid ?wait ?now)) (x ?ox) (y ?oy)
               (idle-since ?o-since&:(< (reluctance ?x ?y ?ox ?oy (- ?now ?o-since)) (reluctance ?x ?y ?rx ?ry (- ?now ?since))))))
   =>
+  (decide (str-cat ?name " for " (text-of-job ?job)) (choice-text (distance ?x ?y ?rx ?ry) (- ?now ?since)))
   (modify ?robot (state BUSY))
   (modify ?job (robot ?name) (step GO-FETCH) (not-before 0.0)))
 
@@ -41,6 +49,7 @@
   (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
   (not (job (step WAITING)))
   =>
+  (decide (str-cat ?name " goes home") "there is no work")
   (roam ?robot drive_to ?home))
 
 (defrule robot-roamed

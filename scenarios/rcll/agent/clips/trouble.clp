@@ -39,6 +39,7 @@
   (time ?now)
   =>
   (retract ?trouble)
+  (decide (str-cat "leave " (text-of-job ?job) " to another robot") (str-cat ?robot " holds a piece of which nobody knows"))
   (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?robot) (not-before (+ ?now ?*AVOID*)))
   (discard ?robot ?delivery))
 
@@ -51,6 +52,7 @@
   (time ?now)
   =>
   (retract ?trouble)
+  (decide (str-cat "leave " (text-of-job ?job) " to another robot") (str-cat ?name " cannot fetch the piece"))
   (modify ?robot (state IDLE) (idle-since ?now))
   (modify ?job (robot "") (step WAITING) (tries 0) (avoid ?name) (handed-over (+ ?count 1))
                (not-before (+ ?now (* ?*AVOID* (+ ?count 1))))))
@@ -68,6 +70,7 @@
   ?job <- (job (id ?id) (purpose ~DISCARD) (robot ?robot))
   (machine (name ?delivery) (kind DS))
   =>
+  (decide (str-cat "throw away what " ?robot " holds") (str-cat "it cannot put it down at " (fact-slot-value ?job to)))
   (modify ?trouble (kind LOST))
   (modify ?job (robot ""))
   (discard ?robot ?delivery))

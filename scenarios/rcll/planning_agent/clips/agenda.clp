@@ -63,10 +63,58 @@
   (modify ?step (state CHECKING) (seen ?version) (was ?state))
   (assert (pddl-action-condition (instance production) (action ?id))))
 
+; --- What the strategy holds back
+
+(defglobal ?*TOLD* = (create$))  ; the steps of which it was said why they are held back
+
+(deffunction step-text (?step)
+  (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))))
+
+(deffunction step-that-is-not (?id $?states)
+  "The text of that step; FALSE if there is none, or in one of these states."
+  (do-for-fact ((?s step)) (eq ?s:id ?id) (return (if (member$ ?s:state ?states) then FALSE else (step-text ?s))))
+  FALSE)
+
+(deffunction why-held-back (?id ?group)
+  "By the strategy; FALSE: it is not."
+  (do-for-all-facts ((?f follows)) (eq ?f:step ?id)
+    (bind ?first (step-that-is-not ?f:after DONE))
+    (if ?first then (return (str-cat "the plan gives its robot " ?first " first"))))
+  (if (in-groups)
+   then (do-for-fact ((?s step)) (and (neq ?s:state DONE) (< 0 ?s:group (- ?group (ahead))))
+          (return (str-cat (step-text ?s) " of group " ?s:group " is not done, and this is group " ?group)))
+   else (do-for-all-facts ((?w waits-for)) (eq ?w:step ?id)
+          (bind ?first (step-that-is-not ?w:for RUNNING DONE))
+          (if ?first then (return (str-cat ?first " uses its product or machine first")))))
+  FALSE)
+
+(defrule agenda-held-back
+  "All steps have been looked at that the strategy names: of the others it is said once why it does not name them."
+  (declare (salience -10))
+  (planning (state IDLE))
+  (not (replan))
+  (not (step (state CHECKING)))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  (not (pddl-numeric-fluent-change (instance production)))
+  (world-version ?)
+  =>
+  (bind ?told (create$))
+  (bind ?robot-waits (any-factp ((?r robot-waits)) TRUE))
+  (do-for-all-facts ((?s step)) (eq ?s:state OPEN)
+    (if (member$ ?s:id ?*TOLD*)
+     then (bind ?told (create$ ?told ?s:id))
+     else (if (or ?robot-waits (neq ?s:worker ROBOT))
+           then (bind ?why (why-held-back ?s:id ?s:group))
+                (if ?why
+                 then (decide (str-cat "hold back " (step-text ?s)) ?why)
+                      (bind ?told (create$ ?told ?s:id))))))
+  (bind ?*TOLD* ?told))
+
 (deffunction hold-back (?step ?check ?why)
   "The step is looked at again when the world has changed; a robot that drove there in advance waits there."
   (retract ?check)
-  (decide (str-cat "hold back " (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))) ?why)
+  (decide (str-cat "hold back " (step-text ?step)) ?why)
   (modify ?step (state (if (eq (fact-slot-value ?step was) APPROACHING) then APPROACHING else BLOCKED))))
 
 (defrule agenda-blocked

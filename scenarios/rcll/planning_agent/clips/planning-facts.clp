@@ -97,17 +97,6 @@
   "An order for which there is no plan as the world is: it is not proposed until a machine works again or a product is delivered."
   (slot order (type INTEGER)))
 
-(deftemplate decision
-  "What was decided, and why: the journal has them as records of their own."
-  (slot what (type STRING))
-  (slot why (type STRING)))
-
-(defrule decision-told
-  (declare (salience 100))
-  ?decision <- (decision)
-  =>
-  (retract ?decision))
-
 (deffacts planning
   (planning)
   (world-version 0))
@@ -119,9 +108,6 @@
 (deffunction list-text (?text ?more)
   "Texts one after the other."
   (if (eq ?text "") then ?more else (str-cat ?text "; " ?more)))
-
-(deffunction decide (?what ?why)
-  (assert (decision (what ?what) (why ?why))))
 
 ; --- Names: the domain knows cs1, the league C-CS1
 
