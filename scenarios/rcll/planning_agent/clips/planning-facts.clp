@@ -77,9 +77,10 @@
   (slot state (type SYMBOL) (allowed-values IDLE COPY END GOALS) (default IDLE)))
 
 (deftemplate begun
-  "A step of the old plan that began while the new one was made."
+  "A step of the old plan that began while the new one was made, and whether that has it, too."
   (slot action (type SYMBOL))
-  (multislot params (type SYMBOL)))
+  (multislot params (type SYMBOL))
+  (slot in-plan (type SYMBOL) (default FALSE)))
 
 (deftemplate replan
   "Somebody wants a new plan."

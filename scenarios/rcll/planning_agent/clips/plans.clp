@@ -151,16 +151,29 @@
   (do-for-all-facts ((?p pddl-plan)) (eq ?p:id ?name) (retract ?p))
   (do-for-all-facts ((?a alternative)) (eq ?a:name ?name) (retract ?a)))
 
-(deffunction has-begun (?action ?params)
-  "Whether the step began while the plan was made: TRUE once for each."
-  (do-for-fact ((?b begun)) (and (eq ?b:action ?action) (eq ?b:params ?params))
-    (retract ?b)
+(deffunction has-begun (?action)
+  "Whether a step of the plan began while the plan was made; of steps that are alike it is the first."
+  (do-for-fact ((?b begun)) (and (eq ?b:in-plan FALSE) (eq ?b:action (fact-slot-value ?action name)) (eq ?b:params (params-of ?action)))
+    (modify ?b (in-plan TRUE))
     (return TRUE))
+  FALSE)
+
+(deffunction share-object (?objects ?others)
+  (foreach ?o ?objects (if (member$ ?o ?others) then (return TRUE)))
+  FALSE)
+
+(deffunction in-turn (?plan ?begun)
+  "Whether the plan has what began meanwhile, and nothing before it that uses the same product or machine and has not begun."
+  (bind ?action (fact-slot-value ?begun action))
+  (bind ?params (fact-slot-value ?begun params))
+  (do-for-fact ((?a pddl-action)) (and (eq ?a:plan ?plan) (eq ?a:name ?action) (eq (params-of ?a) ?params))
+    (return (not (any-factp ((?s step)) (and (eq ?s:state OPEN) (< ?s:begin ?a:planned-start-time)
+                                             (share-object (objects-of ?action ?params) (objects-of ?s:action ?s:params)))))))
   FALSE)
 
 (deffunction take-step (?action)
   "A step of the plan, in the words of the world, if it has not begun meanwhile."
-  (if (has-begun (fact-slot-value ?action name) (params-of ?action)) then (return))
+  (if (has-begun ?action) then (return))
   (bind ?begin (fact-slot-value ?action planned-start-time))
   (modify (add-step (fact-slot-value ?action name) (params-of ?action))
           (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration))) (robot (robot-of ?action))))
@@ -260,8 +273,8 @@
   (do-for-all-facts ((?w waits-for)) TRUE (retract ?w))
   (do-for-all-facts ((?f follows)) TRUE (retract ?f))
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?name) (take-step ?a))
-  (do-for-all-facts ((?b begun)) (neq (worker-of ?b:action) AGENT)
-    (assert (replan (reason (str-cat ?b:action " " (implode$ ?b:params) " has begun and is not in the plan")))))
+  (do-for-all-facts ((?b begun)) (and (neq (worker-of ?b:action) AGENT) (not (in-turn ?name ?b)))
+    (assert (replan (reason (str-cat ?b:action " " (implode$ ?b:params) " has begun before its turn in the plan")))))
   (group-steps)
   (order-steps)
   (rank-steps))
