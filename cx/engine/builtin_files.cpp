@@ -162,7 +162,8 @@ void load_forms(UDFContext* context, UDFValue* result, LoadMode mode) {
   result->lexemeValue = CreateBoolean(context->environment, mode == LoadMode::kBatch ? readable : report.ok());
   if (!readable) {
     // As in CLIPS an error of the call, after which the rule goes on.
-    complain(context, report.errors.front().message);
+    const std::string& why = report.errors.front().message;
+    complain(context, why.find(path) == std::string::npos ? path + ": " + why : why);
     return;
   }
   for (RuleError& error : report.errors) impl_of(context).add_error(std::move(error));

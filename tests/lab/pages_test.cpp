@@ -76,6 +76,14 @@ TEST(RunPage, EmptyRunHasItsHeadAndItsFiles) {
   EXPECT_EQ(text.rfind("<!doctype html>", 0), 0u);
 }
 
+TEST(RunPage, WarningsAreShown) {
+  json run = empty_run();
+  run["result"]["warnings"] = {"nobody asked for <x>"};
+  const std::string text = page("run.html", run);
+  EXPECT_EQ(found(text, "<h2>([^<]*)"), (Texts{"Warnings", "Files of this run"}));
+  EXPECT_NE(text.find("nobody asked for &lt;x&gt;"), std::string::npos) << text;
+}
+
 TEST(RunPage, NamesCannotWriteHtml) {
   json run = empty_run();
   run["result"]["scenario"] = "<script>alert(1)</script>";

@@ -152,6 +152,17 @@ TEST_F(SweepTest, AFailedEpisodeHasARowWithItsError) {
   EXPECT_THAT(rows->front().errors.front(), HasSubstr("wrong"));
 }
 
+TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
+  scenario("game", kRules);
+  const auto rows = play(*Suite::load(write(
+      "suite.yaml",
+      "scenarios: [game.yaml]\nseeds: [1]\nstrategies: {wrong: ['agents[0].params={clips_manager.gian: 1}']}\n")));
+  ASSERT_TRUE(rows);
+  EXPECT_TRUE(rows->front().counts());
+  ASSERT_EQ(rows->front().errors.size(), 1u);
+  EXPECT_THAT(rows->front().errors.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
+}
+
 TEST_F(SweepTest, ASecondSweepInTheFolderIsRefused) {
   scenario("game", kRules);
   std::filesystem::create_directories(path("out"));
