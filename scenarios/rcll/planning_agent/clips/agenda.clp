@@ -114,8 +114,8 @@
 (deffunction hold-back (?step ?check ?why)
   "The step is looked at again when the world has changed; a robot that drove there in advance waits there."
   (retract ?check)
-  (decide (str-cat "hold back " (step-text ?step)) ?why)
-  (modify ?step (state (if (eq (fact-slot-value ?step was) APPROACHING) then APPROACHING else BLOCKED))))
+  (if (neq ?why (fact-slot-value ?step held-for)) then (decide (str-cat "hold back " (step-text ?step)) ?why))
+  (modify ?step (held-for ?why) (state (if (eq (fact-slot-value ?step was) APPROACHING) then APPROACHING else BLOCKED))))
 
 (defrule agenda-blocked
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))

@@ -59,6 +59,7 @@
   (slot state (type SYMBOL) (allowed-values OPEN CHECKING BLOCKED APPROACHING RUNNING DONE FAILED) (default OPEN))
   (slot was (type SYMBOL) (default OPEN))   ; before it was checked
   (slot seen (type INTEGER) (default -1))   ; the world's version in which its conditions did not hold
+  (slot held-for (type STRING) (default "")); why it was held back the last time
   (slot work (type INTEGER) (default 0)))   ; its job or instruction
 
 (deftemplate waits-for
