@@ -17,11 +17,17 @@
     (bind ?ids (create$ ?ids ?o:id)))
   ?ids)
 
+(deffunction without-cap (?order)
+  "Whether the cap of an order cannot be had any more."
+  (any-factp ((?o order) (?d does) (?b bare-shelf))
+    (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine))
+         (not (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name cap-loaded) (eq ?f:params (create$ ?b:station))))))))
+
 (deffunction open-orders ()
   "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
   (bind ?ids (create$))
   (foreach ?id (orders-in OPEN)
-    (if (not (any-factp ((?s skipped)) (= ?s:order ?id))) then (bind ?ids (create$ ?ids ?id))))
+    (if (not (or (any-factp ((?s skipped)) (= ?s:order ?id)) (without-cap ?id))) then (bind ?ids (create$ ?ids ?id))))
   ?ids)
 
 (deffunction propose (?number $?orders)

@@ -56,6 +56,50 @@
   (retract ?trouble)
   (modify ?job (step GIVEN-UP)))
 
+(defglobal ?*CARRIERS-IN-VAIN* = 5)  ; each slot of a shelf, and after its refill again
+
+(defrule failure-carrier-in-vain
+  (declare (salience 10))
+  (step (id ?id) (action fetch-carrier) (params ?cs) (state RUNNING) (work ?work))
+  (job (id ?work) (step GIVEN-UP) (robot ""))
+  (not (picked ?id))
+  =>
+  (assert (in-vain ?cs ?work)))
+
+(defrule failure-carrier-after-all
+  (step (id ?id) (action fetch-carrier) (params ?cs) (state RUNNING))
+  (picked ?id)
+  ?in-vain <- (in-vain ?cs ?)
+  =>
+  (retract ?in-vain))
+
+(defrule failure-bare-shelf
+  "No slot has a carrier to which there is a way, again and again: caps of this station cannot be had any more."
+  (in-vain ?cs ?)
+  (not (bare-shelf (station ?cs)))
+  (test (>= (length$ (find-all-facts ((?v in-vain)) (eq (nth$ 1 ?v:implied) ?cs))) ?*CARRIERS-IN-VAIN*))
+  =>
+  (decide (str-cat "do without caps of " ?cs) "no carrier can be fetched from its shelf")
+  (assert (bare-shelf (station ?cs)) (replan (reason (str-cat "the shelf of " ?cs " is bare"))))
+  (no-fluent production shelf-stocked ?cs))
+
+(defrule failure-order-without-cap
+  "What is begun of it is given up: its machine is free for others."
+  (bare-shelf)
+  ?order <- (order (id ?id) (state STARTED))
+  (test (without-cap ?id))
+  (not (step (state RUNNING) (action mount-cap) (params =(product-of ?id) $?)))
+  (not (and (pddl-fluent (instance production) (name at-step) (params =(product-of ?id) ?s))
+            (pddl-fluent (instance production) (name work-at) (params =(product-of ?id) ?s ?m&:(eq (sub-string 1 1 ?m) "d")))))
+  (not (step (state RUNNING) (params =(product-of ?id) $?)))
+  =>
+  (decide (str-cat "give up order " ?id) "its cap cannot be had")
+  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance production) (or (eq ?f:name at-input) (eq ?f:name at-output))
+                                            (eq (nth$ 1 ?f:params) (product-of ?id)))
+    (reset-machine (machine-named (nth$ 2 ?f:params))))
+  (modify ?order (state OPEN))
+  (assert (replan (reason (str-cat "order " ?id " is given up")))))
+
 (defrule failure-missing-piece
   "What should lie at the output does not. If the machine sees it still, nobody can take it."
   ?trouble <- (trouble (job ?id) (kind MISSING))

@@ -83,6 +83,10 @@
   (multislot params (type SYMBOL))
   (slot in-plan (type SYMBOL) (default FALSE)))
 
+(deftemplate bare-shelf
+  "A cap station to which no robot can fetch carriers: slots of its shelf are empty, or there is no way to them."
+  (slot station (type SYMBOL)))
+
 (deftemplate replan
   "Somebody wants a new plan."
   (slot reason (type STRING)))

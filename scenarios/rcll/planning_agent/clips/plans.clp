@@ -116,7 +116,8 @@
   (foreach ?id ?orders
     (assert (pddl-goal-fluent (instance planning) (goal ?name) (name delivered) (params (product-of ?id)))))
   (if ?*IN-ADVANCE*
-   then (do-for-all-facts ((?s cap-station)) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?s:name)))
+   then (do-for-all-facts ((?s cap-station)) (and (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?s:name)))
+                                                 (not (any-factp ((?b bare-shelf)) (eq ?b:station (pddl-name ?s:name)))))
           (assert (pddl-goal-fluent (instance planning) (goal ?name) (name cap-loaded) (params (pddl-name ?s:name))))))
   (assert (pddl-set-goals (instance planning) (goal ?name)))
   (modify ?alternative (state CLEARED)))

@@ -80,7 +80,7 @@
   (number ?instance down-for 0 ?name)
   (fluent ?instance input-free ?name)
   (fluent ?instance output-free ?name)
-  (if (eq ?kind CS) then (number ?instance shelf-time ?*HANDLING* ?name))
+  (if (eq ?kind CS) then (fluent ?instance shelf-stocked ?name) (number ?instance shelf-time ?*HANDLING* ?name))
   (if (eq ?kind RS) then (number ?instance payments 0 ?name) (number ?instance slide-room 3 ?name))
   (say-transport-times ?instance ?machine))
 

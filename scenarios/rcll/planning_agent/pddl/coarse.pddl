@@ -24,6 +24,7 @@
     (output-ready ?m - machine)        ; what is in work there will come out; not where the machine is down meanwhile
     (input-free ?m - machine)
     (output-free ?m - machine)
+    (shelf-stocked ?cs - cap-station)  ; carriers lie on its shelf, or will
     (carrier-at-input ?cs - cap-station)
     (cap-loaded ?cs - cap-station)
     (bare-base-at-output ?cs - cap-station)
