@@ -175,6 +175,37 @@
   =>
   (modify ?job (purpose CLEAR)))
 
+; --- Machines have something of which we do not know
+
+(defglobal ?*UNKNOWN* = 30.0)  ; s; a robot that has just taken a piece is seen sooner
+
+(defrule unknown-piece
+  "Something lies at an output that should be free."
+  (machine (name ?machine) (kind CS|RS) (state READY-AT-OUTPUT))
+  (in-problem production ?machine)
+  (not (unknown ?machine ?))
+  (pddl-fluent (instance production) (name output-free) (params =(pddl-name ?machine)))
+  (time ?now)
+  =>
+  (assert (unknown ?machine ?now)))
+
+(defrule unknown-no-more
+  ?unknown <- (unknown ?machine ?)
+  (or (machine (name ?machine) (state ~READY-AT-OUTPUT))
+      (not (pddl-fluent (instance production) (name output-free) (params =(pddl-name ?machine)))))
+  =>
+  (retract ?unknown))
+
+(defrule unknown-away
+  "Nobody fetches it: without a reset the machine would do nothing any more."
+  ?unknown <- (unknown ?machine ?since)
+  (not (job (station ?machine) (purpose MOVE|CLEAR)))
+  (time ?now&:(> ?now (+ ?since ?*UNKNOWN*)))
+  =>
+  (retract ?unknown)
+  (decide (str-cat "reset " ?machine) "nobody knows of the piece at its output")
+  (reset-machine ?machine))
+
 ; --- What becomes of the step
 
 (defrule failure-before-begin
@@ -317,7 +348,7 @@
   (assert (still ?version ?now)))
 
 (defrule still-bites
-  "A robot or machine is not done with something, and so nobody is with anything."
+  "A robot or machine is not done with something, and so nobody is with anything. A step of which no robot knows has failed."
   ?still <- (still ?version ?since)
   (world-version ?version)
   (exists (step (state RUNNING) (worker ~AGENT)))
@@ -328,4 +359,7 @@
   (do-for-all-facts ((?s step)) (and (eq ?s:state RUNNING) (neq ?s:worker AGENT))
     (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params) " waits for " (awaited ?s:work)))))
   (printout warn "nothing has ended for " ?*STILL* " s: " ?waiting crlf)
-  (decide "wait" ?waiting))
+  (decide "wait" ?waiting)
+  (delayed-do-for-all-facts ((?s step)) (and (eq ?s:state RUNNING) (eq ?s:worker ROBOT) (eq (awaited ?s:work) "nobody"))
+    (fail-part ?s lose)
+    (plan-again ?s)))
