@@ -34,12 +34,8 @@ class IdleFinder {
       if (budget_.over()) return;
       look_at(action);
     }
-    for (TimedEvent& event : ground_.events) {
-      budget_.spend(Work::kGround,
-                    static_cast<std::int64_t>(task_.problem.timed_facts.size() + task_.problem.timed_values.size()));
-      if (budget_.over()) return;
-      look_at(event);
-    }
+    look_at_events();
+    if (budget_.over()) return;
     drop_harmless();
   }
 
@@ -86,14 +82,21 @@ class IdleFinder {
     }
   }
 
-  void look_at(TimedEvent& event) {
-    out_ = &event.idle;
+  void look_at_events() {
     at_end_ = false;
-    for (const TimedFact& timed : task_.problem.timed_facts)
-      if (in_micros(timed.time) == event.time)
-        write(timed.fact.predicate, timed.fact.objects, timed.value, !timed.value);
-    for (const auto& [time, assignment, _] : task_.problem.timed_values)
-      if (in_micros(time) == event.time) write(symbol(assignment), assignment.objects, true, true);
+    const auto event_at = [this](double time) {
+      return std::ranges::lower_bound(ground_.events, in_micros(time), {}, &TimedEvent::time);
+    };
+    for (const TimedFact& timed : task_.problem.timed_facts) {
+      out_ = &event_at(timed.time)->idle;
+      write(timed.fact.predicate, timed.fact.objects, timed.value, !timed.value);
+    }
+    for (const auto& [time, assignment, _] : task_.problem.timed_values) {
+      out_ = &event_at(time)->idle;
+      write(symbol(assignment), assignment.objects, true, true);
+    }
+    budget_.spend(Work::kGround,
+                  static_cast<std::int64_t>(task_.problem.timed_facts.size() + task_.problem.timed_values.size()));
   }
 
   /// `needed` is what the ground action reads already.
@@ -162,6 +165,7 @@ class IdleFinder {
     };
     for (GroundAction& action : ground_.actions) rename(action.idle);
     for (TimedEvent& event : ground_.events) rename(event.idle);
+    std::erase_if(ground_.events, [](const TimedEvent& event) { return event.effects.empty() && event.idle.empty(); });
   }
 
   const Task& task_;

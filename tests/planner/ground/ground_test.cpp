@@ -188,6 +188,17 @@ TEST(Ground, NumbersThatNothingReadsAreLeftOut) {
   EXPECT_EQ(significant_numbers(*task), (std::vector<char>{1, 0})) << "cost decides no action and comes last";
 }
 
+TEST(Ground, EventsThatNothingTakesNoticeOfAreLeftOut) {
+  const Grounded task(R"((:predicates (there) (open ?d) (dark)) (:functions (toll))
+    (:action go :parameters (?d) :precondition (open ?d) :effect (and (there) (when (dark) (increase (toll) 1)))))",
+                      R"((:objects near far) (:init (open near) (= (toll) 0)
+      (at 2 (not (open near))) (at 3 (not (open far))) (at 4 (dark)) (at 5 (not (there))))
+    (:goal (there)) (:metric minimize (toll)))");
+  std::vector<double> times;
+  for (const TimedEvent& event : task->events) times.push_back(static_cast<double>(event.time) / kMicrosPerSecond);
+  EXPECT_EQ(times, (std::vector<double>{2, 4, 5})) << "far is never open";
+}
+
 TEST(Ground, ADurationThatEffectsReadIsOfferedSeveralTimes) {
   const std::string domain = R"((:functions (level)) (:predicates (idle))
     (:durative-action fill :parameters () :duration (and (>= ?duration 1) (<= ?duration 9)) :condition (at start (idle))
