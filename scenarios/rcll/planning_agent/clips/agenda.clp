@@ -1,14 +1,6 @@
 ; Which step begins next. A strategy names the steps that may be looked at; the PDDL manager is asked whether the conditions of
 ; the first of them hold; if so, it begins.
 
-(deffunction ahead ()
-  "How many groups after the first one that is under way may be looked at, by the strategy."
-  (switch ?*STRATEGY* (case "groups" then 0) (case "lookahead" then ?*LOOKAHEAD*) (default 1000000)))
-
-(deffunction in-groups ()
-  "Whether the strategy goes by groups; else a step waits for those that use its product or machine before it."
-  (member$ ?*STRATEGY* (create$ "groups" "lookahead")))
-
 (defrule agenda-idle-robot
   "A robot has nothing to do."
   (logical (exists (robot (state IDLE))) (not (job (step WAITING))) (not (to-look)))
@@ -32,8 +24,10 @@
   (logical
     (step (id ?id) (state OPEN|BLOCKED|APPROACHING) (group ?group))
     (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits))
-    (not (step (state ~DONE) (worker ~AGENT) (group ?g&:(< 0 ?g (- ?group (ahead))))))
-    (not (and (waits-for (step ?id) (for ?before&:(not (in-groups))))
+    (not (and (by-groups ?ahead)
+              (step (state ~DONE) (worker ~AGENT) (group ?g&:(< 0 ?g (- ?group ?ahead))))))
+    (not (and (waits-for (step ?id) (for ?before))
+              (not (by-groups ?))
               (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
     (not (and (follows (step ?id) (after ?before))
               (step (id ?before) (state ~DONE)))))
@@ -80,8 +74,9 @@
   (do-for-all-facts ((?f follows)) (eq ?f:step ?id)
     (bind ?first (step-that-is-not ?f:after DONE))
     (if ?first then (return (str-cat "the plan gives its robot " ?first " first"))))
-  (if (in-groups)
-   then (do-for-fact ((?s step)) (and (neq ?s:state DONE) (< 0 ?s:group (- ?group (ahead))))
+  (if (any-factp ((?b by-groups)) TRUE)
+   then (do-for-fact ((?b by-groups) (?s step))
+            (and (neq ?s:state DONE) (neq ?s:worker AGENT) (< 0 ?s:group (- ?group (nth$ 1 ?b:implied))))
           (return (str-cat (step-text ?s) " of group " ?s:group " is not done, and this is group " ?group)))
    else (do-for-all-facts ((?w waits-for)) (eq ?w:step ?id)
           (bind ?first (step-that-is-not ?w:for RUNNING DONE))

@@ -4,7 +4,6 @@
 
 (defglobal
   ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order, stn
-  ?*LOOKAHEAD* = 1               ; groups that lookahead:n may begin early
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
   ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
   ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
@@ -20,10 +19,12 @@
   (if (and (= (length$ ?n) 1) (integerp (nth$ 1 ?n)) (>= (nth$ 1 ?n) 0)) then (nth$ 1 ?n) else FALSE))
 
 (deffunction choose-dispatch-by (?word)
+  "By groups, of which so many may begin beside the first that is not done; else a step waits for those that use its product or machine before it."
   (bind ?ahead (groups-ahead ?word))
   (if ?ahead
-   then (bind ?*STRATEGY* "lookahead") (bind ?*LOOKAHEAD* ?ahead)
-   else (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))))
+   then (assert (by-groups ?ahead))
+   else (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))
+        (if (eq ?*STRATEGY* "groups") then (assert (by-groups 0)))))
 
 (deffunction choose-base-side-by (?word)
   (bind ?*BASE-SIDE* ?word)
