@@ -50,6 +50,20 @@
   (skip-no-more)
   (assert (replan (reason "a product is delivered"))))
 
+(defrule plan-with-fewer-robots
+  (in-problem planning ?robot)
+  (robot (name ?robot) (state OFF-FIELD))
+  (not (left-field ?robot))
+  =>
+  (assert (left-field ?robot) (replan (reason (str-cat ?robot " is off the field")))))
+
+(defrule plan-with-more-robots
+  ?left <- (left-field ?robot)
+  (robot (name ?robot) (state ~OFF-FIELD))
+  =>
+  (retract ?left)
+  (assert (replan (reason (str-cat ?robot " is back")))))
+
 ; --- 1. The world as it will be (copy.clp), and what to plan for in it
 
 (defrule plan-begin
