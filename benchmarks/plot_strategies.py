@@ -13,7 +13,6 @@ import sys
 # Student's t for 95 %, by degrees of freedom; 1.97 beyond.
 T = {5: 2.571, 9: 2.262, 11: 2.201, 14: 2.145, 19: 2.093, 29: 2.045, 39: 2.023}
 LEFT, RIGHT, ROW, TOP = 190, 900, 20, 24
-MOST = 800  # points, at the right edge
 
 
 def interval(points):
@@ -22,16 +21,17 @@ def interval(points):
     return T.get(len(points) - 1, 1.97) * statistics.stdev(points) / math.sqrt(len(points))
 
 
-def x(points):
-    return LEFT + (RIGHT - LEFT) * points / MOST
-
-
 def drawing(rows):
     strategies = list(dict.fromkeys(row["strategy"] for row in rows))
     bottom = TOP + ROW * len(strategies)
+    most = 100 * math.ceil(max(float(row["points"]) for row in rows) / 100)  # at the right edge
+
+    def x(points):
+        return LEFT + (RIGHT - LEFT) * points / most
+
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {RIGHT + 20} {bottom + 30}" font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="white"/>']
-    for points in range(0, MOST + 1, 100):
+    for points in range(0, most + 1, 100):
         out.append(f'<line x1="{x(points)}" y1="{TOP - 8}" x2="{x(points)}" y2="{bottom}" stroke="#ddd"/>'
                    f'<text x="{x(points)}" y="{bottom + 18}" text-anchor="middle" fill="#555">{points}</text>')
     for i, strategy in enumerate(strategies):
