@@ -104,6 +104,9 @@
   "An order for which there is no plan as the world is: it is not proposed until a machine works again or a product is delivered."
   (slot order (type INTEGER)))
 
+(deffunction skip-no-more ()
+  (do-for-all-facts ((?s skipped)) TRUE (retract ?s)))
+
 (deffacts planning
   (planning)
   (world-version 0))

@@ -2,9 +2,6 @@
 
 ; --- When there is a new plan to be made
 
-(deffunction skip-no-more ()
-  (do-for-all-facts ((?s skipped)) TRUE (retract ?s)))
-
 (deffunction room-for-more ()
   "Whether another order could be worked for, and one is worth it."
   (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (open-orders)) 0)))

@@ -163,7 +163,7 @@
   (machine (name ?machine) (state ~DOWN&~BROKEN))
   =>
   (retract ?out)
-  (do-for-all-facts ((?s skipped)) TRUE (retract ?s))
+  (skip-no-more)
   (change-working ?machine TRUE))
 
 ; --- When points are lost
