@@ -53,7 +53,7 @@
   (ros-msgs-publisher (topic "/set_robot_maintenance"))
   (time ?now&:(> ?now (+ ?since ?*STANDS*)))
   =>
-  (printout warn ?name " does not move: it is asked off the field" crlf)
+  (decide (str-cat "ask " ?name " off the field") "it does not move any more")
   (assert (repair (robot ?name) (number ?number) (cycle (+ (repairs-of ?name) 1))))
   (ask-for-maintenance ?number TRUE))
 

@@ -92,6 +92,7 @@
   =>
   (retract ?trouble)
   (bind ?job (modify ?job (tries 0) (handed-over 0)))
+  (decide (str-cat "have another base dispensed at " (fact-slot-value ?job from)) "there is none")
   (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?bs))
   (assert (held-up (job ?id) (step FETCH)))
   (dispense-base ?job))
