@@ -17,11 +17,15 @@
     (bind ?ids (create$ ?ids ?o:id)))
   ?ids)
 
+(deffunction is-true (?name $?params)
+  "Of the world as it is."
+  (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
+
 (deffunction without-cap (?order)
   "Whether the cap of an order cannot be had any more."
   (any-factp ((?o order) (?d does) (?b bare-shelf))
     (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine))
-         (not (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name cap-loaded) (eq ?f:params (create$ ?b:station))))))))
+         (not (is-true cap-loaded ?b:station)))))
 
 (deffunction open-orders ()
   "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
@@ -33,21 +37,21 @@
 (deffunction propose (?number $?orders)
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
-(deffunction not-begun (?product)
-  (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ ?product)))))
-
 (deffunction stuck (?product)
   "Whether it lies at or in a machine that is out of order for long."
-  (or (any-factp ((?l long-out-of-order) (?f pddl-fluent))
-        (and (eq ?f:instance production) (eq ?f:name at-input) (eq ?f:params (create$ ?product (pddl-name (nth$ 1 ?l:implied))))))
+  (or (any-factp ((?l long-out-of-order)) (is-true at-input ?product (pddl-name (nth$ 1 ?l:implied))))
       (any-factp ((?l long-out-of-order) (?s step))
         (and (eq ?s:state RUNNING) (eq ?s:worker MACHINE) (eq (subseq$ ?s:params 1 2) (create$ ?product (pddl-name (nth$ 1 ?l:implied))))))))
 
+(deffunction rests (?product)
+  "Whether nobody has fetched its base, or it is stuck."
+  (or (is-true not-begun ?product) (stuck ?product)))
+
 (deffunction can-be-put-off (?ours)
-  "Of these orders that which earns least, of those whose base nobody has fetched and those that are stuck; 0: there is none."
+  "Of these orders that which earns least and whose product rests; 0: there is none."
   (bind ?last 0)
   (foreach ?id ?ours
-    (if (or (not-begun (product-of ?id)) (stuck (product-of ?id)))
+    (if (rests (product-of ?id))
      then (if (or (= ?last 0) (= (best-of (create$ ?last ?id)) ?last)) then (bind ?last ?id))))
   ?last)
 

@@ -88,7 +88,6 @@
   (bare-shelf)
   ?order <- (order (id ?id) (state STARTED))
   (test (without-cap ?id))
-  (not (step (state RUNNING) (action mount-cap) (params =(product-of ?id) $?)))
   (not (and (pddl-fluent (instance production) (name at-step) (params =(product-of ?id) ?s))
             (pddl-fluent (instance production) (name work-at) (params =(product-of ?id) ?s ?m&:(eq (sub-string 1 1 ?m) "d")))))
   (not (step (state RUNNING) (params =(product-of ?id) $?)))

@@ -294,7 +294,7 @@
 (deffunction put-off (?orders)
   "What we work for no more, unless it has begun meanwhile."
   (do-for-all-facts ((?o order))
-      (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)) (or (not-begun (product-of ?o:id)) (stuck (product-of ?o:id))))
+      (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)) (rests (product-of ?o:id)))
     (decide (str-cat "put off order " ?o:id) "another one is worth more")
     (modify ?o (state OPEN))))
 

@@ -19,9 +19,9 @@
     (not-begun ?p - product)
     (at-input ?p - product ?m - machine)
     (at-output ?p - product ?m - machine)
-    ; a side of a machine is free when nothing lies there and nobody brings a piece
     (working ?m - machine)             ; is not down or broken
     (output-ready ?m - machine)        ; what is in work there will come out; not where the machine is down meanwhile
+    ; a side of a machine is free when nothing lies there and nobody brings a piece
     (input-free ?m - machine)
     (output-free ?m - machine)
     (shelf-stocked ?cs - cap-station)  ; carriers lie on its shelf, or will
