@@ -12,11 +12,10 @@
   (robot (name ?robot) (state IDLE) (idle-since ?since))
   (robot-waits)
   (not (noticed ?robot ?since))
-  ?version <- (world-version ?n)
   =>
   (do-for-all-facts ((?o noticed)) (eq (nth$ 1 ?o:implied) ?robot) (retract ?o))
-  (retract ?version)
-  (assert (noticed ?robot ?since) (world-version (+ ?n 1))))
+  (assert (noticed ?robot ?since))
+  (look-again))
 
 (defrule agenda-allowed
   "By the strategy a step may begin, and it has a worker."

@@ -19,10 +19,9 @@
   ?effect <- (pddl-action-get-effect (action ?action) (state DONE))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-numeric-fluent-change (instance production)))
-  ?version <- (world-version ?n)
   =>
-  (retract ?effect ?version)
-  (assert (world-version (+ ?n 1)))
+  (retract ?effect)
+  (look-again)
   (do-for-all-facts ((?a pddl-action)) (and (eq ?a:id ?action) (eq ?a:plan part)) (retract ?a)))
 
 (deffunction add-step (?action ?params)

@@ -53,7 +53,6 @@
   "The robot takes longer than was predicted: steps are looked at again."
   ?expected <- (expected ? ?end)
   (time ?now&:(>= ?now ?end))
-  ?version <- (world-version ?n)
   =>
-  (retract ?expected ?version)
-  (assert (world-version (+ ?n 1))))
+  (retract ?expected)
+  (look-again))

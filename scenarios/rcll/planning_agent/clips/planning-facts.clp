@@ -111,6 +111,13 @@
   (planning)
   (world-version 0))
 
+(deffunction look-again ()
+  "What was held back is looked at again."
+  (do-for-fact ((?v world-version)) TRUE
+    (bind ?n (nth$ 1 ?v:implied))
+    (retract ?v)
+    (assert (world-version (+ ?n 1)))))
+
 (deffunction game-time ()
   (do-for-fact ((?g game) (?t time)) TRUE (return (- (nth$ 1 ?t:implied) ?g:begin)))
   0.0)

@@ -125,7 +125,7 @@
 (deffunction change-working (?machine ?change)
   (bind ?name (pddl-name ?machine))
   (if ?change then (fluent production working ?name) else (no-fluent production working ?name))
-  (do-for-fact ((?v world-version)) TRUE (assert (world-version (+ (nth$ 1 ?v:implied) 1))) (retract ?v)))
+  (look-again))
 
 (deffunction out-of-order-for (?since ?mean)
   "s that are still expected: until the league's mean is over; a machine that is down for longer than can be is not counted on any more."
