@@ -21,6 +21,7 @@ struct TimedSkillsConfig {
   std::optional<double> discard_mean_s;
   double discard_sigma_s = 0.2;
   double shortest_s = 2.0;
+  double drive_sigma = 0;    ///< of a drive's time, as a share of what is planned; it takes at least 0.4 of that
   double drive_failure = 0;  ///< probability a drive_to that it ends with 201, where it should have ended well
   double pick_failure = 0;   ///< a pick: 206, the piece stays
   double place_failure = 0;  ///< a place: 204, the piece stays in the gripper
@@ -37,6 +38,7 @@ struct TimedSkillsConfig {
     keys("discard_mean_s", discard_mean_s);
     keys("discard_sigma_s", discard_sigma_s);
     keys("shortest_s", shortest_s);
+    keys("drive_sigma", drive_sigma);
     keys("drive_failure", drive_failure);
     keys("pick_failure", pick_failure);
     keys("place_failure", place_failure);

@@ -16,6 +16,7 @@ namespace {
 // What a transport saves of a pick and a place: it looks while it drives the last metre, and checks its grip on the
 // way.
 constexpr double kLookAheadTime = 2.3, kCheckTime = 2.0;  // s
+constexpr double kShortestDrive = 0.4;                    // of the planned time
 
 }  // namespace
 
@@ -46,6 +47,7 @@ Status validate(const TimedSkillsConfig& config) {
                          {"shortest_s", config.shortest_s, kPositive, kAny, "a time > 0 s"},
                          {"pick_sigma_s", config.pick_sigma_s, 0, kAny, ">= 0 s"},
                          {"place_sigma_s", config.place_sigma_s, 0, kAny, ">= 0 s"},
+                         {"drive_sigma", config.drive_sigma, 0, kAny, "a share of the planned time, >= 0"},
                          {"drive_failure", config.drive_failure, 0, 1, "a probability, 0 .. 1"},
                          {"pick_failure", config.pick_failure, 0, 1, "a probability, 0 .. 1"},
                          {"place_failure", config.place_failure, 0, 1, "a probability, 0 .. 1"}})
@@ -62,6 +64,7 @@ TimedSkills::TimedSkills(RobotId robot, const WorldView& world, RobotBook& book,
       traffic_(traffic),
       config_(config),
       durations_(seed, "durations/" + world.plan().robot(robot).name),
+      drives_(seed, "drives/" + world.plan().robot(robot).name),
       failures_(seed, "failures/" + world.plan().robot(robot).name) {}
 
 void TimedSkills::start(const SkillGoal& goal, SimTime now) {
@@ -80,6 +83,8 @@ void TimedSkills::begin(const SkillGoal& goal, SimTime now) {
   zone_ = goal.pose.position();
   const Destination there = destination_of(goal, world_, traffic_, robot_);
   goal_.pose = there.pose;
+  if (config_.drive_sigma > 0)
+    traffic_.stretch(robot_, std::max(kShortestDrive, drives_.normal(1, config_.drive_sigma)));
   traffic_.request(robot_, there.pose, there.ground, now);
 }
 

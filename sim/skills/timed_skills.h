@@ -43,6 +43,7 @@ class TimedSkills final : public RobotSkills {
   Traffic& traffic_;
   TimedSkillsConfig config_;
   RandomStream durations_;
+  RandomStream drives_;
   RandomStream failures_;
   SkillGoal goal_;
   std::optional<SkillGoal> next_;  ///< the second part of a transport

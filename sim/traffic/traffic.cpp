@@ -142,8 +142,13 @@ Segment Traffic::footprint_at_goal(const Robot& robot) const {
 
 DriveLimits Traffic::limits_of(const Robot& robot) const {
   DriveLimits limits = limits_;
-  limits.speed *= robot.speed;
-  limits.turn *= robot.speed;
+  const double speed = robot.speed / robot.stretch, change = 1 / (robot.stretch * robot.stretch);
+  limits.speed *= speed;
+  limits.turn *= speed;
+  limits.speed_up *= change;
+  limits.slow_down *= change;
+  limits.sideways *= change;
+  limits.turn_up *= change;
   return limits;
 }
 

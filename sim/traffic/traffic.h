@@ -31,6 +31,8 @@ class Traffic {
   void observe(RobotId robot, const Pose2& pose, SimTime now);
   /// The robot drives at that share of its speed from now on; at 0 it stands where it is, and others drive around it.
   void set_speed(RobotId robot, double share, SimTime now);
+  /// Motions that are planned from now on take so many times as long (> 0).
+  void stretch(RobotId robot, double times) { at(robot).stretch = times; }
   /// The robot was halted on its way and stands there: what it drives for is planned anew.
   void halted(RobotId robot, const Pose2& pose, SimTime now);
   /// People have put the robot there: it stands, without a request, and others brake that would meet it.
@@ -89,7 +91,8 @@ class Traffic {
     std::optional<std::size_t>
         yields_to;  ///< the robot whose way it left; it does not drive back before that one has gone
     SimTime yields_until{};
-    double speed = 1;  ///< share of the limits
+    double speed = 1;    ///< share of the limits
+    double stretch = 1;  ///< of the time of its motions
   };
 
   const Robot& at(RobotId id) const { return robots_[index_of(id)]; }

@@ -90,6 +90,16 @@ TEST(FleetInTime, TheSameSeedGivesTheSameRecords) {
   EXPECT_NE(play(4, 300).hash, play(5, 300).hash);
 }
 
+TEST(FleetInTime, DrivesOfDrawnTimesMeetNobodyAndAreTheSameForASeed) {
+  TimedSkillsConfig config;
+  config.drive_sigma = 0.5;
+  const Outcome outcome = play(4, 1200, config);
+  EXPECT_EQ(play(4, 1200, config).hash, outcome.hash);
+  EXPECT_NE(play(4, 1200).hash, outcome.hash);
+  EXPECT_TRUE(outcome.report.trouble.empty()) << outcome.report.trouble.front();
+  EXPECT_GT(outcome.report.picks + outcome.report.places, 100);
+}
+
 TEST(FleetInTime, AHaltMovesAllThatRobotsDoAndChangesNothing) {
   const std::vector<double> at{20, 61.3, 61.3, 150, 222.2};
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -161,6 +171,10 @@ TEST(TimedSkillsConfig, WrongNumbersAreRefusedByName) {
   config.shortest_s = 0;
   ASSERT_FALSE(validate(config));
   EXPECT_NE(validate(config).error().message.find("shortest_s"), std::string::npos);
+  config = {};
+  config.drive_sigma = -0.1;
+  ASSERT_FALSE(validate(config));
+  EXPECT_NE(validate(config).error().message.find("drive_sigma"), std::string::npos);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "sim/skills/timed_skills.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -72,7 +73,8 @@ class LoggedBook final : public RobotBook {
 /// robot1 with its skills; robot2 is known to the traffic only.
 class Floor {
  public:
-  Floor() : traffic(world.plan()), book(world, calls), skills(kRobot1, world, book, traffic, config(), 1) {}
+  explicit Floor(const TimedSkillsConfig& with = config())
+      : traffic(world.plan()), book(world, calls), skills(kRobot1, world, book, traffic, with, 1) {}
   static TimedSkillsConfig config() {
     TimedSkillsConfig config;
     config.pick_mean_s = 3;
@@ -330,6 +332,49 @@ TEST_P(TimedSkill, WritesTheBookAndEndsInTime) {
 
 INSTANTIATE_TEST_SUITE_P(Table, TimedSkill, testing::ValuesIn(cases()),
                          [](const auto& row) { return std::string(row.param.name); });
+
+/// The times of so many drives from one spot to another.
+std::vector<double> drive_times(double sigma, int drives) {
+  TimedSkillsConfig config = Floor::config();
+  config.drive_sigma = sigma;
+  Floor f(config);
+  std::vector<double> times;
+  for (int i = 0; i < drives; ++i) {
+    for (const char* target : {"C-BS-OUTPUT", "C-RS1-INPUT"}) {
+      f.start(kDriveTo, target);
+      f.tick([](double) {});
+      const auto& motion = *f.traffic.motion(kRobot1);
+      if (i > 0 && target[2] == 'B') times.push_back(to_seconds(motion.duration()));
+      while (f.skills.next_due() != kNever) f.tick([](double) {});
+    }
+  }
+  return times;
+}
+
+TEST(DriveTimes, AreAsPlannedWithoutNoise) {
+  const std::vector<double> times = drive_times(0, 5);
+  EXPECT_EQ(std::ranges::min(times), std::ranges::max(times));
+}
+
+TEST(DriveTimes, SpreadByAShareOfWhatIsPlanned) {
+  const double planned = drive_times(0, 2).front();
+  const std::vector<double> times = drive_times(0.25, 151);
+  double sum = 0, squares = 0;
+  for (const double time : times) {
+    sum += time / planned;
+    squares += (time / planned - 1) * (time / planned - 1);
+  }
+  const auto n = static_cast<double>(times.size());
+  EXPECT_NEAR(sum / n, 1, 0.06);
+  EXPECT_NEAR(std::sqrt(squares / n), 0.25, 0.04);
+}
+
+TEST(DriveTimes, AreAtLeastTwoFifthsOfWhatIsPlanned) {
+  const double planned = drive_times(0, 2).front();
+  const std::vector<double> times = drive_times(1, 40);
+  EXPECT_NEAR(std::ranges::min(times), 0.4 * planned, 0.1);
+  EXPECT_GT(std::ranges::max(times), 2 * planned);
+}
 
 }  // namespace
 }  // namespace cxlab::sim

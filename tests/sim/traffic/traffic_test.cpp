@@ -141,6 +141,30 @@ TEST(Traffic, ASlowRobotThatIsFastAgainDrivesFastAtOnce) {
   EXPECT_LT(floor.until([&] { return floor.traffic.arrived(kRobot1); }), 11 / DriveLimits{}.speed + 3);
 }
 
+TEST(Traffic, AStretchedMotionIsTheSameOneInSoManyTimesTheTime) {
+  FloorPlan plan = open_floor({{-6, 1, 0}});
+  plan.stations = {{"A", "BS", {-3, 1.2, 0}, true}};
+  const auto planned = [&](double times) {
+    Drivers floor(plan);
+    floor.traffic.stretch(kRobot1, times);
+    floor.traffic.request(kRobot1, {0, 1.2, 3}, {}, floor.now);
+    floor.tick();
+    return *floor.traffic.motion(kRobot1);
+  };
+  const Trajectory usual = planned(1);
+  for (const double times : {0.5, 1.6}) {
+    const Trajectory other = planned(times);
+    EXPECT_NEAR(to_seconds(other.duration()), times * to_seconds(usual.duration()), 0.11);
+    for (double part = 0; part <= 1; part += 0.125) {
+      const auto at = [&](const Trajectory& motion) {
+        return motion.at(motion.start() + from_seconds(part * to_seconds(motion.duration())));
+      };
+      EXPECT_LT(distance(at(other).position(), at(usual).position()), 0.1) << times << " at " << part;
+      EXPECT_LT(std::abs(wrap_angle(at(other).yaw - at(usual).yaw)), 0.15) << times << " at " << part;
+    }
+  }
+}
+
 TEST(Traffic, MotionsStayWithinTheLimitsOfTheBase) {
   FloorPlan plan = open_floor({{-6, 1, 0}});
   plan.stations = {
