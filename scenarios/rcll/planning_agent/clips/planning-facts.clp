@@ -101,8 +101,15 @@
   (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
 
 (deftemplate skipped
-  "An order for which there is no plan as the world is: it is not proposed until a machine works again or a product is delivered."
-  (slot order (type INTEGER)))
+  "An order for which there is no plan as the world is: it is not proposed until a machine works again, a product is delivered,
+   or there has been nothing to do for a while."
+  (slot order (type INTEGER))
+  (slot since (type FLOAT)))
+
+(deftemplate left-open
+  "Why nobody works for an open order though there is nothing else to do: said, and not to be said again."
+  (slot order (type INTEGER))
+  (slot why (type STRING)))
 
 (deffunction skip-no-more ()
   (do-for-all-facts ((?s skipped)) TRUE (retract ?s)))

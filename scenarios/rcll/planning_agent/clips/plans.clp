@@ -26,18 +26,45 @@
   (assert (second-with ?id))
   (if (eq ?state STARTED) then (assert (replan (reason (str-cat "the other team was first with order " ?id))))))
 
+(defglobal
+  ?*LOOK-AGAIN* = 10.0   ; s, whether there is more to do
+  ?*TRY-AGAIN* = 60.0)   ; s, what there was no plan for
+
+(deffunction why-left-open (?order)
+  (if (any-factp ((?s skipped)) (= ?s:order (fact-slot-value ?order id))) then (return "there is no plan for it as the world is"))
+  (if (without-cap (fact-slot-value ?order id)) then (return "its cap cannot be had"))
+  (bind ?ready (+ (game-time) (time-to-make (fact-slot-value ?order rings))))
+  (if (> ?ready ?*GAME*) then (return "there is no time left for it"))
+  (if (< ?ready (- (fact-slot-value ?order begin) ?*EARLY*))
+   then (format nil "its window begins at %.0f s: too early" (fact-slot-value ?order begin))
+   else "it is worth nothing"))
+
+(deffunction leave-open ()
+  "Why nobody works for the open orders: of each it is said once."
+  (foreach ?id (orders-in OPEN)
+    (do-for-fact ((?o order)) (= ?o:id ?id)
+      (bind ?why (why-left-open ?o))
+      (if (not (any-factp ((?l left-open)) (and (= ?l:order ?id) (eq ?l:why ?why))))
+       then (do-for-all-facts ((?l left-open)) (= ?l:order ?id) (retract ?l))
+            (assert (left-open (order ?id) (why ?why)))
+            (decide (str-cat "leave order " ?id " open") ?why)))))
+
 (defrule plan-again-when-done
-  "Every step of the plan is done, and there is more to do."
+  "Nothing of the plan can be done any more: what else there is to do is planned, if it is worth it."
   (planning (state IDLE))
   (had-plan)
-  (not (step (state ~DONE)))
+  (not (step (state ~DONE&~FAILED)))
   (exists (order (state ~DONE)))
   (not (replan))
   (time ?now)
-  ?last <- (planned-at ?at&:(> ?now (+ ?at 10.0)))
+  ?last <- (planned-at ?at&:(> ?now (+ ?at ?*LOOK-AGAIN*)))
   =>
   (retract ?last)
-  (assert (replan (reason "the plan is done"))))
+  (do-for-all-facts ((?s skipped)) (> ?now (+ ?s:since ?*TRY-AGAIN*)) (retract ?s))
+  (if (or (neq (orders-in STARTED) (create$)) (room-for-more))
+   then (assert (replan (reason "the plan is done")))
+   else (leave-open)
+        (assert (planned-at ?now))))
 
 (defrule plan-again-with-room
   "A product is delivered: there is room for the next one."
@@ -307,7 +334,7 @@
   (take-plan (fact-slot-value ?best name))
   (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
 
-(deffunction skip-without-plan ()
+(deffunction skip-without-plan (?now)
   "Orders for which there is no plan beside what we work for, if there is one for that. TRUE: there are some."
   (bind ?some FALSE)
   (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (eq ?ours:state WITHOUT-PLAN))))
@@ -315,7 +342,7 @@
     (do-for-all-facts ((?a alternative)) (eq ?a:state WITHOUT-PLAN)
       (bind ?id (nth$ (length$ ?a:orders) ?a:orders))
       (decide (str-cat "skip order " ?id) "there is no plan for it as the world is")
-      (assert (skipped (order ?id)))
+      (assert (skipped (order ?id) (since ?now)))
       (bind ?some TRUE)))
   ?some)
 
@@ -339,7 +366,7 @@
   =>
   (note-planned ?now)
   (assert (had-plan))
-  (bind ?others (skip-without-plan))
+  (bind ?others (skip-without-plan ?now))
   (bind ?best (best-alternative))
   (if ?best then (carry-out ?best) else (go-on ?others))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
