@@ -72,7 +72,7 @@ class PlanningGames(unittest.TestCase):
     def test_greedy_loads_all_files_of_the_rule_agent(self):
         rcll = pathlib.Path(SCENARIO).parent
         of_rules = re.findall(r'"clips/(.*)\.clp"', (rcll / "agent/params/agent.yaml").read_text())
-        loaded = re.search(r'greedy"\)\s+then\s+\(load-files "rcll_agent"(.*?)\)', (rcll / "planning_agent/clips/strategy.clp").read_text(), re.DOTALL)
+        loaded = re.search(r'greedy\)\s+then\s+\(load-files "rcll_agent"(.*?)\)', (rcll / "planning_agent/clips/strategy.clp").read_text(), re.DOTALL)
         self.assertEqual(loaded.group(1).split(), of_rules)
 
     def test_greedy_has_the_settings_of_robots(self):

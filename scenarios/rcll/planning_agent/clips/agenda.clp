@@ -17,21 +17,14 @@
   (assert (noticed ?robot ?since))
   (look-again))
 
-(defrule agenda-allowed
-  "By the strategy a step may begin, and it has a worker."
-  (declare (salience 10))
+(defrule agenda-candidate
+  "A step has not begun, and it has a worker. Which candidates are allowed to begin says the strategy (dispatch)."
+  (declare (salience 20))
   (logical
-    (step (id ?id) (state OPEN|BLOCKED|APPROACHING) (group ?group))
-    (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits))
-    (not (and (by-groups ?ahead)
-              (step (state ~DONE) (worker ~AGENT) (group ?g&:(< 0 ?g (- ?group ?ahead))))))
-    (not (and (waits-for (step ?id) (for ?before))
-              (not (by-groups ?))
-              (step (id ?before) (state OPEN|CHECKING|BLOCKED|APPROACHING|FAILED))))
-    (not (and (follows (step ?id) (after ?before))
-              (step (id ?before) (state ~DONE)))))
+    (step (id ?id) (state OPEN|BLOCKED|APPROACHING))
+    (or (step (id ?id) (worker ~ROBOT)) (step (id ?id) (state APPROACHING)) (robot-waits)))
   =>
-  (assert (allowed ?id)))
+  (assert (candidate ?id)))
 
 (defrule agenda-open
   "Steps begin while there is a plan, also while a new one is made; not while the world is copied for it."
@@ -60,28 +53,6 @@
 
 (defglobal ?*TOLD* = (create$))  ; the steps of which it was said why they are held back
 
-(deffunction step-text (?step)
-  (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))))
-
-(deffunction step-that-is-not (?id $?states)
-  "The text of that step; FALSE if there is none, or in one of these states."
-  (do-for-fact ((?s step)) (eq ?s:id ?id) (return (if (member$ ?s:state ?states) then FALSE else (step-text ?s))))
-  FALSE)
-
-(deffunction why-held-back (?id ?group)
-  "By the strategy; FALSE: it is not."
-  (do-for-all-facts ((?f follows)) (eq ?f:step ?id)
-    (bind ?first (step-that-is-not ?f:after DONE))
-    (if ?first then (return (str-cat "the plan gives its robot " ?first " first"))))
-  (if (any-factp ((?b by-groups)) TRUE)
-   then (do-for-fact ((?b by-groups) (?s step))
-            (and (neq ?s:state DONE) (neq ?s:worker AGENT) (< 0 ?s:group (- ?group (nth$ 1 ?b:implied))))
-          (return (str-cat (step-text ?s) " of group " ?s:group " is not done, and this is group " ?group)))
-   else (do-for-all-facts ((?w waits-for)) (eq ?w:step ?id)
-          (bind ?first (step-that-is-not ?w:for RUNNING DONE))
-          (if ?first then (return (str-cat ?first " uses its product or machine first")))))
-  FALSE)
-
 (defrule agenda-held-back
   "All steps have been looked at that the strategy names: of the others it is said once why it does not name them."
   (declare (salience -10))
@@ -99,7 +70,7 @@
     (if (member$ ?s:id ?*TOLD*)
      then (bind ?told (create$ ?told ?s:id))
      else (if (or ?robot-waits (neq ?s:worker ROBOT))
-           then (bind ?why (why-held-back ?s:id ?s:group))
+           then (bind ?why (why-held-back ?s))
                 (if ?why
                  then (decide (str-cat "hold back " (step-text ?s)) ?why)
                       (bind ?told (create$ ?told ?s:id))))))
@@ -115,7 +86,9 @@
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-UNSAT) (unsatisfied-conditions $?missing))
   ?step <- (step (id ?id) (state CHECKING))
   =>
-  (hold-back ?step ?check (implode$ ?missing)))
+  (bind ?why "")
+  (foreach ?condition ?missing (bind ?why (list-text ?why ?condition)))
+  (hold-back ?step ?check (str-cat "missing: " ?why)))
 
 (defrule agenda-no-carrier
   "The PDDL domain knows nothing of empty shelves."

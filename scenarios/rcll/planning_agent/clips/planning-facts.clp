@@ -3,28 +3,12 @@
 ; way has ended.
 
 (defglobal
-  ?*STRATEGY* = "partial-order"  ; groups, lookahead, partial-order, stn
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
   ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/planning-agent.md)
   ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
   ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
   ?*PRODUCTS* = 3                ; that are planned for at once
   ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
-
-(deffunction groups-ahead (?dispatch)
-  "The n of lookahead:n; FALSE: it is none."
-  (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
-  (bind ?n (explode$ (sub-string 11 (str-length ?dispatch) ?dispatch)))
-  (if (eq ?n (create$ unlimited)) then (return 1000000))
-  (if (and (= (length$ ?n) 1) (integerp (nth$ 1 ?n)) (>= (nth$ 1 ?n) 0)) then (nth$ 1 ?n) else FALSE))
-
-(deffunction choose-dispatch-by (?word)
-  "By groups, of which so many may begin beside the first that is not done; else a step waits for those that use its product or machine before it."
-  (bind ?ahead (groups-ahead ?word))
-  (if ?ahead
-   then (assert (by-groups ?ahead))
-   else (bind ?*STRATEGY* (one-of "strategy.dispatch" ?*STRATEGY* "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))
-        (if (eq ?*STRATEGY* "groups") then (assert (by-groups 0)))))
 
 (deffunction choose-base-side-by (?word)
   (bind ?*BASE-SIDE* ?word)
@@ -35,7 +19,6 @@
   ?read <- (read-settings)
   =>
   (retract ?read)
-  (choose-dispatch-by (ros-param-get-value "strategy.dispatch" ?*STRATEGY*))
   (read-settings-of-robots 10.0 "nearest" "rested" "both" "finish")
   (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))

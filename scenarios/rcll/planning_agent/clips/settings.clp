@@ -2,21 +2,6 @@
 
 (deffacts settings (read-settings))
 
-(deffunction one-of (?parameter ?default $?words)
-  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
-  (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (member$ ?value ?words) then (return ?value))
-  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
-  ?default)
-
-(deffunction at-least (?least ?parameter ?default)
-  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
-  (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (>= ?value ?least) then (return ?value))
-  (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
-                  ?least "; taken: " ?default crlf)
-  ?default)
-
 (deffunction choose-robots-by (?word)
   "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
   (switch ?word

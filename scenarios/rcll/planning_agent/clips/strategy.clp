@@ -1,16 +1,35 @@
-; The files of the strategy: strategy.dispatch says whether the robots work by plans or, greedy, by the rules of the rule agent.
+; The files of the strategy that strategy.dispatch names: robots work by plans, whose steps begin as a file of dispatch/ says, or
+; by the rules of the rule agent (greedy).
 
 (deffunction load-files (?package $?files)
   (foreach ?file ?files
     (load* (str-cat (ament-index-get-package-share-directory ?package) "/clips/" ?file ".clp"))))
 
-(if (eq (ros-param-get-value "strategy.dispatch" "partial-order") "greedy")
- then
-  (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration payments shelves cap-stations worth orders products
-                           shared-machines trouble recovery maintenance repairs)
-  (load-files "rcll_planning_agent" settings greedy)
- else
-  (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration shelves worth shared-machines trouble maintenance
-                           repairs)
-  (load-files "rcll_planning_agent" settings planning-facts problem alternatives execution copy plans refinement agenda finish
-                                    failures exchange))
+(load-files "rcll_planning_agent" parameters)
+
+(deffunction groups-ahead (?dispatch)
+  "The n of lookahead:n, 0 of groups; FALSE: it is none of them."
+  (if (eq ?dispatch "groups") then (return 0))
+  (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
+  (bind ?n (explode$ (sub-string 11 (str-length ?dispatch) ?dispatch)))
+  (if (eq ?n (create$ unlimited)) then (return 1000000))
+  (if (and (= (length$ ?n) 1) (integerp (nth$ 1 ?n)) (>= (nth$ 1 ?n) 0)) then (nth$ 1 ?n) else FALSE))
+
+(deffunction dispatch-file ()
+  (if (groups-ahead (ros-param-get-value "strategy.dispatch" "partial-order"))
+   then groups
+   else (sym-cat (one-of "strategy.dispatch" "partial-order" "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))))
+
+(deffunction load-strategy (?file)
+  (if (eq ?file greedy)
+   then
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration payments shelves cap-stations worth orders products
+                             shared-machines trouble recovery maintenance repairs)
+    (load-files "rcll_planning_agent" settings dispatch/greedy)
+   else
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration shelves worth shared-machines trouble maintenance
+                             repairs)
+    (load-files "rcll_planning_agent" settings planning-facts problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
+                                      plans refinement agenda finish failures exchange)))
+
+(load-strategy (dispatch-file))

@@ -1,0 +1,16 @@
+; Parameters of the node, looked at before they are used.
+
+(deffunction one-of (?parameter ?default $?words)
+  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (member$ ?value ?words) then (return ?value))
+  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
+  ?default)
+
+(deffunction at-least (?least ?parameter ?default)
+  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
+  (bind ?value (ros-param-get-value ?parameter ?default))
+  (if (>= ?value ?least) then (return ?value))
+  (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
+                  ?least "; taken: " ?default crlf)
+  ?default)
