@@ -17,7 +17,7 @@
 
 (defrule copy-number
   (planning (state COPY))
-  (pddl-numeric-fluent (instance production) (name ?name&~window-in&~down-for) (params $?params) (value ?value))
+  (pddl-numeric-fluent (instance production) (name ?name&~window-in&~down-for&~handling-time) (params $?params) (value ?value))
   (not (pddl-numeric-fluent (instance planning) (name ?name) (params $?params) (value ?value)))
   =>
   (number planning ?name ?value ?params))
@@ -28,6 +28,11 @@
   (order (id ?id) (begin ?begin))
   =>
   (number planning window-in (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))) (product-of ?id)))
+
+(defrule copy-handling
+  (planning (state COPY))
+  =>
+  (number planning handling-time ?*HANDLING*))
 
 (defrule copy-out-of-order
   (planning (state COPY))

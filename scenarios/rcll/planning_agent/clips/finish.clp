@@ -1,21 +1,6 @@
 ; strategy.robot: finish. A step waits for a robot that is still busy, if that one is predicted to be done with it sooner than
 ; any robot that is idle now.
 
-(defrule finish-took
-  "A robot has a job from now on."
-  (waits-for-busy-robots)
-  (job (id ?id) (robot ?robot&~"") (step ~DONE&~GIVEN-UP))
-  (not (took ?id ?robot ?))
-  (time ?now)
-  =>
-  (assert (took ?id ?robot ?now)))
-
-(defrule finish-left
-  ?took <- (took ?id ?robot ?)
-  (not (job (id ?id) (robot ?robot) (step ~DONE&~GIVEN-UP)))
-  =>
-  (retract ?took))
-
 (deffunction fetched-from (?action ?params)
   "The machine where a robot fetches the piece of a step."
   (machine-named (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params)))

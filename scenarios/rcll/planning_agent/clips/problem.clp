@@ -1,23 +1,6 @@
 ; The planning problem: objects and facts for all that the league tells of.
 
-(defglobal
-  ?*HANDLING* = 34.0      ; s that a robot needs for a transport besides the way from place to place: the way to the piece, pick, place
-  ?*SPEED* = 0.4          ; m/s, turns and detours included
-  ?*WINDOW-LEAD* = 45.0)  ; so long before its window a product is fetched for its delivery, s
-
-(deffunction drive-time (?x ?y ?to-x ?to-y)
-  "s from one place to another."
-  (/ (distance ?x ?y ?to-x ?to-y) ?*SPEED*))
-
-(deffunction way-time (?one ?other)
-  "s from one machine to another."
-  (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
-    (return (drive-time ?a:x ?a:y ?b:x ?b:y)))
-  0.0)
-
-(deffunction transport-time (?from ?to)
-  "s for a piece from one machine to another."
-  (+ ?*HANDLING* (way-time ?from ?to)))
+(defglobal ?*WINDOW-LEAD* = 45.0)  ; so long before its window a product is fetched for its delivery, s
 
 (defrule problem-load
   "Both instances, and the coarse actions alone, for their names; by the folder of this package."
@@ -57,14 +40,14 @@
 (deffunction type-of (?kind)
   (switch ?kind (case BS then base-station) (case CS then cap-station) (case RS then ring-station) (default delivery-station)))
 
-(deffunction say-transport-times (?instance ?machine)
+(deffunction say-way-times (?instance ?machine)
   "To and from the machines that are in the problem, this one among them."
   (do-for-all-facts ((?known in-problem)) (eq (nth$ 1 ?known:implied) ?instance)
     (bind ?other (nth$ 2 ?known:implied))
     (if (any-factp ((?m machine)) (eq ?m:name ?other))
      then
-      (number ?instance transport-time (transport-time ?machine ?other) (pddl-name ?machine) (pddl-name ?other))
-      (number ?instance transport-time (transport-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
+      (number ?instance way-time (way-time ?machine ?other) (pddl-name ?machine) (pddl-name ?other))
+      (number ?instance way-time (way-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
 
 (defrule problem-machine
   "A machine is found: it is empty, and so far from the others."
@@ -80,9 +63,9 @@
   (number ?instance down-for 0 ?name)
   (fluent ?instance input-free ?name)
   (fluent ?instance output-free ?name)
-  (if (eq ?kind CS) then (fluent ?instance shelf-stocked ?name) (number ?instance shelf-time ?*HANDLING* ?name))
+  (if (eq ?kind CS) then (fluent ?instance shelf-stocked ?name))
   (if (eq ?kind RS) then (number ?instance payments 0 ?name) (number ?instance slide-room 3 ?name))
-  (say-transport-times ?instance ?machine))
+  (say-way-times ?instance ?machine))
 
 (deffunction problem-works (?instance ?product ?works ?machines)
   "The steps of a product."

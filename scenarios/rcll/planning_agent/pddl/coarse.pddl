@@ -33,8 +33,8 @@
     (price ?p - product ?s - step)
     (payments ?rs - ring-station)      ; that lie on the slide
     (slide-room ?rs - ring-station)    ; for payments that nobody brings yet
-    (transport-time ?from ?to - machine)
-    (shelf-time ?cs - cap-station)
+    (way-time ?from ?to - machine)
+    (handling-time)                    ; of a transport besides the way
     (window-in ?p - product)           ; s until the product may be fetched for its delivery
     (down-for ?m - machine)            ; s until it works again
     (ring-time) (cap-time) (retrieve-time) (delivery-time))

@@ -1,0 +1,54 @@
+; How long robots take. What a transport takes besides the way is learned from those that are done: retries, other robots that are
+; in the way and slow arms count.
+
+(defglobal
+  ?*HANDLING* = 34.0      ; s that a robot needs for a transport besides the way from place to place: the way to the piece, pick, place
+  ?*NEW* = 0.1            ; the share of the last transport in what is expected of the next one
+  ?*SPEED* = 0.4)         ; m/s, turns and detours included
+
+(deffunction drive-time (?x ?y ?to-x ?to-y)
+  "s from one place to another."
+  (/ (distance ?x ?y ?to-x ?to-y) ?*SPEED*))
+
+(deffunction way-time (?one ?other)
+  "s from one machine to another."
+  (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
+    (return (drive-time ?a:x ?a:y ?b:x ?b:y)))
+  0.0)
+
+(deffunction transport-time (?from ?to)
+  "s for a piece from one machine to another."
+  (+ ?*HANDLING* (way-time ?from ?to)))
+
+(deffunction learn-handling (?took)
+  "Of a transport that took so long besides the way. A product takes longer by two transports, and by one for each ring."
+  (bind ?longer (* ?*NEW* (- ?took ?*HANDLING*)))
+  (bind ?*HANDLING* (+ ?*HANDLING* ?longer))
+  (bind ?*C0-TIME* (+ ?*C0-TIME* (* 2 ?longer)))
+  (bind ?*RING-TIME* (+ ?*RING-TIME* ?longer)))
+
+(defrule duration-begins
+  "A robot has a job from now on."
+  (job (id ?id) (robot ?robot&~"") (step ~DONE&~GIVEN-UP))
+  (not (took ?id ?robot ?))
+  (time ?now)
+  =>
+  (assert (took ?id ?robot ?now)))
+
+(defrule duration-ends
+  "The piece is at its place. A robot that drove there in advance has waited for the piece: that is no measure."
+  (declare (salience 10))
+  ?took <- (took ?id ?robot ?since)
+  (job (id ?id) (robot ?robot) (step DONE) (from ?from) (to ?to))
+  (step (work ?id) (state RUNNING) (worker ROBOT) (was ~APPROACHING))
+  (time ?now)
+  =>
+  (retract ?took)
+  (learn-handling (- ?now ?since (way-time (machine-of ?from) (machine-of ?to)))))
+
+(defrule duration-forgotten
+  "The robot has the job no more."
+  ?took <- (took ?id ?robot ?)
+  (not (job (id ?id) (robot ?robot) (step ~DONE&~GIVEN-UP)))
+  =>
+  (retract ?took))
