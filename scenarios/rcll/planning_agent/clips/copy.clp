@@ -82,8 +82,12 @@
       (end-in-plan (sym-cat ?s:action -place) ?s:params ALL))))
 
 (defrule copy-done
+  "All is copied, and nothing ends just now."
   (declare (salience -10))
   ?planning <- (planning (state COPY))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  (not (pddl-numeric-fluent-change (instance production)))
   =>
   (end-what-runs)
   (modify ?planning (state END)))

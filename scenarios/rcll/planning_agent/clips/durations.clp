@@ -31,9 +31,9 @@
   "A robot has a job from now on."
   (job (id ?id) (robot ?robot&~"") (step ~DONE&~GIVEN-UP))
   (not (took ?id ?robot ?))
-  (time ?now)
+  (time ?)
   =>
-  (assert (took ?id ?robot ?now)))
+  (assert (took ?id ?robot (game-time))))
 
 (defrule duration-ends
   "The piece is at its place. A robot that drove there in advance has waited for the piece: that is no measure."
@@ -41,10 +41,10 @@
   ?took <- (took ?id ?robot ?since)
   (job (id ?id) (robot ?robot) (step DONE) (from ?from) (to ?to))
   (step (work ?id) (state RUNNING) (worker ROBOT) (was ~APPROACHING))
-  (time ?now)
+  (time ?)
   =>
   (retract ?took)
-  (learn-handling (- ?now ?since (way-time (machine-of ?from) (machine-of ?to)))))
+  (learn-handling (- (game-time) ?since (way-time (machine-of ?from) (machine-of ?to)))))
 
 (defrule duration-forgotten
   "The robot has the job no more."

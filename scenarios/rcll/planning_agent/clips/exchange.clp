@@ -40,11 +40,13 @@
   ?late <- (order (id ?a&:(eq ?product (product-of ?a))) (state STARTED) (base ?base) (rings $?rings) (begin ?begin) (end ?end))
   ?fresh <- (order (id ?o) (state OPEN) (base ?base)
                    (rings $?others&:(same-beginning (rings-done ?step) ?rings ?others)) (end ?due))
+  (not (skipped (order ?o)))
   (pddl-fluent (instance production) (name not-begun) (params =(product-of ?o)))
   (not (step (state CHECKING|APPROACHING|RUNNING) (params ?product $?)))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-action-get-effect))
   (time ?)
+  (test (not (without-cap ?o)))
   (test (is-worthless (rings-left ?rings (rings-done ?step)) ?begin ?end))
   (test (is-in-time (rings-left ?others (rings-done ?step)) ?due))
   =>

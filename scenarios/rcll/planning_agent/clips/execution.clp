@@ -15,8 +15,8 @@
 
 (defrule effects-applied
   "The world has changed: what was held back may begin."
-  (planning (state IDLE|GOALS))
-  ?effect <- (pddl-action-get-effect (action ?action) (state DONE))
+  (planning (state ~END))
+  ?effect <- (pddl-action-get-effect (action ?action) (state DONE|ERROR))
   (not (pddl-fluent-change (instance production)))
   (not (pddl-numeric-fluent-change (instance production)))
   =>

@@ -3,15 +3,22 @@
 (deffunction fail (?step ?outcome $?params)
   "The step has failed with that effect."
   (apply-action ?outcome ?params)
-  (decide (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params)) " has failed") (str-cat "effects of " ?outcome))
+  (decide (str-cat (step-text ?step) " has failed") (str-cat "effects of " ?outcome))
   (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ (fact-slot-value ?step id))) (retract ?p)))
 
 (deffunction fail-part (?step ?part)
   (fail ?step (sym-cat (fact-slot-value ?step action) - ?part) (fact-slot-value ?step params)))
 
+(deffunction want-plan (?step)
+  (assert (replan (reason (str-cat (step-text ?step) " has failed")))))
+
 (deffunction plan-again (?step)
-  (modify ?step (state FAILED))
-  (assert (replan (reason (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params)) " has failed")))))
+  (want-plan ?step)
+  (modify ?step (state FAILED)))
+
+(deffunction tell-new-plan (?step)
+  "A plan that is made just now takes the step for done: it is followed by another one."
+  (if (any-factp ((?p planning)) (neq ?p:state IDLE)) then (want-plan ?step)))
 
 ; --- Machines
 
@@ -184,9 +191,9 @@
   (in-problem production ?machine)
   (not (unknown ?machine ?))
   (pddl-fluent (instance production) (name output-free) (params =(pddl-name ?machine)))
-  (time ?now)
+  (time ?)
   =>
-  (assert (unknown ?machine ?now)))
+  (assert (unknown ?machine (game-time))))
 
 (defrule unknown-no-more
   ?unknown <- (unknown ?machine ?)
@@ -199,7 +206,8 @@
   "Nobody fetches it: without a reset the machine would do nothing any more."
   ?unknown <- (unknown ?machine ?since)
   (not (job (station ?machine) (purpose MOVE|CLEAR)))
-  (time ?now&:(> ?now (+ ?since ?*UNKNOWN*)))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*UNKNOWN*)))
   =>
   (retract ?unknown)
   (decide (str-cat "reset " ?machine) "nobody knows of the piece at its output")
@@ -230,6 +238,7 @@
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
   (fail-part ?step (if (any-factp ((?p picked)) (eq ?p:implied (create$ ?id))) then lose else return))
+  (tell-new-plan ?step)
   (modify ?step (state OPEN) (seen -1)))
 
 (defrule failure-pay-otherwise
@@ -241,6 +250,7 @@
   =>
   (fail-part ?step lose)
   (insert-instead ?step "the bare base is gone" pay-with-new-base (pddl-name ?bs) ?rs)
+  (tell-new-plan ?step)
   (modify ?step (state DONE)))
 
 (defrule failure-gone-anyway
@@ -270,9 +280,13 @@
 
 ; --- What we work for cannot be reached any more: products stand in each other's way, or a slide is blocked
 
-(deffunction give-up-product (?where)
-  "The first product that lies at inputs or outputs is given up: its machine is reset. FALSE: none lies there."
-  (do-for-fact ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?where))
+(deffunction worked-for (?product)
+  (any-factp ((?o order)) (and (eq ?product (product-of ?o:id)) (eq ?o:state STARTED))))
+
+(deffunction give-up-product (?ours ?where)
+  "The first product that lies at inputs or outputs, of those for which we work or not, is given up: its machine is reset. FALSE:
+   none lies there."
+  (do-for-fact ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?where) (eq ?ours (worked-for (nth$ 1 ?f:params))))
     (decide (str-cat "give up " (implode$ ?f:params)) "there is no plan with all products that are begun")
     (reset-machine (machine-named (nth$ 2 ?f:params)))
     (return TRUE))
@@ -289,7 +303,8 @@
       (and (eq ?o:state STARTED) (eq ?f:instance production) (eq ?f:name not-begun) (eq ?f:params (create$ (product-of ?o:id))))
     (modify ?o (state OPEN))
     (bind ?fewer TRUE))
-  (if (not (or (give-up-product at-input) (give-up-product at-output)))
+  (if (not (or (give-up-product FALSE at-input) (give-up-product FALSE at-output)
+               (give-up-product TRUE at-input) (give-up-product TRUE at-output)))
    then (if ?fewer then (assert (replan (reason "there is no plan for what we work for"))))))
 
 ; --- Nobody does anything
@@ -303,9 +318,9 @@
   (exists (step (state OPEN|BLOCKED)))
   (not (step (state RUNNING) (worker ~AGENT)))
   (not (watched ?))
-  (time ?now)
+  (time ?)
   =>
-  (assert (watched ?now)))
+  (assert (watched (game-time))))
 
 (defrule watch-end
   ?watched <- (watched ?)
@@ -316,7 +331,8 @@
 
 (defrule watch-bites
   ?watched <- (watched ?since)
-  (time ?now&:(> ?now (+ ?since ?*WATCH*)))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*WATCH*)))
   =>
   (retract ?watched)
   (bind ?waiting "")
@@ -341,17 +357,18 @@
   (game (phase PRODUCTION))
   (world-version ?version)
   (not (still ?version ?))
-  (time ?now)
+  (time ?)
   =>
   (do-for-all-facts ((?s still)) TRUE (retract ?s))
-  (assert (still ?version ?now)))
+  (assert (still ?version (game-time))))
 
 (defrule still-bites
   "A robot or machine is not done with something, and so nobody is with anything. A step of which no robot knows has failed."
   ?still <- (still ?version ?since)
   (world-version ?version)
   (exists (step (state RUNNING) (worker ~AGENT)))
-  (time ?now&:(> ?now (+ ?since ?*STILL*)))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*STILL*)))
   =>
   (retract ?still)
   (bind ?waiting "")

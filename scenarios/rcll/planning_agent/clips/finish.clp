@@ -5,16 +5,16 @@
   "The machine where a robot fetches the piece of a step."
   (machine-named (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params)))
 
-(deffunction idle-arrival (?machine ?now)
-  "When the first idle robot can be there."
+(deffunction idle-arrival (?machine)
+  "When the first idle robot can be there, in s of the game."
   (bind ?first 1000000.0)
   (do-for-fact ((?m machine)) (eq ?m:name ?machine)
     (do-for-all-facts ((?r robot)) (eq ?r:state IDLE)
-      (bind ?first (min ?first (+ ?now (drive-time ?r:x ?r:y ?m:x ?m:y))))))
+      (bind ?first (min ?first (+ (game-time) (drive-time ?r:x ?r:y ?m:x ?m:y))))))
   ?first)
 
 (deffunction job-end (?job ?since)
-  "When a job that began then is predicted to end."
+  "When a job that began then is predicted to end, both in s of the game."
   (+ ?since (transport-time (machine-of (fact-slot-value ?job from)) (machine-of (fact-slot-value ?job to)))))
 
 (defrule finish-sooner
@@ -23,13 +23,13 @@
   (waits-for-busy-robots)
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (was ~APPROACHING) (worker ROBOT) (action ?action) (params $?params))
-  (time ?now)
+  (time ?)
   (took ?job ?robot ?since)
   ?j <- (job (id ?job) (to ?to))
   (not (held-up (job ?job)))
-  (test (< ?now (job-end ?j ?since)))
+  (test (< (game-time) (job-end ?j ?since)))
   (test (< (+ (job-end ?j ?since) (way-time (machine-of ?to) (fetched-from ?action ?params)))
-           (idle-arrival (fetched-from ?action ?params) ?now)))
+           (idle-arrival (fetched-from ?action ?params))))
   =>
   (assert (expected ?robot (job-end ?j ?since)))
   (hold-back ?step ?check (str-cat ?robot " will be there sooner than a robot that is idle now")))
@@ -37,7 +37,8 @@
 (defrule finish-late
   "The robot takes longer than was predicted: steps are looked at again."
   ?expected <- (expected ? ?end)
-  (time ?now&:(>= ?now ?end))
+  (game (begin ?zero))
+  (time ?now&:(>= ?now (+ ?zero ?end)))
   =>
   (retract ?expected)
   (look-again))

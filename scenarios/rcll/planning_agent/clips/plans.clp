@@ -49,22 +49,25 @@
             (assert (left-open (order ?id) (why ?why)))
             (decide (str-cat "leave order " ?id " open") ?why)))))
 
+(deffunction note-planned ()
+  (do-for-all-facts ((?p planned)) TRUE (retract ?p))
+  (assert (planned (at (game-time)))))
+
 (defrule plan-again-when-done
   "Nothing of the plan can be done any more: what else there is to do is planned, if it is worth it."
   (planning (state IDLE))
-  (had-plan)
   (not (step (state ~DONE&~FAILED)))
   (exists (order (state ~DONE)))
   (not (replan))
-  (time ?now)
-  ?last <- (planned-at ?at&:(> ?now (+ ?at ?*LOOK-AGAIN*)))
+  (planned (at ?at))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?at ?*LOOK-AGAIN*)))
   =>
-  (retract ?last)
-  (do-for-all-facts ((?s skipped)) (> ?now (+ ?s:since ?*TRY-AGAIN*)) (retract ?s))
+  (note-planned)
+  (do-for-all-facts ((?s skipped)) (> (game-time) (+ ?s:since ?*TRY-AGAIN*)) (retract ?s))
   (if (or (neq (orders-in STARTED) (create$)) (room-for-more))
    then (assert (replan (reason "the plan is done")))
-   else (leave-open)
-        (assert (planned-at ?now))))
+   else (leave-open)))
 
 (defrule plan-again-with-room
   "A product is delivered: there is room for the next one."
@@ -265,7 +268,7 @@
   (take-plan (fact-slot-value ?best name))
   (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
 
-(deffunction skip-without-plan (?now)
+(deffunction skip-without-plan ()
   "Orders for which there is no plan beside what we work for, if there is one for that. TRUE: there are some."
   (bind ?some FALSE)
   (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (eq ?ours:state WITHOUT-PLAN))))
@@ -273,7 +276,7 @@
     (do-for-all-facts ((?a alternative)) (eq ?a:state WITHOUT-PLAN)
       (bind ?id (nth$ (length$ ?a:orders) ?a:orders))
       (decide (str-cat "skip order " ?id) "there is no plan for it as the world is")
-      (assert (skipped (order ?id) (since ?now)))
+      (assert (skipped (order ?id) (since (game-time))))
       (bind ?some TRUE)))
   ?some)
 
@@ -282,10 +285,6 @@
   (if ?others then (assert (replan (reason "orders are skipped"))))
   (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
 
-(deffunction note-planned (?now)
-  (do-for-all-facts ((?p planned-at)) TRUE (retract ?p))
-  (assert (planned-at ?now)))
-
 (defrule plan-choose
   "All alternatives are planned: the best plan is carried out."
   (declare (salience 20))
@@ -293,11 +292,10 @@
   (not (step (state CHECKING)))
   (exists (alternative))
   (not (alternative (state ~PLANNED&~WITHOUT-PLAN)))
-  (time ?now)
+  (time ?)
   =>
-  (note-planned ?now)
-  (assert (had-plan))
-  (bind ?others (skip-without-plan ?now))
+  (note-planned)
+  (bind ?others (skip-without-plan))
   (bind ?best (best-alternative))
   (if ?best then (carry-out ?best) else (go-on ?others))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
@@ -306,7 +304,7 @@
 (defrule plan-nothing-to-do
   ?planning <- (planning (state GOALS))
   (not (alternative))
-  (time ?now)
+  (time ?)
   =>
-  (note-planned ?now)
+  (note-planned)
   (modify ?planning (state IDLE)))

@@ -159,10 +159,13 @@
   =>
   (assert (planning-since ?now)))
 
+(defglobal ?*LAST-MOMENT* = 3590)  ; of planning_problem.pddl
+
 (deffunction moment-at (?time)
-  "The last moment of the problem that is not after this time of the game."
+  "The last moment of the problem that is not after this time of the game; never: the problem does not reach that far."
   (do-for-fact ((?g game) (?since planning-since)) TRUE
-    (return (sym-cat t (* 10 (div (+ ?g:begin (- ?time (nth$ 1 ?since:implied))) 10)))))
+    (bind ?moment (* 10 (div (+ ?g:begin (- ?time (nth$ 1 ?since:implied))) 10)))
+    (if (<= ?moment ?*LAST-MOMENT*) then (return (sym-cat t ?moment))))
   never)
 
 (deffunction lose-at (?product ?moment ?points)
@@ -194,8 +197,9 @@
      then
       (lose-at ?product (moment-at ?moment) ?loss)
       (bind ?loss (- ?all (points-of ?complexity ?rings ?bonus (+ (- ?moment ?end) 1) ?window)))))
-  (lose-at ?product (moment-at ?*GAME*) ?loss)
-  (lose-at ?product never ?all))
+  (bind ?end (moment-at ?*GAME*))
+  (lose-at ?product ?end ?loss)
+  (if (neq ?end never) then (lose-at ?product never ?all)))
 
 (defrule problem-price
   "The league tells a price later."

@@ -1,11 +1,12 @@
-{#- Moments at which points can be lost, in s from the beginning. -#}
+{#- Moments at which points can be lost, in s from the beginning: set-up, game, overtime and pauses of half an hour. -#}
+{% set moments = 360 %}
 {% extends 'problem.pddl' %}
 {% block objects %}
-  (:objects {% for i in range(1, 200) %}t{{ 10 * i }} {% endfor %}never - moment)
+  (:objects {% for i in range(1, moments) %}t{{ 10 * i }} {% endfor %}never - moment)
 {% endblock %}
 {% block init %}
     (= (lost) 0) (before never)
-    {% for i in range(1, 200) %}(before t{{ 10 * i }}) (at {{ 10 * i }} (not (before t{{ 10 * i }})))
+    {% for i in range(1, moments) %}(before t{{ 10 * i }}) (at {{ 10 * i }} (not (before t{{ 10 * i }})))
     {% endfor %}
 {% endblock %}
 {% block metric %}
