@@ -47,7 +47,7 @@ Status validate(const TimedSkillsConfig& config) {
                          {"shortest_s", config.shortest_s, kPositive, kAny, "a time > 0 s"},
                          {"pick_sigma_s", config.pick_sigma_s, 0, kAny, ">= 0 s"},
                          {"place_sigma_s", config.place_sigma_s, 0, kAny, ">= 0 s"},
-                         {"drive_sigma", config.drive_sigma, 0, kAny, "a share of the planned time, >= 0"},
+                         {"drive_sigma", config.drive_sigma, 0, 1, "a share of the planned time, 0 .. 1"},
                          {"drive_failure", config.drive_failure, 0, 1, "a probability, 0 .. 1"},
                          {"pick_failure", config.pick_failure, 0, 1, "a probability, 0 .. 1"},
                          {"place_failure", config.place_failure, 0, 1, "a probability, 0 .. 1"}})

@@ -171,10 +171,12 @@ TEST(TimedSkillsConfig, WrongNumbersAreRefusedByName) {
   config.shortest_s = 0;
   ASSERT_FALSE(validate(config));
   EXPECT_NE(validate(config).error().message.find("shortest_s"), std::string::npos);
-  config = {};
-  config.drive_sigma = -0.1;
-  ASSERT_FALSE(validate(config));
-  EXPECT_NE(validate(config).error().message.find("drive_sigma"), std::string::npos);
+  for (const double sigma : {-0.1, 1.1}) {
+    config = {};
+    config.drive_sigma = sigma;
+    ASSERT_FALSE(validate(config));
+    EXPECT_NE(validate(config).error().message.find("drive_sigma"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -411,6 +411,76 @@ TEST(PlanningDomain, OutputThatARobotHasLeftIsNotFreedAgainWhenItLosesThePiece) 
   EXPECT_EQ(outputs, 4);
 }
 
+/// The facts and numbers after an instantaneous action with these arguments, in a state with two products and three
+/// machines.
+std::set<std::string> after_accident(const Domain& domain, const std::string& init, const std::string& name,
+                                     const std::vector<std::string>& arguments) {
+  const auto problem = parse_problem(
+      "(define (problem p) (:domain rcll-production) (:objects o1 o2 - product cs1 - "
+      "cap-station rs1 - ring-station ds - delivery-station) (:init " +
+          init + ") (:goal (delivered o1)))",
+      "p.pddl", domain);
+  if (!problem) throw std::runtime_error(problem.error().text());
+  State state(domain, *problem);
+  const Action& done = action(domain, name);
+  Frame frame;
+  for (const std::string& argument : arguments)
+    frame.push_back(static_cast<ObjectId>(std::find_if(problem->objects.begin(), problem->objects.end(),
+                                                       [&](const auto& o) { return o.name == argument; }) -
+                                          problem->objects.begin()));
+  frame.resize(static_cast<std::size_t>(done.slots));
+  const Evaluator evaluator(domain, *problem);
+  std::vector<Change> changes;
+  for (const Effect& effect : done.effects)
+    evaluator.collect(
+        effect, frame, state, 0, [&](Frame& f) { return evaluator.holds(effect.condition.start, f, state); }, changes);
+  EXPECT_TRUE(apply_changes(changes, state));
+  return in_words(state, domain, *problem);
+}
+
+TEST(PlanningDomain, AccidentsAtMachinesTakeWhatLiesThereAndLeaveNoClaim) {
+  const Task task = production();
+  struct Accident {
+    std::string init, name;
+    std::vector<std::string> arguments;
+    std::set<std::string> after;
+  };
+  const std::set<std::string> anew = {"(not-begun o1)", "(at-step o1 s0)"};
+  const auto with = [&](std::set<std::string> more) {
+    more.insert(anew.begin(), anew.end());
+    return more;
+  };
+  for (const Accident& a : {
+           Accident{"", "lose-work", {"o1", "rs1"}, with({"(input-free rs1)", "(output-free rs1)"})},
+           Accident{"(at-step o2 s1)",
+                    "lose-work",
+                    {"o1", "rs1"},
+                    with({"(input-free rs1)", "(output-free rs1)", "(at-step o2 s1)"})},
+           Accident{"", "lose-carrier", {"cs1"}, {"(input-free cs1)", "(output-free cs1)"}},
+           Accident{"(at-input o1 rs1) (at-step o1 s2) (at-input o2 cs1) (at-step o2 s1)",
+                    "empty-input",
+                    {"rs1"},
+                    with({"(input-free rs1)", "(at-input o2 cs1)", "(at-step o2 s1)"})},
+           Accident{
+               "(at-output o1 rs1) (at-step o1 s2)", "empty-input", {"rs1"}, {"(at-output o1 rs1)", "(at-step o1 s2)"}},
+           Accident{"(at-output o1 rs1) (at-step o1 s2) (at-output o2 cs1) (at-step o2 s1)",
+                    "empty-output",
+                    {"rs1"},
+                    with({"(output-free rs1)", "(at-output o2 cs1)", "(at-step o2 s1)"})},
+           Accident{
+               "(at-input o1 rs1) (at-step o1 s2)", "empty-output", {"rs1"}, {"(at-input o1 rs1)", "(at-step o1 s2)"}},
+           Accident{"(cap-loaded cs1)", "empty-cap-station", {"cs1"}, {}},
+           Accident{"(carrier-at-input cs1)", "empty-cap-station", {"cs1"}, {"(input-free cs1)"}},
+           Accident{"(bare-base-at-output cs1)", "empty-cap-station", {"cs1"}, {"(output-free cs1)"}},
+           Accident{"(= (payments rs1) 2) (= (slide-room rs1) 1)",
+                    "empty-slide",
+                    {"rs1"},
+                    {"(payments rs1) = 0", "(slide-room rs1) = 3"}},
+       })
+    EXPECT_EQ(difference(a.after, after_accident(task.domain, a.init, a.name, a.arguments)), "")
+        << a.name << " from " << a.init;
+}
+
 TEST(LevelTwo, ABaseComesOutAtTheSideOverWhichItIsThereSooner) {
   const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
   auto task = load_task(folder + "refinement.pddl", folder + "refinement_problem.pddl");

@@ -97,10 +97,16 @@ class PlanningGames(unittest.TestCase):
             said = self.said_with(f"clips_manager.strategy.{parameter}: {found}")
             self.assertIn(f"strategy.{parameter}: found {found}, expected {expected}", said)
 
-    def said_with(self, parameters):
+    def test_a_parameter_of_the_wrong_type_ends_the_run(self):
+        for parameter, found in (("products", "abc"), ("alternatives", "2.5"), ("patience", "soon"), ("sub_actions", "3"),
+                                 ("dispatch", "5")):
+            said = self.said_with(f"clips_manager.strategy.{parameter}: {found}", code=4)
+            self.assertIn(f"parameter 'strategy.{parameter}': found ", said)
+
+    def said_with(self, parameters, code=0):
         done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--quiet", "--out", "none",
                      "--set", f"agents[0].params={{{parameters}}}")
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.returncode, code, done.stderr)
         return done.stderr
 
 

@@ -5,6 +5,7 @@
   (slot name (type STRING))
   (slot state (type SYMBOL) (allowed-values IDLE BUSY ROAMING OFF-FIELD))
   (slot duty (type SYMBOL) (default ACTIVE))  ; as the referee box says
+  (slot cycles (type INTEGER) (default 0))    ; of maintenance so far
   (slot number (type INTEGER) (default 0))    ; in its team, from 1
   (slot home (type STRING))
   (slot place (type STRING) (default ""))

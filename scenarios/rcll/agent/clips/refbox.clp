@@ -131,7 +131,9 @@
            (not (any-factp ((?known robot)) (eq ?known:name ?name))))
    then (assert (robot (name ?name) (number ?number) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home))))
   (bind ?duty (sym-cat (ros-msgs-get-field ?message "state")))
-  (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (neq ?r:duty ?duty)) (modify ?r (duty ?duty))))
+  (bind ?cycles (ros-msgs-get-field ?message "maintenance_cycles"))
+  (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (or (neq ?r:duty ?duty) (<> ?r:cycles ?cycles)))
+    (modify ?r (duty ?duty) (cycles ?cycles))))
 
 (defrule refbox-robot-info
   "Once we know which team we are."

@@ -2,14 +2,12 @@
 
 (defglobal
   ?*STANDS* = 90.0    ; s: no drive takes as long
-  ?*REPAIRS* = 2)     ; a third one disqualifies the robot
+  ?*CYCLES* = 2)      ; a third maintenance disqualifies the robot
 
 (deftemplate repair
-  "A robot is to be repaired: it is asked off the field (LEAVE), then back (DONE)."
+  "A robot is asked off the field, to be repaired."
   (slot robot (type STRING))
-  (slot number (type INTEGER))
-  (slot cycle (type INTEGER) (default 1))
-  (slot state (type SYMBOL) (allowed-values LEAVE DONE) (default LEAVE)))
+  (slot number (type INTEGER)))
 
 (defrule repair-publisher
   (exists (robot))
@@ -25,9 +23,6 @@
   (ros-msgs-set-field ?message "team_color" (if (any-factp ((?w we-are)) (eq ?w:implied (create$ "C"))) then "CYAN" else "MAGENTA"))
   (ros-msgs-publish ?message "/set_robot_maintenance")
   (ros-msgs-destroy-message ?message))
-
-(deffunction repairs-of (?name)
-  (length$ (find-all-facts ((?r repair)) (eq ?r:robot ?name))))
 
 (defrule repair-under-way
   (command (state RUNNING) (goal-id ?goal))
@@ -47,20 +42,19 @@
   (declare (salience 10))
   (command (robot ?name) (state FAILED) (error-code 201) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
-  (robot (name ?name) (number ?number) (duty ACTIVE))
-  (not (repair (robot ?name) (state LEAVE)))
-  (test (< (repairs-of ?name) ?*REPAIRS*))
+  (robot (name ?name) (number ?number) (duty ACTIVE) (cycles ?cycles&:(< ?cycles ?*CYCLES*)))
+  (not (repair (robot ?name)))
   (ros-msgs-publisher (topic "/set_robot_maintenance"))
   (time ?now&:(> ?now (+ ?since ?*STANDS*)))
   =>
   (decide (str-cat "ask " ?name " off the field") "it does not move any more")
-  (assert (repair (robot ?name) (number ?number) (cycle (+ (repairs-of ?name) 1))))
+  (assert (repair (robot ?name) (number ?number)))
   (ask-for-maintenance ?number TRUE))
 
 (defrule repair-back
   "It may come back as soon as it is repaired."
-  ?repair <- (repair (robot ?name) (number ?number) (state LEAVE))
+  ?repair <- (repair (robot ?name) (number ?number))
   (robot (name ?name) (duty MAINTENANCE))
   =>
-  (modify ?repair (state DONE))
+  (retract ?repair)
   (ask-for-maintenance ?number FALSE))

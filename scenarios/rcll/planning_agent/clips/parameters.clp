@@ -10,14 +10,7 @@
 (deffunction at-least (?least ?parameter ?default)
   "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
   (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (and (numberp ?value) (or (integerp ?value) (floatp ?default)) (>= ?value ?least)) then (return ?value))
+  (if (>= ?value ?least) then (return ?value))
   (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
                   ?least "; taken: " ?default crlf)
-  ?default)
-
-(deffunction yes-or-no (?parameter ?default)
-  "A parameter of the node that is true or false; of any other value it is said, and the default is taken."
-  (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (member$ ?value (create$ TRUE FALSE)) then (return ?value))
-  (printout error ?parameter ": found '" ?value "', expected true or false; taken: " (if ?default then "true" else "false") crlf)
   ?default)

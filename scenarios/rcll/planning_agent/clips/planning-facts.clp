@@ -20,10 +20,10 @@
   =>
   (retract ?read)
   (read-settings-of-robots 10.0 "nearest" "rested" "both" "finish")
-  (bind ?*SUB-ACTIONS* (yes-or-no "strategy.sub_actions" ?*SUB-ACTIONS*))
+  (bind ?*SUB-ACTIONS* (ros-param-get-value "strategy.sub_actions" ?*SUB-ACTIONS*))
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
   (choose-base-side-by (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
-  (bind ?*IN-ADVANCE* (yes-or-no "strategy.in_advance" ?*IN-ADVANCE*))
+  (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
   (bind ?*PRODUCTS* (at-least 1 "strategy.products" ?*PRODUCTS*))
   (bind ?*ALTERNATIVES* (at-least 1 "strategy.alternatives" ?*ALTERNATIVES*))
   (assert (pddl-manager (node (ros-param-get-value "planner.node" "/pddl_manager")))))

@@ -13,5 +13,5 @@
 (deffunction read-settings-of-robots (?patience $?choices)
   "Those of every strategy; the patience is that without the parameter."
   (choose-robots-by (one-of "strategy.robot" "both" ?choices))
-  (bind ?*TRANSPORT* (yes-or-no "strategy.transport" ?*TRANSPORT*))
+  (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
   (bind ?*PATIENCE* (at-least 0 "strategy.patience" ?patience)))

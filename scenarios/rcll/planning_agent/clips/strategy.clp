@@ -9,7 +9,6 @@
 
 (deffunction groups-ahead (?dispatch)
   "The n of lookahead:n, 0 of groups; FALSE: it is none of them."
-  (if (not (stringp ?dispatch)) then (return FALSE))
   (if (eq ?dispatch "groups") then (return 0))
   (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
   (bind ?n (explode$ (sub-string 11 (str-length ?dispatch) ?dispatch)))
