@@ -98,9 +98,9 @@ class PlanningGames(unittest.TestCase):
             self.assertIn(f"strategy.{parameter}: found {found}, expected {expected}", said)
 
     def test_a_parameter_of_the_wrong_type_ends_the_run(self):
-        for parameter, found in (("products", "abc"), ("alternatives", "2.5"), ("patience", "soon"), ("sub_actions", "3"),
-                                 ("dispatch", "5")):
-            said = self.said_with(f"clips_manager.strategy.{parameter}: {found}", code=4)
+        for parameter, found, code in (("products", "abc", 4), ("alternatives", "2.5", 4), ("patience", "soon", 4),
+                                       ("sub_actions", "3", 4), ("dispatch", "5", 3)):
+            said = self.said_with(f"clips_manager.strategy.{parameter}: {found}", code)
             self.assertIn(f"parameter 'strategy.{parameter}': found ", said)
 
     def said_with(self, parameters, code=0):
