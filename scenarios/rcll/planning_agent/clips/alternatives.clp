@@ -27,21 +27,35 @@
     (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine))
          (not (is-true cap-loaded ?b:station)))))
 
+(deffunction lost-machine (?order)
+  "One that the order needs and that is out of order for long; FALSE: there is none."
+  (do-for-fact ((?o order) (?bs machine)) (and (= ?o:id ?order) (eq ?bs:kind BS))
+    (foreach ?m (create$ ?bs:name (machines-for (works-for ?o:rings ?o:cap)))
+      (if (any-factp ((?l long-out-of-order)) (eq ?l:implied (create$ ?m))) then (return ?m))))
+  FALSE)
+
 (deffunction open-orders ()
   "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
   (bind ?ids (create$))
   (foreach ?id (orders-in OPEN)
-    (if (not (or (any-factp ((?s skipped)) (= ?s:order ?id)) (without-cap ?id))) then (bind ?ids (create$ ?ids ?id))))
+    (if (not (or (any-factp ((?s skipped)) (= ?s:order ?id)) (without-cap ?id) (lost-machine ?id))) then (bind ?ids (create$ ?ids ?id))))
   ?ids)
 
 (deffunction propose (?number $?orders)
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
 (deffunction stuck (?product)
-  "Whether it lies at or in a machine that is out of order for long."
-  (or (any-factp ((?l long-out-of-order)) (is-true at-input ?product (pddl-name (nth$ 1 ?l:implied))))
-      (any-factp ((?l long-out-of-order) (?s step))
-        (and (eq ?s:state RUNNING) (eq ?s:worker MACHINE) (eq (subseq$ ?s:params 1 2) (create$ ?product (pddl-name (nth$ 1 ?l:implied))))))))
+  "Whether a machine is out of order for long that it still needs, or that is at work on it."
+  (do-for-all-facts ((?l long-out-of-order)) TRUE
+    (bind ?m (pddl-name (nth$ 1 ?l:implied)))
+    (if (or (any-factp ((?at pddl-fluent) (?work pddl-fluent))
+              (and (eq ?at:instance production) (eq ?at:name at-step) (eq (nth$ 1 ?at:params) ?product)
+                   (eq ?work:instance production) (eq ?work:name work-at) (eq (nth$ 1 ?work:params) ?product)
+                   (eq (nth$ 3 ?work:params) ?m) (>= (str-compare (nth$ 2 ?work:params) (nth$ 2 ?at:params)) 0)))
+            (any-factp ((?s step))
+              (and (eq ?s:state RUNNING) (eq ?s:worker MACHINE) (eq (subseq$ ?s:params 1 2) (create$ ?product ?m)))))
+     then (return TRUE)))
+  FALSE)
 
 (deffunction rests (?product)
   "Whether nobody has fetched its base, or it is stuck."

@@ -63,7 +63,9 @@
   (retract ?trouble)
   (modify ?job (step GIVEN-UP)))
 
-(defglobal ?*CARRIERS-IN-VAIN* = 5)  ; each slot of a shelf, and after its refill again
+(defglobal
+  ?*CARRIERS-IN-VAIN* = 5  ; each slot of a shelf, and after its refill again
+  ?*BARE* = 180.0)         ; s until another try
 
 (defrule failure-carrier-in-vain
   (declare (salience 10))
@@ -87,8 +89,21 @@
   (test (>= (length$ (find-all-facts ((?v in-vain)) (eq (nth$ 1 ?v:implied) ?cs))) ?*CARRIERS-IN-VAIN*))
   =>
   (decide (str-cat "do without caps of " ?cs) "no carrier can be fetched from its shelf")
-  (assert (bare-shelf (station ?cs)) (replan (reason (str-cat "the shelf of " ?cs " is bare"))))
+  (assert (bare-shelf (station ?cs) (since (game-time))) (replan (reason (str-cat "the shelf of " ?cs " is bare"))))
   (no-fluent production shelf-stocked ?cs))
+
+(defrule failure-shelf-again
+  "Meanwhile carriers may be there, or a way to them: one try, which shows it."
+  ?bare <- (bare-shelf (station ?cs) (since ?since))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*BARE*)))
+  =>
+  (decide (str-cat "try the shelf of " ?cs " again") "it may be full again")
+  (retract ?bare)
+  (do-for-fact ((?v in-vain)) (eq (nth$ 1 ?v:implied) ?cs) (retract ?v))
+  (assert (replan (reason (str-cat "the shelf of " ?cs " may be full again"))))
+  (fluent production shelf-stocked ?cs)
+  (look-again))
 
 (defrule failure-order-without-cap
   "What is begun of it is given up: its machine is free for others."
@@ -252,6 +267,19 @@
   (insert-instead ?step "the bare base is gone" pay-with-new-base (pddl-name ?bs) ?rs)
   (tell-new-plan ?step)
   (modify ?step (state DONE)))
+
+(defrule failure-no-base
+  "Its base station is out of order for long: the robot is free for others."
+  (long-out-of-order ?bs)
+  (machine (name ?bs) (kind BS))
+  (step (id ?id) (state RUNNING) (worker ROBOT) (work ?work))
+  (not (picked ?id))
+  ?job <- (job (id ?work) (station ?bs) (robot ~"") (step GO-FETCH|FETCH) (moving NO))
+  (not (instruction (id ?work) (state ~NEW)))
+  =>
+  (decide (str-cat "give up " (text-of-job ?job)) (str-cat ?bs " is out of order for long"))
+  (do-for-fact ((?i instruction)) (= ?i:id ?work) (retract ?i))
+  (modify ?job (step GIVEN-UP)))
 
 (defrule failure-gone-anyway
   "The bare base that should go away is gone: the plan goes on."

@@ -73,7 +73,8 @@
 
 (deftemplate bare-shelf
   "A cap station to which no robot can fetch carriers: slots of its shelf are empty, or there is no way to them."
-  (slot station (type SYMBOL)))
+  (slot station (type SYMBOL))
+  (slot since (type FLOAT)))   ; s of the game
 
 (deftemplate replan
   "Somebody wants a new plan."

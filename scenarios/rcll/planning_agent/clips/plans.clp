@@ -2,6 +2,10 @@
 
 ; --- When there is a new plan to be made
 
+(deffunction is-early (?rings ?begin)
+  "Whether a product that is begun now would be ready too long before its window."
+  (< (+ (game-time) (time-to-make ?rings)) (- ?begin ?*EARLY*)))
+
 (deffunction room-for-more ()
   "Whether another order could be worked for, and one is worth it."
   (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (open-orders)) 0)))
@@ -14,8 +18,21 @@
   (not (considered ?id))
   =>
   (assert (considered ?id))
+  (do-for-fact ((?o order)) (= ?o:id ?id) (if (not (is-early ?o:rings ?o:begin)) then (assert (in-time ?id))))
   (bind ?ours (orders-in STARTED))
   (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
+
+(defrule plan-for-order-in-time
+  "A product for it would have been ready too early until now."
+  (game (phase PRODUCTION))
+  (considered ?id)
+  (order (id ?id) (state OPEN) (rings $?rings) (begin ?begin))
+  (not (in-time ?id))
+  (time ?)
+  (test (not (is-early ?rings ?begin)))
+  =>
+  (assert (in-time ?id))
+  (if (room-for-more) then (assert (replan (reason (str-cat "order " ?id " can be begun now"))))))
 
 (defrule plan-again-when-second
   "The other team has delivered a competitive order that we work for: there it takes points away."
@@ -33,11 +50,11 @@
 (deffunction why-left-open (?order)
   (if (any-factp ((?s skipped)) (= ?s:order (fact-slot-value ?order id))) then (return "there is no plan for it as the world is"))
   (if (without-cap (fact-slot-value ?order id)) then (return "its cap cannot be had"))
-  (bind ?ready (+ (game-time) (time-to-make (fact-slot-value ?order rings))))
-  (if (> ?ready ?*GAME*) then (return "there is no time left for it"))
-  (if (< ?ready (- (fact-slot-value ?order begin) ?*EARLY*))
-   then (format nil "its window begins at %.0f s: too early" (fact-slot-value ?order begin))
-   else "it is worth nothing"))
+  (bind ?lost (lost-machine (fact-slot-value ?order id)))
+  (if ?lost then (return (str-cat ?lost " is out of order")))
+  (if (is-early (fact-slot-value ?order rings) (fact-slot-value ?order begin))
+   then (return (format nil "its window begins at %.0f s: too early" (fact-slot-value ?order begin))))
+  (if (> (+ (game-time) (time-to-make (fact-slot-value ?order rings))) ?*GAME*) then "there is no time left for it" else "it is worth nothing"))
 
 (deffunction leave-open ()
   "Why nobody works for the open orders: of each it is said once."

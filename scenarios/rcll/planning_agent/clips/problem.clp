@@ -50,15 +50,15 @@
       (number ?instance way-time (way-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
 
 (defrule problem-machine
-  "A machine is found: it is empty, and so far from the others."
-  (machine (name ?machine) (kind ?kind&BS|CS|RS|DS))
+  "A machine is found: it is empty, so far from the others, and works if it is not out of order just now."
+  (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (state ?state))
   (pddl-instance (name ?instance&production|planning) (state LOADED))
   (not (in-problem ?instance ?machine))
   =>
   (assert (in-problem ?instance ?machine))
   (bind ?name (pddl-name ?machine))
   (assert (pddl-object-change (instance ?instance) (name ?name) (type (type-of ?kind))))
-  (fluent ?instance working ?name)
+  (if (not (member$ ?state (create$ DOWN BROKEN))) then (fluent ?instance working ?name))
   (fluent ?instance output-ready ?name)
   (number ?instance down-for 0 ?name)
   (fluent ?instance input-free ?name)
