@@ -1,7 +1,12 @@
-; A robot that does not move any more is asked off the field, where people repair it; others do its work meanwhile.
+; A robot that does not move any more is asked off the field, where people repair it; others do its work meanwhile. What takes
+; longer than it can is ended.
 
 (defglobal
   ?*STANDS* = 90.0    ; s: no drive takes as long
+  ?*FOR-GOOD* = 150.0 ; s: it does not move again by itself
+  ?*LONGEST* = 180.0  ; s: no skill takes as long
+  ?*ANSWER* = 20.0    ; s for the answer to a cancel
+  ?*DEAF* = 60.0      ; s: a machine that is idle begins sooner
   ?*CYCLES* = 2)      ; a third maintenance disqualifies the robot
 
 (deftemplate repair
@@ -25,7 +30,8 @@
   (ros-msgs-destroy-message ?message))
 
 (defrule repair-under-way
-  (command (state RUNNING) (goal-id ?goal))
+  (or (command (state RUNNING) (goal-id ?goal))
+      (instruction (state RUNNING) (goal-id ?goal)))
   (not (under-way (goal-id ?goal)))
   (time ?now)
   =>
@@ -34,6 +40,7 @@
 (defrule repair-over
   ?under-way <- (under-way (goal-id ?goal))
   (not (command (goal-id ?goal)))
+  (not (instruction (goal-id ?goal)))
   =>
   (retract ?under-way))
 
@@ -50,6 +57,99 @@
   (decide (str-cat "ask " ?name " off the field") "it does not move any more")
   (assert (repair (robot ?name) (number ?number)))
   (ask-for-maintenance ?number TRUE))
+
+; --- A robot that was repaired twice, and does not move again
+
+(defrule repair-stands
+  (declare (salience 20))
+  (command (robot ?name) (state FAILED) (error-code 201) (goal-id ?goal))
+  (under-way (goal-id ?goal) (since ?since))
+  (not (stands ?name ?))
+  (time ?now&:(> ?now (+ ?since ?*STANDS*)))
+  =>
+  (assert (stands ?name ?since)))
+
+(defrule repair-stands-no-more
+  (declare (salience 20))
+  (command (robot ?name) (state SUCCEEDED))
+  ?stands <- (stands ?name ?)
+  =>
+  (retract ?stands))
+
+(defrule repair-off-for-good
+  "It stands in the way of the others, which is worse than its loss."
+  (declare (salience 10))
+  (command (robot ?name) (state FAILED) (error-code 201))
+  (robot (name ?name) (number ?number) (duty ACTIVE) (cycles ?cycles&:(>= ?cycles ?*CYCLES*)))
+  (not (repair (robot ?name)))
+  (stands ?name ?since)
+  (ros-msgs-publisher (topic "/set_robot_maintenance"))
+  (time ?now&:(> ?now (+ ?since ?*FOR-GOOD*)))
+  =>
+  (decide (str-cat "have " ?name " taken off the field for good") "it does not move again")
+  (assert (repair (robot ?name) (number ?number)))
+  (ask-for-maintenance ?number TRUE))
+
+; --- What takes longer than it can
+
+(defrule repair-cancel
+  "No skill takes as long: the robot is asked to stop."
+  (command (robot ?name) (skill ?skill) (server ?server) (state RUNNING) (handle ?handle) (goal-id ?goal))
+  (under-way (goal-id ?goal) (since ?since))
+  (not (cancelled ?goal))
+  (time ?now&:(> ?now (+ ?since ?*LONGEST*)))
+  =>
+  (decide (str-cat "cancel " ?skill " of " ?name) "no skill takes as long")
+  (assert (cancelled ?goal))
+  (ros-msgs-async-cancel-goal ?server ?handle))
+
+(defrule repair-cancel-answered
+  ?response <- (ros-msgs-cancel-response (cancel-response-ptr ?answer))
+  =>
+  (ros-msgs-destroy-message ?answer)
+  (retract ?response))
+
+(defrule repair-cancel-over
+  ?cancelled <- (cancelled ?goal)
+  (not (command (goal-id ?goal)))
+  =>
+  (retract ?cancelled))
+
+(defrule repair-no-answer
+  "Nor does it say that it has stopped: the skill has failed."
+  (cancelled ?goal)
+  ?command <- (command (robot ?name) (state RUNNING) (handle ?handle) (goal-id ?goal))
+  (under-way (goal-id ?goal) (since ?since))
+  (time ?now&:(> ?now (+ ?since ?*LONGEST* ?*ANSWER*)))
+  =>
+  (decide (str-cat "wait no more for " ?name) "it does not answer")
+  (ros-msgs-destroy-client-goal-handle ?handle)
+  (modify ?command (handle NONE) (goal-id NONE) (state FAILED) (error "no answer")))
+
+(defrule repair-instruct-again
+  "The machine has not heard it."
+  ?instruction <- (instruction (machine ?machine) (operation ?operation&~"RESET") (state RUNNING) (handle ?handle) (goal-id ?goal))
+  (under-way (goal-id ?goal) (since ?since))
+  (machine (name ?machine) (state IDLE))
+  (time ?now&:(> ?now (+ ?since ?*DEAF*)))
+  =>
+  (decide (str-cat "say " ?operation " to " ?machine " again") "it is idle")
+  (ros-msgs-destroy-client-goal-handle ?handle)
+  (modify ?instruction (handle NONE) (goal-id NONE) (state NEW)))
+
+(defrule repair-late-result
+  "Of a skill or instruction for which nobody waits any more."
+  (declare (salience -10))
+  ?wrapped <- (ros-msgs-wrapped-result (goal-id ?goal) (result-ptr ?result))
+  (not (command (state SENT)))
+  (not (instruction (state SENT)))
+  (not (command (goal-id ?goal)))
+  (not (instruction (goal-id ?goal)))
+  =>
+  (ros-msgs-destroy-message ?result)
+  (retract ?wrapped))
+
+; --- Back on the field
 
 (defrule repair-back
   "It may come back as soon as it is repaired."
