@@ -69,11 +69,11 @@
   (do-for-all-facts ((?s step)) (eq ?s:state OPEN)
     (if (member$ ?s:id ?*TOLD*)
      then (bind ?told (create$ ?told ?s:id))
-     else (if (or ?robot-waits (neq ?s:worker ROBOT))
-           then (bind ?why (why-held-back ?s))
-                (if ?why
-                 then (decide (str-cat "hold back " (step-text ?s)) ?why)
-                      (bind ?told (create$ ?told ?s:id))))))
+     else (bind ?why (why-held-back ?s))
+          (if (and (not ?why) (not ?robot-waits) (eq ?s:worker ROBOT)) then (bind ?why "no robot is idle"))
+          (if ?why
+           then (decide (str-cat "hold back " (step-text ?s)) ?why)
+                (bind ?told (create$ ?told ?s:id)))))
   (bind ?*TOLD* ?told))
 
 (deffunction hold-back (?step ?check ?why)
