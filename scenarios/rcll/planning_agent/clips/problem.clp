@@ -176,6 +176,20 @@
   (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance planning) (eq ?f:name deadline) (eq (nth$ 1 ?f:params) ?product))
     (no-fluent planning deadline ?f:params)))
 
+(deffunction say-losses (?product ?complexity ?rings ?bonus ?end ?window)
+  "What is lost by the end of its window, each quarter of it later, the end of the game, and where it is not delivered."
+  (bind ?all (points-of ?complexity ?rings ?bonus 0 ?window))
+  (bind ?loss 0.0)
+  (loop-for-count (?quarter 0 3)
+    (bind ?moment (+ ?end (* ?quarter (/ ?window 4))))
+    (if (< ?moment ?*GAME*)
+     then
+      (lose-at ?product (moment-at ?moment) ?loss)
+      (bind ?loss (- ?all (points-of ?complexity ?rings ?bonus (+ (- ?moment ?end) 1) ?window)))))
+  (bind ?game-end (moment-at ?*GAME*))
+  (lose-at ?product ?game-end ?loss)
+  (if (neq ?game-end never) then (lose-at ?product never ?all)))
+
 (defrule problem-deadlines
   "The later a delivery, the fewer points; after the end of the game there are none. A pause moves the moments, and who is second
    with a competitive order loses less."
@@ -186,20 +200,8 @@
   (not (deadlines ?id ?zero ?bonus))
   =>
   (assert (deadlines ?id ?zero ?bonus))
-  (bind ?product (product-of ?id))
-  (bind ?window (- ?end ?begin))
-  (bind ?all (points-of ?complexity ?rings ?bonus 0 ?window))
-  (forget-deadlines ?product)
-  (bind ?loss 0.0)
-  (loop-for-count (?quarter 0 3)
-    (bind ?moment (+ ?end (* ?quarter (/ ?window 4))))
-    (if (< ?moment ?*GAME*)
-     then
-      (lose-at ?product (moment-at ?moment) ?loss)
-      (bind ?loss (- ?all (points-of ?complexity ?rings ?bonus (+ (- ?moment ?end) 1) ?window)))))
-  (bind ?end (moment-at ?*GAME*))
-  (lose-at ?product ?end ?loss)
-  (if (neq ?end never) then (lose-at ?product never ?all)))
+  (forget-deadlines (product-of ?id))
+  (say-losses (product-of ?id) ?complexity ?rings ?bonus ?end (- ?end ?begin)))
 
 (defrule problem-price
   "The league tells a price later."
