@@ -40,7 +40,7 @@ struct Result {
   std::vector<Section> sections{{"teams", "{}"}, {"orders", "[]"}, {"deliveries", "[]"}, {"robots", "[]"}};
   std::string score_board;  ///< lines for a terminal; a world adds its own
   std::vector<RuleErrorResult> rule_errors;
-  std::vector<std::string> warnings;  ///< parameters that were given and nobody asked for
+  std::vector<std::string> warnings;  ///< given parameters that nobody asked for, errors that rules printed
   std::string journal_hash, physics_hash;
   std::vector<std::pair<std::string, std::string>> stream_hashes;  ///< name -> hash, by name
 

@@ -20,6 +20,7 @@
 #include "cx/engine/engine.h"
 #include "cx/executive/files.h"
 #include "cx/executive/log_router.h"
+#include "cx/executive/printed_errors.h"
 #include "cx/executive/run_control.h"
 #include "cx/executive/run_settings.h"
 #include "cx/node/log_output.h"
@@ -57,6 +58,7 @@ class Environment {
     LoggerNames logger_names;
     LogFile* log_file = nullptr;                         ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
+    PrintedErrors* printed_errors = nullptr;             ///< what rules print as an error is added here; may be none
     bool topic_logging = false;                          ///< lines of rules also go to `publish_line`
     std::function<void(const std::string& environment, std::string_view logical_name, std::string_view line)>
         publish_line = [](const auto&, auto, auto) {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <system_error>
 
 #include "cx/base/number_text.h"
@@ -225,8 +226,8 @@ Status EnvironmentManager::do_deactivate() {
   if (options_.strict) note_rule_errors();
   for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
   plugin_services_.clear();
-  warnings_ = parameters_.in_vain();
-  for (const Error& warning : warnings_) log(LogLevel::kWarn, options_.node, warning.text());
+  in_vain_ = parameters_.in_vain();
+  for (const Error& warning : in_vain_) log(LogLevel::kWarn, options_.node, warning.text());
   log_life("Deactivated", "...");
   keep_first(first, flush_logs());
   return first;
@@ -272,6 +273,7 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   o.logger_names = logger_names();
   o.run = &options_;
   o.rule_errors = &rule_errors_;
+  o.printed_errors = &printed_errors_;
   bool to_file = true;
   if (Status s = parameters_.declare(name + ".log_clips_to_file", to_file); !s) return s.error();
   if (Status s = parameters_.declare(name + ".redirect_stdout_to_debug", o.redirect_stdout_to_debug); !s)
@@ -384,6 +386,12 @@ SimTime EnvironmentManager::next_due() const {
   for (const Entry& entry : environments_)
     for (const Plugin* plugin : entry.loaded) first = std::min(first, plugin->next_due(*entry.environment));
   return first;
+}
+
+std::vector<Error> EnvironmentManager::warnings() const {
+  std::vector<Error> all = in_vain_, printed = printed_errors_.warnings();
+  std::ranges::move(printed, std::back_inserter(all));
+  return all;
 }
 
 bool EnvironmentManager::deterministic() const {

@@ -103,8 +103,8 @@ class EnvironmentManager final : public Agent {
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
   const std::vector<Error>& load_errors() const { return load_errors_; }
-  /// After deactivation: parameters that were given and nobody asked for.
-  const std::vector<Error>& warnings() const { return warnings_; }
+  /// After deactivation: parameters that were given and nobody asked for. At any time: what rules printed as an error.
+  std::vector<Error> warnings() const;
   /// False once a plugin has opened a gate for threads, or a person has done something in an environment.
   bool deterministic() const;
   /// Writes the log files out.
@@ -195,7 +195,8 @@ class EnvironmentManager final : public Agent {
   std::vector<Instance> instances_;  // in order of creation
   std::vector<RuleErrorEntry> rule_errors_;
   std::vector<Error> load_errors_;
-  std::vector<Error> warnings_;
+  std::vector<Error> in_vain_;  // parameters
+  PrintedErrors printed_errors_;
   std::unique_ptr<Bond> bond_;  // may be none
   Status failure_;              // of something that was asked for, that must end the run
   bool shutdown_ = false;

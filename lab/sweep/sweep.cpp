@@ -101,12 +101,12 @@ struct Running {
   Process process;
 };
 
-std::string line_of(const Row& row, std::size_t done, std::size_t all) {
-  return '[' + std::to_string(done) + '/' + std::to_string(all) + "] " + row.cell.scenario + ' ' + row.cell.strategy +
-         (row.cell.game.empty() ? "" : " game " + row.cell.game) + " seed " + std::to_string(row.cell.seed) + ": " +
-         row.status + ", exit " + std::to_string(row.exit_code) + ", points " +
-         (row.journal_hash.empty() ? "-" : general_text(row.figures.points, 6)) +
-         (row.errors.empty() ? "" : "; " + row.errors.front());
+std::string line_of(const Row& row) {
+  std::string errors;
+  for (const std::string& error : row.errors) errors += "; " + error;
+  return row.cell.scenario + ' ' + row.cell.strategy + (row.cell.game.empty() ? "" : " game " + row.cell.game) +
+         " seed " + std::to_string(row.cell.seed) + ": " + row.status + ", exit " + std::to_string(row.exit_code) +
+         ", points " + (row.journal_hash.empty() ? "-" : general_text(row.figures.points, 6)) + errors;
 }
 
 }  // namespace
@@ -141,6 +141,8 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
   }
   std::size_t done = cells.size() - open.size();
   if (done > 0) host.note(std::to_string(done) + " rows are current and kept");
+  for (const std::optional<Row>& row : found)
+    if (row && !row->errors.empty()) host.note("kept: " + line_of(*row));
 
   std::list<Running> running;
   for (auto next = open.begin(); (next != open.end() || !running.empty()) && !host.stopped();) {
@@ -168,7 +170,7 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
       std::optional<Row>& row = found[it->cell];
       row = read_row(it->file);
       if (!row) row = Row{cells[it->cell], program, {}, "crashed", *code, {}, {}, {}};
-      host.note(line_of(*row, ++done, cells.size()));
+      host.note('[' + std::to_string(++done) + '/' + std::to_string(cells.size()) + "] " + line_of(*row));
       it = running.erase(it);
     }
   }

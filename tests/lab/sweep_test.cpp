@@ -163,6 +163,20 @@ TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
   EXPECT_THAT(rows->front().errors.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
 }
 
+TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {
+  scenario("game", "(defrule told => (printout error \"found 'grops'\" crlf \"found 'x'\" crlf))\n");
+  for (const char* where : {"[1/1] ", "kept: "}) {
+    Notes notes;
+    const auto rows = play(
+        *Suite::load(write("suite.yaml", "scenarios: [game.yaml]\nseeds: [1]\nstrategies: {a: []}\n")), notes.host());
+    ASSERT_TRUE(rows);
+    EXPECT_TRUE(rows->front().counts());
+    EXPECT_EQ(notes.notes.back(), std::string(where) +
+                                      "game a seed 1: completed, exit 0, points 0; environment 'main' printed as "
+                                      "error: found 'grops'; environment 'main' printed as error: found 'x'");
+  }
+}
+
 TEST_F(SweepTest, ASecondSweepInTheFolderIsRefused) {
   scenario("game", kRules);
   std::filesystem::create_directories(path("out"));

@@ -110,6 +110,46 @@ TEST(Configuration, AGivenParameterForWhichNobodyAsksIsTold) {
   EXPECT_THAT(lab.log.with("'gian' was set"), ::testing::SizeIs(1));
 }
 
+TEST(Configuration, WhatRulesPrintAsErrorIsAWarningOnce) {
+  Lab lab;
+  lab.config("environments: [\"a\", \"b\"]");
+  lab.run_up();
+  for (const char* text : {"(printout error \"wrong \" 1 crlf)", "(printout logerror \"wrong 1\" crlf)",
+                           "(printout stderr \"clips\" crlf)", "(printout warn \"odd\" crlf)"})
+    ASSERT_TRUE(lab.manager->find("a")->engine().eval(text)) << text;
+  ASSERT_TRUE(lab.manager->find("b")->engine().eval("(printout error \"wrong 1\" crlf)"));
+  lab.manager->find("b")->log(LogLevel::kError, "plugin", "not of rules");
+  ASSERT_TRUE(lab.manager->destroy_environment("b"));
+  ASSERT_TRUE(lab.manager->deactivate());
+  std::vector<std::string> texts;
+  for (const Error& warning : lab.manager->warnings()) texts.push_back(warning.text());
+  EXPECT_THAT(texts,
+              ElementsAre("environment 'a' printed as error: wrong 1", "environment 'b' printed as error: wrong 1"));
+}
+
+TEST(Configuration, OfManyErrorsThatRulesPrintTheFirstAreWarnings) {
+  Lab lab;
+  lab.config("environments: [\"main\"]");
+  lab.run_up();
+  ASSERT_TRUE(lab.engine().eval("(loop-for-count (?i 1 15) (printout error \"wrong \" ?i crlf))"));
+  ASSERT_TRUE(lab.engine().eval("(printout error \"wrong 1\" crlf)"));
+  const std::vector<Error> warnings = lab.manager->warnings();
+  ASSERT_EQ(warnings.size(), PrintedErrors::kMost + 1);
+  EXPECT_EQ(warnings[9].text(), "environment 'main' printed as error: wrong 10");
+  EXPECT_EQ(warnings[10].text(), "5 more lines were printed as error, in the log");
+}
+
+TEST(Configuration, ALongLineThatRulesPrintAsErrorIsCutBetweenCharacters) {
+  Lab lab;
+  lab.config("environments: [\"main\"]");
+  lab.run_up();
+  std::string line = "x";  // so that the limit is amid a character
+  for (int i = 0; i < 300; ++i) line += "ü";
+  ASSERT_TRUE(lab.engine().eval("(printout error \"" + line + "\" crlf)"));
+  ASSERT_EQ(lab.manager->warnings().size(), 1u);
+  EXPECT_EQ(lab.manager->warnings()[0].text(), "environment 'main' printed as error: " + line.substr(0, 499) + " ...");
+}
+
 TEST(Configuration, EnvironmentsComeInTheirOrder) {
   Lab lab;
   lab.config("environments: [\"b\", \"c\", \"a\"]");
