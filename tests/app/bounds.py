@@ -1,5 +1,6 @@
 """benchmarks/upper_bound.py: bounds that can be reckoned by hand, and the shipped agents below theirs."""
 
+import importlib.util
 import os
 import pathlib
 import subprocess
@@ -84,6 +85,24 @@ class Bounds(Lab):
         # CS1 has until 1183.1 s, with the product that is delivered last gone: 33.1 + 15 * 2 * 37.494 = 1157.9.
         orders = [order("C1", "RING_ORANGE")] * 16
         self.assertEqual(self.bound(orders), 15 * C1 + EXTRAS + EXPLORATION)
+
+    def test_many_orders(self):
+        self.assertEqual(self.bound([order("C1", "RING_ORANGE")] * 40, "--robots", 1), 9 * C1 + 3 * 2 + EXPLORATION)
+        orders = [order(f"C{i % 4}", *["RING_BLUE", "RING_GREEN", "RING_YELLOW"][:i % 4], begin=20 * i, end=20 * i + 150 + 7 * i % 40)
+                  for i in range(40)]
+        bound = self.bound(orders)
+        self.assertGreater(bound, self.bound(orders[:30]))
+        self.assertLess(bound, 20 * 100)
+
+    def test_a_search_that_ends_early_gives_a_higher_bound(self):
+        specification = importlib.util.spec_from_file_location("upper_bound", SCRIPT)
+        tool = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(tool)
+        of_game = tool.read_game(game([order("C1", "RING_ORANGE", begin=276, end=376)] * 4))
+        exact = tool.upper_bound(of_game, robots=1)
+        tool.MOST_NODES = 0
+        early = tool.upper_bound(of_game, robots=1)
+        self.assertEqual((exact, early), (4 * C1 - 22 + EXTRAS + EXPLORATION, 4 * C1 + EXTRAS + EXPLORATION))
 
     def test_runs_and_rows_beside_their_bounds(self):
         for scenario in ("rcll/game", "rcll/planning"):
