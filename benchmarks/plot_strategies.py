@@ -15,6 +15,32 @@ T = {5: 2.571, 9: 2.262, 11: 2.201, 14: 2.145, 19: 2.093, 29: 2.045, 39: 2.023}
 LEFT, RIGHT, ROW, TOP = 190, 900, 20, 24
 
 
+def refuse(why):
+    print(f"error: {why}", file=sys.stderr)
+    sys.exit(3)
+
+
+def read_rows(path):
+    """The rows of the episodes that have points."""
+    with open(path, newline="") as file:
+        table = csv.DictReader(file)
+        rows, columns = list(table), table.fieldnames or []
+    lacking = [column for column in ("strategy", "points") if column not in columns]
+    if lacking:
+        raise ValueError(f"found {'the columns ' + ', '.join(columns) if columns else 'an empty file'}, "
+                         f"expected {' and '.join(lacking)}{' among them' if columns else ''}")
+    for line, row in enumerate(rows, start=2):
+        try:
+            if row["points"] and not math.isfinite(float(row["points"])):
+                raise ValueError
+        except ValueError:
+            raise ValueError(f"line {line}: found '{row['points']}' as points, expected a number") from None
+    played = [row for row in rows if row["points"]]
+    if not played:
+        raise ValueError(f"found {len(rows)} rows, and none with points; expected one at least")
+    return played
+
+
 def interval(points):
     if len(points) < 2:
         return 0
@@ -24,7 +50,7 @@ def interval(points):
 def drawing(rows):
     strategies = list(dict.fromkeys(row["strategy"] for row in rows))
     bottom = TOP + ROW * len(strategies)
-    most = 100 * math.ceil(max(float(row["points"]) for row in rows) / 100)  # at the right edge
+    most = 100 * max(1, math.ceil(max(float(row["points"]) for row in rows) / 100))  # at the right edge
 
     def x(points):
         return LEFT + (RIGHT - LEFT) * points / most
@@ -51,13 +77,10 @@ if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     try:
-        with open(sys.argv[1], newline="") as file:
-            rows = [row for row in csv.DictReader(file) if row["points"]]
-        if not rows:
-            raise ValueError("it is empty")
+        rows = read_rows(sys.argv[1])
         with open(sys.argv[2], "w") as file:
             file.write(drawing(rows))
     except OSError as error:
-        sys.exit(f"{error.filename}: {error.strerror}")
-    except (KeyError, ValueError) as error:
-        sys.exit(f"{sys.argv[1]}: no rows of cxlab bench with strategies ({error})")
+        refuse(f"{error.filename}: {error.strerror}")
+    except (csv.Error, ValueError) as error:
+        refuse(f"{sys.argv[1]}: no rows of cxlab bench: {error}")

@@ -1,4 +1,4 @@
-"""benchmarks/upper_bound.py: bounds that can be reckoned by hand, and the shipped agents below theirs."""
+"""benchmarks/upper_bound.py: bounds that can be reckoned by hand, and the shipped agents below theirs; plot_strategies.py."""
 
 import importlib.util
 import os
@@ -146,3 +146,26 @@ class Bounds(Lab):
         (self.folder / "run/game.yaml").write_text("layout:\n")
         self.assertEqual(self.script("run", code=3), "error: run: not as cxlab writes it: KeyError('tier')\n")
         self.assertIn("the following arguments are required", self.script(code=2))
+
+
+class Plots(Lab):
+    def plot(self, table, code=3):
+        (self.folder / "rows.csv").write_text(table)
+        done = subprocess.run([sys.executable, SCRIPT.with_name("plot_strategies.py"), "rows.csv", "out.svg"], capture_output=True,
+                              text=True, timeout=60, stdin=subprocess.DEVNULL, cwd=self.folder)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stderr
+
+    def test_rows_are_drawn(self):
+        self.plot("strategy,points\ngroups,120.0\ngroups,140.0\nstn,\nstn,0.0\n", code=0)
+        self.assertIn(">groups</text>", (self.folder / "out.svg").read_text())
+        self.plot("strategy,points\nlazy,0.0\n", code=0)
+
+    def test_other_tables_are_refused_with_what_was_found(self):
+        for table, said in (
+                ("a,b\n1,2\n", "found the columns a, b, expected strategy and points among them"),
+                ("strategy,b\n", "found the columns strategy, b, expected points among them"),
+                ("", "found an empty file, expected strategy and points"),
+                ("strategy,points\nstn,\n", "found 1 rows, and none with points; expected one at least"),
+                ("strategy,points\nstn,1\nstn,many\n", "line 3: found 'many' as points, expected a number")):
+            self.assertEqual(self.plot(table), f"error: rows.csv: no rows of cxlab bench: {said}\n")
