@@ -7,7 +7,8 @@ namespace cxlab::cx {
 
 namespace {
 
-constexpr SimTime kPatience = std::chrono::seconds(1);  ///< with a server that is not there
+constexpr SimTime kPatience = std::chrono::seconds(1);   ///< with a server that is not there
+constexpr SimTime kSayAgain = std::chrono::seconds(10);  ///< that the service of repeated requests is not there
 
 }  // namespace
 
@@ -316,9 +317,13 @@ void BusConnection::request(Call& call) {
   const Value ready = environment_.look("service-ready " + service,
                                         [&] { return Value::boolean(bus_.service_ready(client.endpoint)); });
   if (!ready.is_true() && numbers_requests_) {
-    log(LogLevel::kWarn, "service " + service + " not available, abort request.");
+    if (!client.said_missing || bus_.now() >= *client.said_missing + kSayAgain) {
+      log(LogLevel::kWarn, "service " + service + " not available, abort request.");
+      client.said_missing = bus_.now();
+    }
     return call.give_boolean(false);
   }
+  client.said_missing.reset();
   if (!ready.is_true()) wait(client.waiting);
   const std::uint64_t number = bus_.call(client.endpoint, store_.share(call.handle(0)), engine_.cause());
   if (numbers_requests_) call.give_integer(static_cast<std::int64_t>(number));

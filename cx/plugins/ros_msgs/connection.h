@@ -65,7 +65,8 @@ class BusConnection {
   struct Service {
     bus::EndpointId endpoint{};
     const bus::ServiceType* type = nullptr;
-    Waiting waiting;  ///< clients: a request
+    Waiting waiting;                           ///< clients: a request
+    std::optional<SimTime> said_missing = {};  ///< clients: when the log last said so
   };
   struct ActionClient {
     bus::EndpointId endpoint{};

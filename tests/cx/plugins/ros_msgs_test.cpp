@@ -229,6 +229,28 @@ TEST_F(RosMsgs, AMissingServiceIsFalseAtOnce) {
   EXPECT_THAT(lab_.log.with("warn "), ElementsAre("warn ros_msgs: service go not available, abort request."));
 }
 
+TEST_F(RosMsgs, RulesThatAskAMissingServiceOftenFillNoLog) {
+  lab_.agent("");
+  lab_.run_up();
+  const std::string ask = "(ros-msgs-async-send-request (ros-msgs-create-request \"std_srvs/srv/Trigger\") \"go\")";
+  const std::string line = "warn ros_msgs: service go not available, abort request.";
+  const auto asked = [&] { return lab_.engine().eval(ask)->print(); };
+  act("(ros-msgs-create-client \"go\" \"std_srvs/srv/Trigger\")");
+  const SimTime begin = lab_.bus.now();
+  while (lab_.bus.now() < begin + std::chrono::seconds(15)) {
+    EXPECT_EQ(asked(), "FALSE");
+    lab_.ticks(1);
+  }
+  EXPECT_THAT(lab_.log.with(line), SizeIs(2)) << "at once and after 10 s";
+  const auto service =
+      lab_.bus.serve(node_, "/go", **lab_.registry.service("std_srvs/srv/Trigger"), [](const auto&) {});
+  ASSERT_TRUE(service);
+  EXPECT_EQ(asked(), "1");
+  lab_.bus.remove(*service);
+  EXPECT_EQ(asked(), "FALSE");
+  EXPECT_THAT(lab_.log.with(line), SizeIs(3)) << "it was there in between";
+}
+
 TEST_F(RosMsgs, WhatCxLeavesUndefinedIsAnErrorHere) {
   lab_.agent("");
   lab_.run_up();

@@ -73,8 +73,7 @@ TEST_F(TurtleAgentsTest, TheTurtleIsSentHomeAsSoonAsTurtlesimIsThere) {
   run("boundary_late");
   EXPECT_THAT(complaints_.lines.with("Starting turtlesim"), ElementsAre(testing::StartsWith("5.008")));
   EXPECT_THAT(complaints_.lines.with("is home again"), SizeIs(1));
-  EXPECT_THAT(complaints_.all, testing::Each(testing::HasSubstr("service turtle1/teleport_absolute not available")));
-  EXPECT_GT(complaints_.all.size(), 30u) << "asked at each run of the rules";
+  EXPECT_THAT(complaints_.all, ElementsAre(testing::HasSubstr("service turtle1/teleport_absolute not available")));
 }
 
 TEST_F(TurtleAgentsTest, TwoHypothesesAboutOneTurtle) {
