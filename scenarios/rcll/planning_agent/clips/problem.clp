@@ -1,6 +1,8 @@
 ; The planning problem: objects and facts for all that the league tells of.
 
-(defglobal ?*WINDOW-LEAD* = 45.0)  ; so long before its window a product is fetched for its delivery, s
+(defglobal
+  ?*WINDOW-LEAD* = 45.0  ; so long before its window a product is fetched for its delivery, s
+  ?*LOADING* = 10.0)     ; s of production in which the PDDL manager should have answered
 
 (defrule problem-load
   "Both instances, and the coarse actions alone, for their names; by the folder of this package."
@@ -12,6 +14,17 @@
           (pddl-instance (name planning) (domain "planning.pddl") (problem "planning_problem.pddl") (directory ?folder))
           (pddl-instance (name coarse) (domain "coarse.pddl") (directory ?folder))
           (pddl-action-names (instance coarse))))
+
+(defrule problem-no-manager
+  "Without it nothing is planned."
+  (pddl-manager (node ?node))
+  (pddl-instance (name production) (state ~LOADED))
+  (game (phase PRODUCTION) (begin ?zero))
+  (not (no-manager))
+  (time ?now&:(> ?now (+ ?zero ?*LOADING*)))
+  =>
+  (assert (no-manager))
+  (printout error "nothing can be planned: no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)" crlf))
 
 (defrule problem-numbers
   "Numbers of the problem file are known from the beginning."
