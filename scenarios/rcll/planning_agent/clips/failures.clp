@@ -357,8 +357,20 @@
   =>
   (retract ?watched))
 
+(defrule watch-rest
+  "Caps and payments for later that cannot be had, while no order is worked for."
+  ?watched <- (watched ?since)
+  (not (order (state STARTED)))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (+ ?zero ?since ?*WATCH*)))
+  =>
+  (retract ?watched)
+  (decide "forget the rest of the plan" "nothing of it can begin, and it is for no order")
+  (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED)) (forget-step ?s)))
+
 (defrule watch-bites
   ?watched <- (watched ?since)
+  (exists (order (state STARTED)))
   (game (begin ?zero))
   (time ?now&:(> ?now (+ ?zero ?since ?*WATCH*)))
   =>
