@@ -74,7 +74,7 @@ class Game(Lab):
         self.assertIn("referee", last)
         for name in ["journal.jsonl", "inputs.bin", "result.json", "logs/agent.log", "files/index.jsonl"]:
             content = (self.out / name).read_bytes()
-            self.assertNotIn(str(SOURCE).encode(), content, name)
+            self.assertNotIn(f"{SOURCE}/".encode(), content, name)
             self.assertNotIn(str(self.folder).encode(), content, name)
         self.assertLess(sum(f.stat().st_size for f in self.out.rglob("*") if f.is_file()), 25e6)
 

@@ -81,8 +81,10 @@ class Testing(unittest.TestCase):
                              [("plain", "1", "0"), ("plain", "2", "0"), ("long", "1", "0"), ("long", "2", "0"), ("broken", "1", "4"), ("broken", "2", "4")])
         next((self.folder / "o/rows").glob("empty-long-2-*.json")).unlink()
         again = cxlab("bench", "suite.yaml", "--out", "o", "--json", cwd=self.folder)
-        self.assertEqual(len(again.stderr.splitlines()), 2, again.stderr)
-        self.assertTrue(again.stderr.startswith("5 rows are current and kept\n[6/6] empty long seed 2: completed, exit 0"))
+        kept, *failed, played = again.stderr.splitlines()
+        self.assertEqual(kept, "5 rows are current and kept")
+        self.assertEqual([line.split(":")[:2] for line in failed], [["kept", f" empty broken seed {seed}"] for seed in (1, 2)])
+        self.assertTrue(played.startswith("[6/6] empty long seed 2: completed, exit 0"), played)
         self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
 
     def test_bench_looks_for_all_files_first(self):
