@@ -14,8 +14,6 @@ namespace {
 /// Plans end within thirty years.
 constexpr double kLatest = 1e9;
 
-Nanos to_nanos(double seconds) { return static_cast<Nanos>(std::llround(seconds * 1e9)); }
-
 bool reads_changing(const Expression& expression, const Frame& frame, const State& state) {
   if (expression.kind == Expression::Kind::kFunction &&
       state.rate(expression.function, Objects(expression.terms, frame)) != 0)
@@ -87,10 +85,8 @@ bool Execution::lay_out() {
       happenings_.push_back({starts_.back(), Happening::Kind::kInstant, step});
     }
   }
-  std::set<Nanos> outside;
-  for (const TimedFact& later : problem_.timed_facts) outside.insert(to_nanos(later.time));
-  for (const TimedAssignment& later : problem_.timed_values) outside.insert(to_nanos(later.time));
-  for (const Nanos time : outside) happenings_.push_back({time, Happening::Kind::kOutside, -1});
+  for (const OutsideEvent& event : validator_.outside())
+    happenings_.push_back({event.time, Happening::Kind::kOutside, -1, &event});
   std::ranges::stable_sort(happenings_, {}, [](const Happening& each) { return std::pair(each.time, each.kind); });
   return true;
 }
@@ -226,13 +222,7 @@ void Execution::enable_pending(int step) {
 
 bool Execution::collect(const Happening& happening, std::vector<Change>& changes) {
   if (happening.kind == Happening::Kind::kOutside) {
-    for (const auto& [time, fact, value, _] : problem_.timed_facts)
-      if (to_nanos(time) == happening.time)
-        changes.push_back(
-            {value ? Effect::Kind::kAdd : Effect::Kind::kDelete, fact.predicate, fact.objects, 0, nullptr});
-    for (const auto& [time, set, _] : problem_.timed_values)
-      if (to_nanos(time) == happening.time)
-        changes.push_back({Effect::Kind::kAssign, set.function, set.objects, set.value, nullptr});
+    changes = happening.event->changes;
     return true;
   }
   const int step = happening.step;

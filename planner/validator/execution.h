@@ -1,27 +1,22 @@
 #pragma once
 // One plan, played through from happening to happening.
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "cx/base/time.h"
 #include "planner/validator/footprint.h"
 #include "planner/validator/validator.h"
 
 namespace cxlab::planner {
-
-/// Times as whole nanoseconds, so that equal is equal.
-using Nanos = std::int64_t;
-inline double to_seconds(Nanos time) { return cxlab::to_seconds(SimTime{time}); }
 
 /// Something that happens at once.
 struct Happening {
   enum class Kind { kOutside, kStart, kInstant, kEnd };
   Nanos time = 0;
   Kind kind = Kind::kOutside;
-  int step = -1;  ///< index in the plan
+  int step = -1;                        ///< index in the plan
+  const OutsideEvent* event = nullptr;  ///< of kOutside
 };
 
 class Execution {

@@ -162,7 +162,7 @@ std::optional<Happening> Execution::next_change(const Fact& fact, Effect::Kind m
   for (const TimedFact& later : problem_.timed_facts)
     if (later.value == (makes == Effect::Kind::kAdd) && later.fact == fact &&
         (current_ >= happenings_.size() || later.time >= to_seconds(happenings_[current_].time)))
-      return Happening{static_cast<Nanos>(later.time * 1e9), Happening::Kind::kOutside, -1};
+      return Happening{to_nanos(later.time), Happening::Kind::kOutside};
   return std::nullopt;
 }
 

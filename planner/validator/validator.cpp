@@ -1,5 +1,7 @@
 #include "planner/validator/validator.h"
 
+#include <map>
+
 #include "planner/validator/execution.h"
 
 namespace cxlab::planner {
@@ -9,9 +11,26 @@ const char* to_word(Violation::Kind kind) {
   return kWords[static_cast<std::size_t>(kind)];
 }
 
+namespace {
+
+std::vector<OutsideEvent> outside_events(const Problem& problem) {
+  std::map<Nanos, std::vector<Change>> by_time;
+  for (const auto& [time, fact, value, _] : problem.timed_facts)
+    by_time[to_nanos(time)].push_back(
+        {value ? Effect::Kind::kAdd : Effect::Kind::kDelete, fact.predicate, fact.objects, 0, nullptr});
+  for (const auto& [time, set, _] : problem.timed_values)
+    by_time[to_nanos(time)].push_back({Effect::Kind::kAssign, set.function, set.objects, set.value, nullptr});
+  std::vector<OutsideEvent> events;
+  for (auto& [time, changes] : by_time) events.push_back({time, std::move(changes)});
+  return events;
+}
+
+}  // namespace
+
 Validator::Validator(const Domain& domain, const Problem& problem)
     : evaluator_(domain, problem),
       initial_(domain, problem),
+      outside_(outside_events(problem)),
       fluents_(changing(domain, problem)),
       bases_(bases_of_derived(domain)) {
   evaluator_.derive(initial_);

@@ -8,14 +8,29 @@
 // all events. Numbers that change continuously are linear between happenings; conditions on them are checked at every
 // crossing, not by sampling.
 
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/time.h"
 #include "planner/pddl/plan.h"
 #include "planner/state/state.h"
 
 namespace cxlab::planner {
+
+/// Times as whole nanoseconds, so that equal is equal.
+using Nanos = std::int64_t;
+inline Nanos to_nanos(double seconds) { return static_cast<Nanos>(std::llround(seconds * 1e9)); }
+inline double to_seconds(Nanos time) { return cxlab::to_seconds(SimTime{time}); }
+
+/// What changes at a time without an action: timed facts, then timed values.
+struct OutsideEvent {
+  Nanos time = 0;
+  std::vector<Change> changes;
+};
 
 struct ValidateOptions {
   double epsilon = 0.001;  ///< s that keeps interfering happenings apart
@@ -62,6 +77,8 @@ class Validator {
 
   const Evaluator& evaluator() const { return evaluator_; }
   const State& initial() const { return initial_; }
+  /// By time, each time once.
+  const std::vector<OutsideEvent>& outside() const { return outside_; }
   /// What actions and events can change.
   const Symbols& fluents() const { return fluents_; }
   /// What a derived predicate depends on, directly or not.
@@ -70,6 +87,7 @@ class Validator {
  private:
   Evaluator evaluator_;
   State initial_;
+  std::vector<OutsideEvent> outside_;
   Symbols fluents_;
   ById<Symbols> bases_;
 };
