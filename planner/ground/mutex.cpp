@@ -81,21 +81,21 @@ class Pairs {
 
   bool apply(const Operator& op) {
     // What can be true beside: reachable with every need, and not removed.
-    std::vector<Word> beside(words_, 0);
     if (op.needs.empty()) {
+      beside_.assign(words_, 0);
       for (std::size_t f = 0; f < facts_; ++f)
-        if (is_set(row(static_cast<int>(f)), static_cast<int>(f))) set(beside.data(), static_cast<int>(f));
+        if (is_set(row(static_cast<int>(f)), static_cast<int>(f))) set(beside_.data(), static_cast<int>(f));
     } else {
-      beside.assign(row(op.needs[0]), row(op.needs[0]) + words_);
+      beside_.assign(row(op.needs[0]), row(op.needs[0]) + words_);
       for (const int need : op.needs)
-        for (std::size_t w = 0; w < words_; ++w) beside[w] &= row(need)[w];
+        for (std::size_t w = 0; w < words_; ++w) beside_[w] &= row(need)[w];
     }
-    for (const int f : op.removes) reset(beside.data(), f);
-    for (const int f : op.adds) set(beside.data(), f);
+    for (const int f : op.removes) reset(beside_.data(), f);
+    for (const int f : op.adds) set(beside_.data(), f);
     bool changed = false;
     for (const int added : op.adds)
       for (std::size_t w = 0; w < words_; ++w) {
-        Word fresh = beside[w] & ~row(added)[w];
+        Word fresh = beside_[w] & ~row(added)[w];
         if (!fresh) continue;
         changed = true;
         row(added)[w] |= fresh;
@@ -108,6 +108,7 @@ class Pairs {
   const std::size_t facts_, words_;
   std::vector<Word> rows_;
   std::vector<Operator> operators_;
+  std::vector<Word> beside_;  ///< used by apply, kept for its memory
 };
 
 }  // namespace
