@@ -2,10 +2,11 @@
 
 (defrule pddl-send-condition
   (declare (salience ?*PRIORITY-PDDL-CHECK-CONDITION*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-action-condition (instance ?instance) (action ?action) (state PENDING))
   (pddl-action (instance ?instance) (id ?action) (plan ?plan&:(pddl-agrees ?ask plan ?plan)) (name ?name) (params $?params))
+  (time ?)
   =>
   (bind ?message (pddl-message Action ?instance ?name ?params))
   (bind ?request (pddl-request CheckActionCondition nil nil))

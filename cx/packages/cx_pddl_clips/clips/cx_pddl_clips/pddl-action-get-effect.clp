@@ -15,13 +15,14 @@
 (defrule pddl-send-get-effect
   "The effects at the end are asked for when those at the start have come true."
   (declare (salience ?*PRIORITY-PDDL-APPLY-EFFECT*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-action-get-effect (action ?action) (state ?state&PENDING|START-EFFECT-APPLIED))
   (test (pddl-agrees ?ask instance ?instance))
   (pddl-action (instance ?instance) (id ?action) (plan ?plan&:(pddl-agrees ?ask plan ?plan)) (name ?name) (params $?params))
   (not (pddl-fluent-change (instance ?instance) (state PENDING)))
   (not (pddl-numeric-fluent-change (instance ?instance) (state PENDING)))
+  (time ?)
   =>
   (bind ?message (pddl-message Action ?instance ?name ?params))
   (bind ?request (pddl-request GetActionEffects nil nil))

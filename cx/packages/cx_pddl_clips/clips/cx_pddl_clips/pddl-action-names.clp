@@ -2,9 +2,10 @@
 
 (defrule pddl-ask-action-names
   (declare (salience ?*PRIORITY-PDDL-GET-ACTION-NAMES*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-action-names (instance ?instance) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance ?ask)
    then (pddl-sent ?i GET-ACTION-NAMES ?ask WAITING)))

@@ -2,9 +2,10 @@
 
 (defrule pddl-send-clear-goals
   (declare (salience ?*PRIORITY-PDDL-CLEAR-GOALS*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance ?ask)
    then (pddl-sent ?i CLEAR-GOALS ?ask WAITING)))

@@ -2,9 +2,10 @@
 
 (defrule pddl-send-create-goal-instance
   (declare (salience ?*PRIORITY-PDDL-CREATE-GOAL-INSTANCE*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance ?ask)
    then (pddl-sent ?i CREATE-GOAL-INSTANCE ?ask WAITING)))

@@ -9,11 +9,12 @@
 
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PRIORITY-PDDL-FLUENTS*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?change <- (pddl-fluent-change (instance ?instance) (delete ?delete) (state PENDING))
   (or (test (eq ?delete TRUE))
       (not (pddl-fluent-change (instance ?instance) (delete TRUE) (state PENDING))))
+  (time ?)
   =>
   (bind ?changes (if (pddl-was-refused ?change) then (create$ ?change) else
     (find-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:delete ?delete) (eq ?c:state PENDING) (not (pddl-was-refused ?c))))))

@@ -1,9 +1,10 @@
 ; What is true now.
 
 (defrule pddl-ask-fluents
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance ?ask)
    then (pddl-sent ?i GET-FLUENTS ?ask WAITING)))

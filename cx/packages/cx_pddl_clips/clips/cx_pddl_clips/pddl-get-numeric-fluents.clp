@@ -1,9 +1,10 @@
 ; All numbers.
 
 (defrule pddl-ask-numeric-fluents
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance ?ask)
    then (pddl-sent ?i GET-NUMERIC-FLUENTS ?ask WAITING)))

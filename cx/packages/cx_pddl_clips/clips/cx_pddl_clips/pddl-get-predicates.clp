@@ -1,9 +1,10 @@
 ; The predicates of a domain.
 
 (defrule pddl-ask-predicates
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
+  (time ?)
   =>
   (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance ?ask)
    then (pddl-sent ?i GET-PREDICATES ?ask WAITING)))

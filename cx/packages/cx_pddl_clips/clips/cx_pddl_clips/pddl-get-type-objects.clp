@@ -1,9 +1,10 @@
 ; The objects of a type.
 
 (defrule pddl-ask-type-objects
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-get-type-objects (instance ?instance) (type ?type) (state PENDING))
+  (time ?)
   =>
   (bind ?request (pddl-request GetTypeObjects ?instance nil))
   (ros-msgs-set-field ?request "type" (str-cat ?type))

@@ -2,8 +2,9 @@
 
 (defrule pddl-instance-load
   (declare (salience ?*PRIORITY-PDDL-INSTANCES*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?instance <- (pddl-instance (name ?name) (domain ?domain) (problem ?problem) (directory ?directory) (state PENDING))
+  (time ?)
   =>
   (bind ?request (pddl-request AddPddlInstance nil nil))
   (ros-msgs-set-field ?request "name" (str-cat ?name))

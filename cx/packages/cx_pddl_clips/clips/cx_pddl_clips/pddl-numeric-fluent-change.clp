@@ -10,9 +10,10 @@
 
 (defrule pddl-send-numeric-changes
   (declare (salience ?*PRIORITY-PDDL-FLUENTS*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?change <- (pddl-numeric-fluent-change (instance ?instance) (state PENDING))
+  (time ?)
   =>
   (bind ?changes (if (pddl-was-refused ?change) then (create$ ?change) else
     (find-all-facts ((?c pddl-numeric-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state PENDING) (not (pddl-was-refused ?c))))))

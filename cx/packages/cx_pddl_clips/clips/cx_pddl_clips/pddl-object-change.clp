@@ -2,9 +2,10 @@
 
 (defrule pddl-send-object-change
   (declare (salience ?*PRIORITY-PDDL-OBJECTS*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?change <- (pddl-object-change (instance ?instance) (name ?name) (type ?type) (delete ?delete) (state PENDING))
+  (time ?)
   =>
   (bind ?object (ros-msgs-create-message "cx_pddl_interfaces/msg/Object"))
   (ros-msgs-set-field ?object "pddl_instance" (str-cat ?instance))

@@ -7,25 +7,28 @@
 
 (defrule pddl-send-action-filter
   (declare (salience ?*PRIORITY-PDDL-SET-ACTION-FILTER*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?f <- (pddl-planning-filter (type ACTIONS) (instance ?instance) (goal ?goal) (filter $?names))
+  (time ?)
   =>
   (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_action_filter" SetActionFilter "actions" SET-ACTION-FILTER))
 
 (defrule pddl-send-fluent-filter
   (declare (salience ?*PRIORITY-PDDL-SET-FLUENT-FILTER*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?f <- (pddl-planning-filter (type FLUENTS) (instance ?instance) (goal ?goal) (filter $?names))
+  (time ?)
   =>
   (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_fluent_filter" SetFluentFilter "fluents" SET-FLUENT-FILTER))
 
 (defrule pddl-send-object-filter
   (declare (salience ?*PRIORITY-PDDL-SET-OBJECT-FILTER*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?f <- (pddl-planning-filter (type OBJECTS) (instance ?instance) (goal ?goal) (filter $?names))
+  (time ?)
   =>
   (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_object_filter" SetObjectFilter "objects" SET-OBJECT-FILTER))
 

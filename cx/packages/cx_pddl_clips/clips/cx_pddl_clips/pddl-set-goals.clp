@@ -2,9 +2,10 @@
 
 (defrule pddl-send-set-goals
   (declare (salience ?*PRIORITY-PDDL-SET-GOALS*))
-  (time ?) (pddl-manager (node ?node) (ros-comm-init TRUE))
+  (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
   ?ask <- (pddl-set-goals (instance ?instance) (goal ?goal) (state PENDING))
+  (time ?)
   =>
   (bind ?fluents (create$))
   (do-for-all-facts ((?g pddl-goal-fluent)) (and (eq ?g:instance ?instance) (eq ?g:goal ?goal))
