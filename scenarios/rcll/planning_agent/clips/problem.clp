@@ -26,9 +26,16 @@
   (assert (no-manager))
   (printout error "nothing can be planned: no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)" crlf))
 
+(defrule problem-loaded
+  "The fact of the instance changes with all that it is asked; this one does not."
+  (pddl-instance (name ?instance&production|planning) (state LOADED))
+  (not (loaded ?instance))
+  =>
+  (assert (loaded ?instance)))
+
 (defrule problem-numbers
   "Numbers of the problem file are known from the beginning."
-  (pddl-instance (name ?instance&production|planning) (state LOADED))
+  (loaded ?instance)
   (not (pddl-get-numeric-fluents (instance ?instance)))
   =>
   (assert (pddl-get-numeric-fluents (instance ?instance))))
@@ -44,7 +51,7 @@
 
 (defrule problem-robot
   (robot (name ?robot))
-  (pddl-instance (name planning) (state LOADED))
+  (loaded planning)
   (not (in-problem planning ?robot))
   =>
   (assert (in-problem planning ?robot))
@@ -65,7 +72,7 @@
 (defrule problem-machine
   "A machine is found: it is empty, so far from the others, and works if it is not out of order just now."
   (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (state ?state))
-  (pddl-instance (name ?instance&production|planning) (state LOADED))
+  (loaded ?instance)
   (not (in-problem ?instance ?machine))
   =>
   (assert (in-problem ?instance ?machine))
@@ -91,7 +98,7 @@
 (defrule problem-order
   "An order whose machines are all found."
   (order (id ?id) (rings $?rings) (cap ?cap))
-  (pddl-instance (name ?instance&production|planning) (state LOADED))
+  (loaded ?instance)
   (not (in-problem ?instance ?id))
   (machine (kind BS) (name ?bs))
   (in-problem ?instance ?bs)
@@ -166,7 +173,7 @@
 
 (defrule problem-begins
   "Moments of the problem count from here."
-  (pddl-instance (name planning) (state LOADED))
+  (loaded planning)
   (not (planning-since ?))
   (time ?now)
   =>
