@@ -87,9 +87,9 @@
    reported. One that breaks forgets its payments."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
-  (bind ?zone (ros-msgs-get-field ?message "zone"))
   (if (eq ?state BROKEN) then (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded 0))))
   (if (do-for-fact ((?m machine)) (eq ?m:name ?name) (modify ?m (state ?state)) TRUE) then (return))
+  (bind ?zone (ros-msgs-get-field ?message "zone"))
   (if (or (eq ?zone "") (and (not (ros-msgs-get-field ?message "correctly_reported"))
                              (eq (ros-msgs-get-field ?message "exploration_zone_state") "NO_REPORT")))
    then (assert (to-find ?name))

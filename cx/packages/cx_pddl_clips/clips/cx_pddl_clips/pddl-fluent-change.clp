@@ -5,7 +5,7 @@
   "The fluent is known no more."
   (bind ?symbol (sym-cat ?name))
   (bind ?symbols (pddl-symbols ?params))
-  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?symbol) (eq ?f:params ?symbols)) (retract ?f)))
+  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:name ?symbol) (eq ?f:params ?symbols) (eq ?f:instance ?instance)) (retract ?f)))
 
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PRIORITY-PDDL-FLUENTS*))

@@ -4,7 +4,7 @@
   "The numeric fluent is known with that value; its fact."
   (bind ?symbol (sym-cat ?name))
   (bind ?symbols (pddl-symbols ?params))
-  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?symbol) (eq ?f:params ?symbols))
+  (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:name ?symbol) (eq ?f:params ?symbols) (eq ?f:instance ?instance))
     (return (modify ?f (value (float ?value)))))
   (assert (pddl-numeric-fluent (instance ?instance) (name ?symbol) (params ?symbols) (value (float ?value)))))
 

@@ -119,8 +119,8 @@
   (if ?id then
     (modify ?i (busy-with ?busy))
     (foreach ?change ?changes
-      (pddl-put ?change request-id ?id)
-      (pddl-becomes ?change WAITING ""))))
+      (pddl-put ?change error "")
+      (modify ?change (request-id ?id) (state WAITING)))))
 
 (deffunction pddl-refuse (?change ?error ?together)
   "The manager did not take it; of several each is tried alone."
