@@ -337,7 +337,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   for_episode.run_folder = run.folder;
   for_episode.journal = *level;
   for_episode.control = run.control.debugger.get();
-  for_episode.physics_meter = &run.physics;
+  for_episode.meters = options.meters;
+  for_episode.meters.physics = &run.physics;
   for_episode.file_read = options.file_read;
   auto episode = Episode::load(run.scenario, for_episode);
   if (!episode) return refused(run, episode.error());

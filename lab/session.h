@@ -38,6 +38,7 @@ struct PlayOptions {
   bool programs = true;                   ///< libraries of packages may be opened, and programs that nodes name started
   std::vector<std::string> command = {};  ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
+  WallMeters meters = {};  ///< of nodes and rules; the result has the time of physics anyway
 };
 
 struct Played {

@@ -35,6 +35,13 @@ class WallMeter {
   virtual void end() = 0;
 };
 
+/// What the stretches are of; each may be none.
+struct WallMeters {
+  WallMeter* physics = nullptr;  ///< the world's steps
+  WallMeter* nodes = nullptr;    ///< nodes beside the world, such as the PDDL manager with its planner
+  WallMeter* rules = nullptr;    ///< agents: what they perceive becomes facts, rules fire
+};
+
 /// A former run, from which its environments alone are played again: without world, servers and stimuli.
 struct ReplaySource {
   std::filesystem::path inputs;  ///< its inputs.bin
@@ -47,11 +54,11 @@ struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
   JournalLevel journal = JournalLevel::kDecisions;
-  cx::RunControl* control = nullptr;   ///< of a person; may be none
-  cx::LogSink* log = nullptr;          ///< lines of environments and nodes; may be none
-  WallMeter* physics_meter = nullptr;  ///< around the world's steps; may be none
-  std::filesystem::path interfaces;    ///< folder of the packages that come with cxlab
-  std::filesystem::path models;        ///< MJCF parts
+  cx::RunControl* control = nullptr;  ///< of a person; may be none
+  cx::LogSink* log = nullptr;         ///< lines of environments and nodes; may be none
+  WallMeters meters;
+  std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
+  std::filesystem::path models;      ///< MJCF parts
   std::optional<ReplaySource> replay;
   Limits limits;                                     ///< of all its environments together
   bool strict = false;                               ///< what the real CX would do otherwise are errors
@@ -125,6 +132,7 @@ class Episode {
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
+  std::vector<std::unique_ptr<Agent>> measured_;  ///< around the agents, where they are measured
   std::optional<Loop> loop_;
 };
 

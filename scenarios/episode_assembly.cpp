@@ -16,20 +16,58 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A world whose steps are measured.
+Status measured(WallMeter& meter, const std::function<Status()>& call) {
+  meter.begin();
+  Status done = call();
+  meter.end();
+  return done;
+}
+
 class MeasuredWorld final : public Simulation {
  public:
   MeasuredWorld(std::unique_ptr<Simulation> world, WallMeter& meter) : world_(std::move(world)), meter_(meter) {}
   Status advance(SimTime duration) override {
-    meter_.begin();
-    Status moved = world_->advance(duration);
-    meter_.end();
-    return moved;
+    return measured(meter_, [&] { return world_->advance(duration); });
   }
   SimTime next_event() const override { return world_->next_event(); }
 
  private:
   std::unique_ptr<Simulation> world_;
+  WallMeter& meter_;
+};
+
+class MeasuredServer final : public Server {
+ public:
+  MeasuredServer(std::unique_ptr<Server> server, WallMeter& meter) : server_(std::move(server)), meter_(meter) {}
+  Status sense(SimTime now) override {
+    return measured(meter_, [&] { return server_->sense(now); });
+  }
+  Status act(SimTime now) override {
+    return measured(meter_, [&] { return server_->act(now); });
+  }
+  SimTime next_due() const override { return server_->next_due(); }
+
+ private:
+  std::unique_ptr<Server> server_;
+  WallMeter& meter_;
+};
+
+class MeasuredAgent final : public Agent {
+ public:
+  MeasuredAgent(Agent& agent, WallMeter& meter) : agent_(agent), meter_(meter) {}
+  Status perceive() override {
+    return measured(meter_, [&] { return agent_.perceive(); });
+  }
+  Status decide(SimTime now) override {
+    return measured(meter_, [&] { return agent_.decide(now); });
+  }
+  Status act() override {
+    return measured(meter_, [&] { return agent_.act(); });
+  }
+  SimTime next_due() const override { return agent_.next_due(); }
+
+ private:
+  Agent& agent_;
   WallMeter& meter_;
 };
 
@@ -118,11 +156,14 @@ Status Episode::build_stage() {
   }
   for (const fs::path& file : stage_->files)
     if (Status s = files_->keep("models/" + file.filename().string(), file); !s) return s;
+  const std::size_t of_the_world = stage_->servers.size();
   for (const ServerSpec& server : scenario_.servers)
     if (Status s = server.kind->add(server, setup, *stage_); !s) return at(server.origin, s.error());
-  if (options_.physics_meter)
-    for (auto& moving : stage_->worlds)
-      moving = std::make_unique<MeasuredWorld>(std::move(moving), *options_.physics_meter);
+  if (WallMeter* meter = options_.meters.physics)
+    for (auto& moving : stage_->worlds) moving = std::make_unique<MeasuredWorld>(std::move(moving), *meter);
+  if (WallMeter* meter = options_.meters.nodes)
+    for (std::size_t i = of_the_world; i < stage_->servers.size(); ++i)
+      stage_->servers[i] = std::make_unique<MeasuredServer>(std::move(stage_->servers[i]), *meter);
   if (Status s = build_stimuli(); !s) return s;
   return options_.sockets ? open_sockets() : Status();
 }
@@ -253,7 +294,12 @@ void Episode::build_loop() {
   Parts parts{.referee = stage_->referee};
   for (auto& world : stage_->worlds) parts.worlds.push_back(world.get());
   for (auto& server : stage_->servers) parts.servers.push_back(server.get());
-  for (auto& agent : agents_) parts.agents.push_back(agent.get());
+  for (auto& agent : agents_) {
+    parts.agents.push_back(agent.get());
+    if (!options_.meters.rules) continue;
+    measured_.push_back(std::make_unique<MeasuredAgent>(*agent, *options_.meters.rules));
+    parts.agents.back() = measured_.back().get();
+  }
   loop_.emplace(*bus_, scenario_.tick, std::move(parts));
   loop_->set_end(scenario_.duration);
 }
