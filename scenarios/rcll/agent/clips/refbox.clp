@@ -125,15 +125,15 @@
 (deffunction learn-robot (?message ?letter)
   "A robot of our team: robot 1 starts in zone 51, 2 in 61, 3 in 71."
   (bind ?name (ros-msgs-get-field ?message "name"))
-  (bind ?number (ros-msgs-get-field ?message "number"))
-  (bind ?home (str-cat ?letter "_Z" (+ 4 ?number) "1"))
-  (if (and (eq (sub-string 1 1 (ros-msgs-get-field ?message "team_color")) ?letter)
-           (not (any-factp ((?known robot)) (eq ?known:name ?name))))
-   then (assert (robot (name ?name) (number ?number) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home))))
   (bind ?duty (sym-cat (ros-msgs-get-field ?message "state")))
   (bind ?cycles (ros-msgs-get-field ?message "maintenance_cycles"))
-  (do-for-fact ((?r robot)) (and (eq ?r:name ?name) (or (neq ?r:duty ?duty) (<> ?r:cycles ?cycles)))
-    (modify ?r (duty ?duty) (cycles ?cycles))))
+  (if (or (do-for-fact ((?r robot)) (eq ?r:name ?name) (modify ?r (duty ?duty) (cycles ?cycles)) TRUE)
+          (neq (sub-string 1 1 (ros-msgs-get-field ?message "team_color")) ?letter))
+   then (return))
+  (bind ?number (ros-msgs-get-field ?message "number"))
+  (bind ?home (str-cat ?letter "_Z" (+ 4 ?number) "1"))
+  (assert (robot (name ?name) (number ?number) (x (zone-x ?home)) (y (zone-y ?home)) (home ?home) (place ?home)
+                 (duty ?duty) (cycles ?cycles))))
 
 (defrule refbox-robot-info
   "Once we know which team we are."

@@ -1,11 +1,19 @@
 ; Fluents that become true or false. All that are pending go in one request, deletes first. What the manager refuses is tried
 ; again one at a time, so that a wrong change does not hold up the others.
 
-(deffunction pddl-drop-fluent (?instance ?name ?params)
-  "The fluent is known no more."
-  (bind ?symbol (sym-cat ?name))
-  (bind ?symbols (pddl-symbols ?params))
-  (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:name ?symbol) (eq ?f:params ?symbols) (eq ?f:instance ?instance)) (retract ?f)))
+(defrule pddl-drop-fluent
+  "The fluent is known no more: before anything else fires."
+  (declare (salience 10000))
+  (pddl-dropped ?instance ?name $?params)
+  ?fluent <- (pddl-fluent (instance ?instance) (name ?name) (params $?params))
+  =>
+  (retract ?fluent))
+
+(defrule pddl-dropped-done
+  (declare (salience 9999))
+  ?dropped <- (pddl-dropped $?)
+  =>
+  (retract ?dropped))
 
 (defrule pddl-send-fluent-changes
   (declare (salience ?*PRIORITY-PDDL-FLUENTS*))
@@ -30,7 +38,7 @@
   (do-for-all-facts ((?c pddl-fluent-change)) (and (eq ?c:instance ?instance) (eq ?c:state WAITING))
     (if (neq ?error "") then (pddl-refuse ?c ?error (> (length$ ?changes) 1))
      else
-      (if ?c:delete then (pddl-drop-fluent ?instance ?c:name ?c:params)
+      (if ?c:delete then (assert (pddl-dropped ?instance (sym-cat ?c:name) (pddl-symbols ?c:params)))
        else (assert (pddl-fluent (instance ?instance) (name (sym-cat ?c:name)) (params (pddl-symbols ?c:params)))))
       (retract ?c)))
   (pddl-close-changes)

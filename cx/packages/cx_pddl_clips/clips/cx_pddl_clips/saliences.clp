@@ -1,6 +1,7 @@
 ; What every file of this package needs: priorities, and functions. Agents may load the files one by one, this one first,
 ; then deftemplates.clp. Needs the plugin cx::RosMsgsPlugin. Facts without a template are notes of these rules:
 ; (pddl-asked SERVICE ID WHAT INSTANCE ...) of a request that is under way, (pddl-free INSTANCE) when it was answered,
+; (pddl-dropped INSTANCE NAME PARAMS...) of a fluent that is true no more, until its fact is gone,
 ; (pddl-refused CHANGE) of a change, by its index, that was refused together with others and is tried alone,
 ; (pddl-plan-goal GOAL HANDLE) of a goal that was sent for a plan; its handle is nil until it is accepted.
 ;
