@@ -1,6 +1,6 @@
-// What the parts of whole games take of their time: physics, nodes beside the world (the PDDL manager with its planner), rules
-// (what they perceive becomes facts, they fire), and the rest (skill servers, factory, referee, files). Journals are written, as
-// by `cxlab run`.
+// What the parts of whole games take of their time: physics, nodes beside the world (the PDDL manager with its
+// planner), rules (what they perceive becomes facts, they fire), and the rest (skill servers, factory, referee, files).
+// Journals are written, as by `cxlab run`.
 //
 //   bench_shares SCENARIO SEED...
 

@@ -14,12 +14,16 @@ constexpr std::size_t kWordsOfWork = 200;  ///< words of rows that take as long 
 /// What one happening needs, adds and surely removes.
 struct Operator {
   std::vector<int> needs, adds, removes;
+  int looked_at = -1;  ///< the time of the last look at it: nothing is new unless a row of its needs has changed since
 };
 
 class Pairs {
  public:
   Pairs(const GroundTask& task, Budget& budget)
-      : facts_(task.facts.size() + task.actions.size()), words_((facts_ + 63) / 64), rows_(facts_ * words_, 0) {
+      : facts_(task.facts.size() + task.actions.size()),
+        words_((facts_ + 63) / 64),
+        rows_(facts_ * words_, 0),
+        changed_(facts_, 0) {
     std::vector<int> initial;
     for (std::size_t f = 0; f < task.facts.size(); ++f)
       if (task.initial_facts[f]) initial.push_back(static_cast<int>(f));
@@ -30,12 +34,13 @@ class Pairs {
     std::size_t words = 0;
     for (bool changed = true; changed;) {
       changed = false;
-      for (const Operator& op : operators_) {
+      for (Operator& op : operators_) {
         words += 1 + op.needs.size();
-        if (reachable(op.needs)) {
+        if (has_news(op) && reachable(op.needs)) {
           if (apply(op)) changed = true;
           words += (op.needs.size() + op.adds.size() + 1) * words_;
         }
+        op.looked_at = now_++;
         if (words < kWordsOfWork) continue;
         budget.spend(Work::kGround, static_cast<std::int64_t>(words / kWordsOfWork));
         words %= kWordsOfWork;
@@ -52,6 +57,12 @@ class Pairs {
   }
 
  private:
+  /// Its own effects are no news to it: they are in what it left possible.
+  bool has_news(const Operator& op) const {
+    if (op.needs.empty()) return last_change_ > op.looked_at;
+    return std::ranges::any_of(op.needs, [&](int need) { return changed_[need] > op.looked_at; });
+  }
+
   Word* row(int fact) { return &rows_[static_cast<std::size_t>(fact) * words_]; }
   const Word* row(int fact) const { return &rows_[static_cast<std::size_t>(fact) * words_]; }
 
@@ -99,14 +110,20 @@ class Pairs {
         if (!fresh) continue;
         changed = true;
         row(added)[w] |= fresh;
-        for (; fresh; fresh &= fresh - 1)
-          set(row(static_cast<int>(w * 64 + static_cast<std::size_t>(std::countr_zero(fresh)))), added);
+        changed_[added] = last_change_ = now_;
+        for (; fresh; fresh &= fresh - 1) {
+          const int other = static_cast<int>(w * 64 + static_cast<std::size_t>(std::countr_zero(fresh)));
+          set(row(other), added);
+          changed_[other] = now_;
+        }
       }
     return changed;
   }
 
   const std::size_t facts_, words_;
   std::vector<Word> rows_;
+  ById<int> changed_;  ///< by fact: the time of the last change of its row
+  int now_ = 0, last_change_ = 0;
   std::vector<Operator> operators_;
   std::vector<Word> beside_;  ///< used by apply, kept for its memory
 };

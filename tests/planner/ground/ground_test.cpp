@@ -179,6 +179,18 @@ TEST(Ground, TwoFactsOfTheGoalThatAreNeverTrueTogetherAreAProof) {
   EXPECT_TRUE(task->proved_unsolvable);
 }
 
+TEST(Ground, AFactThatWasPossibleComesBesideOthersLater) {
+  // `use` is looked at when `have` has come about without `spare`, and again when it came about beside it.
+  const Grounded task(R"((:predicates (coin) (have) (spare) (used))
+    (:action buy :parameters () :precondition (coin) :effect (and (have) (not (coin))))
+    (:action save :parameters () :precondition (coin) :effect (and (spare) (not (coin))))
+    (:action use :parameters () :precondition (have) :effect (used))
+    (:action find :parameters () :precondition (spare) :effect (have)))",
+                      "(:init (coin)) (:goal (and (used) (spare)))");
+  EXPECT_FALSE(task->proved_unsolvable);
+  EXPECT_EQ(task.actions(), (Names{"(buy)", "(find)", "(save)", "(use)"}));
+}
+
 TEST(Ground, NumbersThatNothingReadsAreLeftOut) {
   const Grounded task(R"((:functions (steps) (fuel) (cost)) (:predicates (there))
     (:action go :parameters () :precondition (>= (fuel) 1)
