@@ -115,6 +115,8 @@ def problems(folder, kind):
 
 
 def main():
+    if len(sys.argv) < 6:
+        sys.exit(__doc__)
     program, scenario, tier, first, last, *kinds = sys.argv[1:]
     listed = subprocess.run([program, "list", "faults"], capture_output=True, text=True, check=True).stdout
     known = {line.split()[0] for line in listed.splitlines() if line[:1].strip()}

@@ -121,6 +121,8 @@ class Game:
 
 
 def main():
+    if len(sys.argv) != 6:
+        sys.exit(__doc__)
     program, scenario, tier, first, last = sys.argv[1:]
     failed, deliveries, points, with_rings = 0, [], [], 0
     with tempfile.TemporaryDirectory(prefix="cxlab-games-") as folder:

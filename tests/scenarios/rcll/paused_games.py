@@ -38,6 +38,8 @@ def check_pauses(events):
 
 
 def main():
+    if len(sys.argv) != 5:
+        sys.exit(__doc__)
     program, scenario, first, last = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

@@ -48,6 +48,8 @@ def problems(done, out):
 
 
 def main():
+    if len(sys.argv) != 5:
+        sys.exit(__doc__)
     program, scenario, first, last = sys.argv[1:]
     points, failed = [], 0
     with tempfile.TemporaryDirectory(prefix="cxlab-failures-") as folder:

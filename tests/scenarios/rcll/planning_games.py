@@ -12,6 +12,8 @@ import sys
 import tempfile
 import unittest
 
+if len(sys.argv) < 3:
+    sys.exit(__doc__)
 PROGRAM, SCENARIO = sys.argv[1:3]
 SEEDS = (1, 2)
 LEAST_POINTS = 250

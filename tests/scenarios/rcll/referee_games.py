@@ -187,6 +187,8 @@ def changes():
 
 
 def main():
+    if len(sys.argv) < 5:
+        sys.exit(__doc__)
     program, tier, first, last, *kinds = sys.argv[1:]
     played = failed = 0
     with tempfile.TemporaryDirectory(prefix="cxlab-referee-") as folder:

@@ -10,6 +10,8 @@ import sys
 import tempfile
 import unittest
 
+if len(sys.argv) < 3:
+    sys.exit(__doc__)
 PROGRAM, SCENARIO = sys.argv[1:3]
 LEAST_POINTS = 250
 LEAST_SHARE_AT_WORK = 0.6
