@@ -131,6 +131,10 @@
 
 ; --- Robots that would stand idle drive to where the next piece comes out
 
+(deffunction source-of (?action ?params)
+  "Where a robot fetches the piece of a step."
+  (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
+
 (defrule agenda-approach
   "A machine works on the piece, and nothing else can begin: a robot goes there."
   (planning (state IDLE))
@@ -138,7 +142,7 @@
   ?step <- (step (id ?id) (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
                  (rank ?rank))
   (not (step (state OPEN|CHECKING) (worker ROBOT) (rank ?r&:(< ?r ?rank))))
-  (step (state RUNNING) (worker MACHINE) (params $? =(nth$ 1 ?params) $?))
+  (step (state RUNNING) (worker MACHINE) (params $?made&:(and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made))))
   (robot-waits)
   =>
   (bind ?work (begin-work ?action ?params))

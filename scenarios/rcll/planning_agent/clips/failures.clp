@@ -369,6 +369,7 @@
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED)) (forget-step ?s)))
 
 (defrule watch-bites
+  "The plan is made anew. Robots that wait for pieces are needed for others, perhaps, without which these never come."
   ?watched <- (watched ?since)
   (exists (order (state STARTED)))
   (game (begin ?zero))
@@ -378,6 +379,9 @@
   (bind ?waiting "")
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED))
     (bind ?waiting (list-text ?waiting (str-cat ?s:action " " (implode$ ?s:params)))))
+  (do-for-all-facts ((?s step) (?j job)) (and (eq ?s:state APPROACHING) (= ?j:id ?s:work) (eq ?j:moving NO))
+    (bind ?waiting (list-text ?waiting (str-cat ?j:robot " for " ?s:action " " (implode$ ?s:params))))
+    (modify ?j (step GIVEN-UP)))
   (printout warn "nothing is under way, these wait: " ?waiting crlf)
   (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))
 

@@ -3,7 +3,7 @@
 
 (deffunction fetched-from (?action ?params)
   "The machine where a robot fetches the piece of a step."
-  (machine-named (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params)))
+  (machine-named (source-of ?action ?params)))
 
 (deffunction idle-arrival (?machine)
   "When the first idle robot can be there, in s of the game."
