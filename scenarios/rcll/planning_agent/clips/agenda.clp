@@ -167,6 +167,16 @@
   (retract ?approached)
   (modify ?job (step GIVEN-UP)))
 
+(defrule agenda-approach-too-early
+  "It has the step, but later: nobody makes the piece, and others come first."
+  ?step <- (step (id ?id) (state APPROACHING) (action ?action) (params $?params) (work ?work))
+  (not (allowed ?id))
+  (not (step (state RUNNING) (worker MACHINE) (params $?made&:(and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made)))))
+  ?job <- (job (id ?work) (robot ?robot) (moving NO) (step ~GIVEN-UP))
+  =>
+  (decide (str-cat ?robot " waits no more for " (step-text ?step)) "nobody makes the piece, and others come first")
+  (modify ?job (step GIVEN-UP)))
+
 (defrule agenda-pay-in-advance
   "A robot has nothing to do for a while: a payment that may be of use later, to the slide with most room. Before it would drive home."
   (declare (salience 10))
