@@ -382,6 +382,7 @@
   (do-for-all-facts ((?s step) (?j job)) (and (eq ?s:state APPROACHING) (= ?j:id ?s:work) (eq ?j:moving NO))
     (bind ?waiting (list-text ?waiting (str-cat ?j:robot " for " ?s:action " " (implode$ ?s:params))))
     (modify ?j (step GIVEN-UP)))
+  (if (not (any-factp ((?a allowed)) TRUE)) then (bind ?waiting (list-text ?waiting "the strategy allows none of them")))
   (printout warn "nothing is under way, these wait: " ?waiting crlf)
   (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))
 

@@ -48,7 +48,7 @@
   ?*TRY-AGAIN* = 60.0)   ; s, what there was no plan for
 
 (deffunction why-left-open (?order)
-  (if (any-factp ((?s skipped)) (= ?s:order (fact-slot-value ?order id))) then (return "there is no plan for it as the world is"))
+  (if (any-factp ((?s skipped)) (= ?s:order (fact-slot-value ?order id))) then (return "no plan for it was found as the world is"))
   (if (without-cap (fact-slot-value ?order id)) then (return "its cap cannot be had"))
   (bind ?lost (lost-machine (fact-slot-value ?order id)))
   (if ?lost then (return (str-cat ?lost " is out of order")))
@@ -292,7 +292,7 @@
    then
     (do-for-all-facts ((?a alternative)) (eq ?a:state WITHOUT-PLAN)
       (bind ?id (nth$ (length$ ?a:orders) ?a:orders))
-      (decide (str-cat "skip order " ?id) "there is no plan for it as the world is")
+      (decide (str-cat "skip order " ?id) "no plan for it was found as the world is")
       (assert (skipped (order ?id) (since (game-time))))
       (bind ?some TRUE)))
   ?some)

@@ -18,13 +18,19 @@
 (defrule problem-no-manager
   "Without it nothing is planned."
   (pddl-manager (node ?node))
-  (pddl-instance (name production) (state ~LOADED))
+  (pddl-instance (name production) (state ~LOADED&~ERROR))
   (game (phase PRODUCTION) (begin ?zero))
   (not (no-manager))
   (time ?now&:(> ?now (+ ?zero ?*LOADING*)))
   =>
   (assert (no-manager))
   (printout error "nothing can be planned: no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)" crlf))
+
+(defrule problem-not-loaded
+  "It answers that there is an error in our domain or problem."
+  (pddl-instance (name ?instance&production|planning) (state ERROR) (error ?why))
+  =>
+  (printout error "nothing can be planned: the PDDL manager cannot load " ?instance ": " ?why crlf))
 
 (defrule problem-loaded
   "The fact of the instance changes with all that it is asked; this one does not."

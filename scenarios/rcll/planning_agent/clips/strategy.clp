@@ -2,8 +2,10 @@
 ; by the rules of the rule agent (greedy).
 
 (deffunction load-files (?package $?files)
+  (bind ?folder (ament-index-get-package-share-directory ?package))
+  (if (not ?folder) then (return))  ; ament-index has said so
   (foreach ?file ?files
-    (load* (str-cat (ament-index-get-package-share-directory ?package) "/clips/" ?file ".clp"))))
+    (load* (str-cat ?folder "/clips/" ?file ".clp"))))
 
 (load-files "rcll_planning_agent" parameters)
 
