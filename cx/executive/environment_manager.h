@@ -191,7 +191,7 @@ class EnvironmentManager final : public Agent {
   std::optional<bus::EndpointId> log_topic_;                             // made with the first line
   std::map<std::string, std::string> unique_names_;            // of environments: with namespace, and number if need be
   std::map<std::string, std::unique_ptr<LogFile>> log_files_;  // by environment; outlive it, it may come again
-  std::vector<RuleErrorEntry> rule_errors_;                    // they and printed errors: of environments, until these end
+  std::vector<RuleErrorEntry> rule_errors_;  // they and printed errors: of environments, until these end
   PrintedErrors printed_errors_;
   std::vector<Entry> environments_;
   std::vector<Instance> instances_;  // in order of creation
