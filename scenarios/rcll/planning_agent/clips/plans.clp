@@ -56,15 +56,29 @@
    then (return (format nil "its window begins at %.0f s: too early" (fact-slot-value ?order begin))))
   (if (> (+ (game-time) (time-to-make (fact-slot-value ?order rings))) ?*GAME*) then "there is no time left for it" else "it is worth nothing"))
 
+(deffunction say-left-open (?id ?why)
+  "Once."
+  (if (not (any-factp ((?l left-open)) (and (= ?l:order ?id) (eq ?l:why ?why))))
+   then (do-for-all-facts ((?l left-open)) (= ?l:order ?id) (retract ?l))
+        (assert (left-open (order ?id) (why ?why)))
+        (decide (str-cat "leave order " ?id " open") ?why)))
+
 (deffunction leave-open ()
-  "Why nobody works for the open orders: of each it is said once."
+  "Why nobody works for the open orders."
   (foreach ?id (orders-in OPEN)
-    (do-for-fact ((?o order)) (= ?o:id ?id)
-      (bind ?why (why-left-open ?o))
-      (if (not (any-factp ((?l left-open)) (and (= ?l:order ?id) (eq ?l:why ?why))))
-       then (do-for-all-facts ((?l left-open)) (= ?l:order ?id) (retract ?l))
-            (assert (left-open (order ?id) (why ?why)))
-            (decide (str-cat "leave order " ?id " open") ?why)))))
+    (do-for-fact ((?o order)) (= ?o:id ?id) (say-left-open ?id (why-left-open ?o)))))
+
+(defrule leave-order-when-over
+  "Its window ends, or the game, and nobody has begun it."
+  ?order <- (order (id ?id) (state OPEN) (end ?end))
+  (not (left-open (order ?id)))
+  (game (phase PRODUCTION) (begin ?zero))
+  (time ?now&:(>= ?now (+ ?zero (min ?end (- ?*GAME* 1.0)))))
+  =>
+  (bind ?ours (orders-in STARTED))
+  (say-left-open ?id (if (< (length$ ?ours) ?*PRODUCTS*)
+                      then (why-left-open ?order)
+                      else (str-cat "to the end of its window there was no room beside the orders " (implode$ ?ours)))))
 
 (deffunction note-planned ()
   (do-for-all-facts ((?p planned)) TRUE (retract ?p))
