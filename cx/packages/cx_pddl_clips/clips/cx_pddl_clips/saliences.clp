@@ -121,7 +121,9 @@
     (modify ?i (busy-with ?busy))
     (foreach ?change ?changes
       (pddl-put ?change error "")
-      (modify ?change (request-id ?id) (state WAITING)))))
+      (if (deftemplate-slot-existp (fact-relation ?change) request-id)
+       then (modify ?change (request-id ?id) (state WAITING))
+       else (modify ?change (state WAITING))))))
 
 (deffunction pddl-refuse (?change ?error ?together)
   "The manager did not take it; of several each is tried alone."
