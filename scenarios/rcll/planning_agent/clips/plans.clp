@@ -68,17 +68,27 @@
   (foreach ?id (orders-in OPEN)
     (do-for-fact ((?o order)) (= ?o:id ?id) (say-left-open ?id (why-left-open ?o)))))
 
-(defrule leave-order-when-over
+(defglobal ?*WINDOWS* = 5.0)  ; s from one look at the windows of open orders to the next
+
+(deffacts windows (looked-at-windows 0.0))
+
+(deffunction leave-when-over (?order)
   "Its window ends, or the game, and nobody has begun it."
-  ?order <- (order (id ?id) (state OPEN) (end ?end))
-  (not (left-open (order ?id)))
-  (game (phase PRODUCTION) (begin ?zero))
-  (time ?now&:(>= ?now (+ ?zero (min ?end (- ?*GAME* 1.0)))))
-  =>
   (bind ?ours (orders-in STARTED))
-  (say-left-open ?id (if (< (length$ ?ours) ?*PRODUCTS*)
-                      then (why-left-open ?order)
-                      else (str-cat "to the end of its window there was no room beside the orders " (implode$ ?ours)))))
+  (say-left-open (fact-slot-value ?order id)
+                 (if (< (length$ ?ours) ?*PRODUCTS*)
+                  then (why-left-open ?order)
+                  else (str-cat "to the end of its window there was no room beside the orders " (implode$ ?ours)))))
+
+(defrule leave-orders-that-are-over
+  (game (phase PRODUCTION))
+  ?looked <- (looked-at-windows ?at)
+  (time ?now&:(> ?now ?at))
+  =>
+  (retract ?looked)
+  (assert (looked-at-windows (+ ?now ?*WINDOWS*)))
+  (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (>= (game-time) (min ?o:end (- ?*GAME* ?*WINDOWS*))))
+    (if (not (any-factp ((?l left-open)) (= ?l:order ?o:id))) then (leave-when-over ?o))))
 
 (deffunction note-planned ()
   (do-for-all-facts ((?p planned)) TRUE (retract ?p))
