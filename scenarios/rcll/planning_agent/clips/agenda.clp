@@ -135,6 +135,10 @@
   "Where a robot fetches the piece of a step."
   (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
 
+(deffunction makes-piece-of (?made ?action ?params)
+  "Whether the step of a machine with these parameters makes the piece that a robot fetches for that step."
+  (and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made)))
+
 (defrule agenda-approach
   "A machine works on the piece, and nothing else can begin: a robot goes there."
   (planning (state IDLE))
@@ -142,7 +146,7 @@
   ?step <- (step (id ?id) (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
                  (rank ?rank))
   (not (step (state OPEN|CHECKING) (worker ROBOT) (rank ?r&:(< ?r ?rank))))
-  (step (state RUNNING) (worker MACHINE) (params $?made&:(and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made))))
+  (step (state RUNNING) (worker MACHINE) (params $?made&:(makes-piece-of ?made ?action ?params)))
   (robot-waits)
   =>
   (bind ?work (begin-work ?action ?params))
@@ -171,7 +175,7 @@
   "It has the step, but later: nobody makes the piece, and others come first."
   ?step <- (step (id ?id) (state APPROACHING) (action ?action) (params $?params) (work ?work))
   (not (allowed ?id))
-  (not (step (state RUNNING) (worker MACHINE) (params $?made&:(and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made)))))
+  (not (step (state RUNNING) (worker MACHINE) (params $?made&:(makes-piece-of ?made ?action ?params))))
   ?job <- (job (id ?work) (robot ?robot) (moving NO) (step ~GIVEN-UP))
   =>
   (decide (str-cat ?robot " waits no more for " (step-text ?step)) "nobody makes the piece, and others come first")
