@@ -20,7 +20,7 @@ LEAST_DELIVERIES = 2
 LEAST_POINTS = 100
 LEAST_MEAN_TOGETHER = 150    # of all kinds at once, some 88 strikes a game
 MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
-MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target, without a success there
+MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target, without a success (a transport picks and places)
 LONGEST_PAUSE_S = 150        # without the end of any skill; a machine may be down for that long
 
 MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS", "C-RS1", "C-RS2"]
@@ -85,10 +85,11 @@ def problems(folder, kind):
             continue
         ends.append(record["t"] / 1e9)
         key = (data["robot"], data["skill"], data["target"])
-        if data["code"] == 0:  # of a transport: both its ends
-            for robot, skill, target in row:
-                if robot == data["robot"] and (target == data["target"] or target in data["target"].split(" to ")):
-                    row[robot, skill, target] = 0
+        if data["code"] == 0:
+            row[key] = 0
+            if data["skill"] == "transport":
+                fetched, put = data["target"].split(" to ")
+                row[data["robot"], "pick", fetched] = row[data["robot"], "place", put] = 0
         elif not data["cancelled"]:
             failures += 1
             row[key] += 1
