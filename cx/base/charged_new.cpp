@@ -1,7 +1,7 @@
-// `new` and `delete` of a program that charges memory: the last byte of each block says whether it was charged.
+// `new` and `delete` of a program that charges memory: a mark before each block says what was charged.
 
-#include <malloc.h>
-
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -9,38 +9,43 @@
 
 namespace {
 
-/// The block with its mark, or null.
-void* marked(void* block) {
-  if (block == nullptr) return nullptr;
-  const std::size_t size = malloc_usable_size(block);
-  const bool charged = cxlab::Charge::is_on();
-  static_cast<bool*>(block)[size - 1] = charged;
-  if (charged) cxlab::Charge::allocated(static_cast<std::int64_t>(size));
-  return block;
+/// What lies before each block: the bytes that were charged for it, or 0.
+struct alignas(__STDCPP_DEFAULT_NEW_ALIGNMENT__) Mark {
+  std::size_t charged;
+};
+
+/// From a block of malloc to what `new` returns.
+std::size_t offset(std::align_val_t alignment) { return std::max(sizeof(Mark), static_cast<std::size_t>(alignment)); }
+
+/// A block of that many bytes, or null.
+void* block_of(std::size_t bytes, std::align_val_t alignment) {
+  const auto align = static_cast<std::size_t>(alignment);
+  if (align <= alignof(Mark)) return std::malloc(bytes);
+  return bytes > SIZE_MAX - align ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
 }
 
-template <class Allocate>
-void* allocated(std::size_t size, Allocate allocate) {
+void* allocated(std::size_t size, std::align_val_t alignment = {}) {
+  const std::size_t before = offset(alignment);
   for (;;) {
-    if (void* block = size == SIZE_MAX ? nullptr : marked(allocate(size + 1))) return block;
+    void* const block = size > SIZE_MAX - before ? nullptr : block_of(before + size, alignment);
+    if (block != nullptr) {
+      void* const given = static_cast<char*>(block) + before;
+      const std::size_t charged = cxlab::Charge::is_on() ? before + size : 0;
+      new (static_cast<Mark*>(given) - 1) Mark{charged};
+      if (charged > 0) cxlab::Charge::allocated(static_cast<std::int64_t>(charged));
+      return given;
+    }
     const std::new_handler handler = std::get_new_handler();
     if (handler == nullptr) throw std::bad_alloc();
     handler();
   }
 }
 
-void freed(void* block) {
-  if (block == nullptr) return;
-  const std::size_t size = malloc_usable_size(block);
-  if (static_cast<const bool*>(block)[size - 1]) cxlab::Charge::allocated(-static_cast<std::int64_t>(size));
-  std::free(block);
-}
-
-void* allocated(std::size_t size, std::align_val_t alignment) {
-  const auto align = static_cast<std::size_t>(alignment);
-  return allocated(size, [align](std::size_t bytes) {
-    return bytes > SIZE_MAX - align ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
-  });
+void freed(void* given, std::align_val_t alignment = {}) {
+  if (given == nullptr) return;
+  const std::size_t charged = (static_cast<const Mark*>(given) - 1)->charged;
+  if (charged > 0) cxlab::Charge::allocated(-static_cast<std::int64_t>(charged));
+  std::free(static_cast<char*>(given) - offset(alignment));
 }
 
 template <class... Alignment>
@@ -55,7 +60,7 @@ void* allocated_or_null(std::size_t size, Alignment... alignment) noexcept {
 }  // namespace
 
 // All forms: those of a sanitizer's library do not call the first two.
-void* operator new(std::size_t size) { return allocated(size, std::malloc); }
+void* operator new(std::size_t size) { return allocated(size); }
 void* operator new(std::size_t size, std::align_val_t alignment) { return allocated(size, alignment); }
 void* operator new[](std::size_t size) { return operator new(size); }
 void* operator new[](std::size_t size, std::align_val_t alignment) { return operator new(size, alignment); }
@@ -71,11 +76,15 @@ void operator delete(void* block) noexcept { freed(block); }
 void operator delete[](void* block) noexcept { freed(block); }
 void operator delete(void* block, std::size_t) noexcept { freed(block); }
 void operator delete[](void* block, std::size_t) noexcept { freed(block); }
-void operator delete(void* block, std::align_val_t) noexcept { freed(block); }
-void operator delete[](void* block, std::align_val_t) noexcept { freed(block); }
-void operator delete(void* block, std::size_t, std::align_val_t) noexcept { freed(block); }
-void operator delete[](void* block, std::size_t, std::align_val_t) noexcept { freed(block); }
+void operator delete(void* block, std::align_val_t alignment) noexcept { freed(block, alignment); }
+void operator delete[](void* block, std::align_val_t alignment) noexcept { freed(block, alignment); }
+void operator delete(void* block, std::size_t, std::align_val_t alignment) noexcept { freed(block, alignment); }
+void operator delete[](void* block, std::size_t, std::align_val_t alignment) noexcept { freed(block, alignment); }
 void operator delete(void* block, const std::nothrow_t&) noexcept { freed(block); }
 void operator delete[](void* block, const std::nothrow_t&) noexcept { freed(block); }
-void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexcept { freed(block); }
-void operator delete[](void* block, std::align_val_t, const std::nothrow_t&) noexcept { freed(block); }
+void operator delete(void* block, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  freed(block, alignment);
+}
+void operator delete[](void* block, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  freed(block, alignment);
+}
