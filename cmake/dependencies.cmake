@@ -27,3 +27,10 @@ pkg_check_modules(osmesa IMPORTED_TARGET osmesa)
 if(TARGET PkgConfig::osmesa)
   add_library(osmesa::osmesa ALIAS PkgConfig::osmesa)
 endif()
+
+# Where programs get their memory: what rules match lies closer together than with libc's. A sanitizer has its own.
+add_library(memory::memory INTERFACE IMPORTED)
+if(NOT CXLAB_SANITIZE)
+  pkg_check_modules(jemalloc REQUIRED IMPORTED_TARGET jemalloc)
+  target_link_libraries(memory::memory INTERFACE PkgConfig::jemalloc)
+endif()
