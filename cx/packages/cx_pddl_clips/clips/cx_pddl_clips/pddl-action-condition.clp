@@ -12,11 +12,11 @@
   (bind ?request (pddl-request CheckActionCondition nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "check_action_condition" ?request condition ?instance ?ask)
-   then (pddl-sent ?i CHECK-CONDITIONS ?ask CHECK-CONDITION)))
+  (if (pddl-send ?node "check_action_condition" ?request ?i CHECK-CONDITIONS condition ?ask)
+   then (pddl-becomes ?ask CHECK-CONDITION "")))
 
 (defrule pddl-condition-checked
-  ?note <- (pddl-asked ?service ?id condition ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i condition ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -25,4 +25,4 @@
   (bind ?state (if (ros-msgs-get-field ?message "sat") then CONDITION-SAT else CONDITION-UNSAT))
   (if (fact-existp ?ask) then (modify ?ask (unsatisfied-conditions ?missing)))
   (pddl-becomes ?ask (if (eq ?error "") then ?state else ERROR) ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -12,6 +12,10 @@
   (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (return ?f:value))
   0.0)
 
+(deffunction pddl-is-about (?ask ?instance)
+  "The instance of the action goes where there is a slot for it."
+  (if (deftemplate-slot-existp (fact-relation ?ask) instance) then (modify ?ask (instance ?instance))))
+
 (defrule pddl-send-get-effect
   "The effects at the end are asked for when those at the start have come true."
   (declare (salience ?*PRIORITY-PDDL-APPLY-EFFECT*))
@@ -28,10 +32,10 @@
   (bind ?request (pddl-request GetActionEffects nil nil))
   (ros-msgs-set-field ?request "action" ?message)
   (ros-msgs-destroy-message ?message)
-  (if (pddl-send ?node "get_action_effects" ?request effects ?instance ?ask (if (eq ?state PENDING) then START else END))
+  (if (pddl-send ?node "get_action_effects" ?request ?i ACTION-EFFECTS effects ?instance ?ask (if (eq ?state PENDING) then START else END))
    then
-    (pddl-put ?ask instance ?instance)
-    (pddl-sent ?i ACTION-EFFECTS ?ask WAITING)))
+    (pddl-is-about ?ask ?instance)
+    (pddl-becomes ?ask WAITING "")))
 
 (deffunction pddl-take-fluent-effect (?instance ?action ?fluent ?value ?apply ?point)
   "A change to make, or a fact to look at where the fluent becomes true."
@@ -82,7 +86,7 @@
   DONE)
 
 (defrule pddl-effects-told
-  ?note <- (pddl-asked ?service ?id effects ?instance ?ask ?asked)
+  ?note <- (pddl-asked ?service ?id ?i effects ?instance ?ask ?asked)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -90,4 +94,4 @@
     (pddl-becomes ?ask (if (neq ?error "") then ERROR
                         else (pddl-tell-effects ?message ?instance (fact-slot-value ?ask action) (fact-slot-value ?ask effect-type)
                                                 (fact-slot-value ?ask apply) ?asked)) ?error))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -7,14 +7,14 @@
   ?ask <- (pddl-action-names (instance ?instance) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) action-names ?instance ?ask)
-   then (pddl-sent ?i GET-ACTION-NAMES ?ask WAITING)))
+  (if (pddl-send ?node "get_action_names" (pddl-request GetActionNames ?instance nil) ?i GET-ACTION-NAMES action-names ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-action-names
-  ?note <- (pddl-asked ?service ?id action-names ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i action-names ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (fact-existp ?ask) then (modify ?ask (action-names (pddl-symbols (ros-msgs-get-field ?message "action_names")))))
   (pddl-close ?ask ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

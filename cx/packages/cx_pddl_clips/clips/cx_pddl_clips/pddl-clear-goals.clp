@@ -7,12 +7,12 @@
   ?ask <- (pddl-clear-goals (instance ?instance) (goal ?goal) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) clear-goals ?instance ?ask)
-   then (pddl-sent ?i CLEAR-GOALS ?ask WAITING)))
+  (if (pddl-send ?node "clear_goals" (pddl-request ClearGoals ?instance ?goal) ?i CLEAR-GOALS clear-goals ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-goals-cleared
-  ?note <- (pddl-asked ?service ?id clear-goals ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i clear-goals ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (pddl-close ?ask (pddl-error-of ?message))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

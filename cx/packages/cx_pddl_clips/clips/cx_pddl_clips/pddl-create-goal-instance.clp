@@ -7,12 +7,12 @@
   ?ask <- (pddl-create-goal-instance (instance ?instance) (goal ?goal) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) create-goal-instance ?instance ?ask)
-   then (pddl-sent ?i CREATE-GOAL-INSTANCE ?ask WAITING)))
+  (if (pddl-send ?node "create_goal_instance" (pddl-request CreateGoalInstance ?instance ?goal) ?i CREATE-GOAL-INSTANCE create-goal-instance ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-goal-instance-created
-  ?note <- (pddl-asked ?service ?id create-goal-instance ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i create-goal-instance ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (pddl-close ?ask (pddl-error-of ?message))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -30,7 +30,7 @@
                      "fluents" (pddl-change-messages Fluent ?changes) ?changes ?i FLUENTS fluent-changes ?instance))
 
 (defrule pddl-fluents-changed
-  ?note <- (pddl-asked ?service ?id fluent-changes ?instance)
+  ?note <- (pddl-asked ?service ?id ?i fluent-changes ?instance)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -42,4 +42,4 @@
        else (assert (pddl-fluent (instance ?instance) (name (sym-cat ?c:name)) (params (pddl-symbols ?c:params)))))
       (retract ?c)))
   (pddl-close-changes)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -6,12 +6,12 @@
   ?ask <- (pddl-get-fluents (instance ?instance) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) fluents ?instance ?ask)
-   then (pddl-sent ?i GET-FLUENTS ?ask WAITING)))
+  (if (pddl-send ?node "get_fluents" (pddl-request GetFluents ?instance nil) ?i GET-FLUENTS fluents ?instance ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-fluents
   "The facts of the instance are those of the manager, no more and no less; those that were known stay as they are."
-  ?note <- (pddl-asked ?service ?id fluents ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i fluents ?instance ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -22,4 +22,4 @@
                                                      (params (pddl-symbols (ros-msgs-get-field ?fluent "args"))))))))
     (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
   (pddl-close ?ask ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

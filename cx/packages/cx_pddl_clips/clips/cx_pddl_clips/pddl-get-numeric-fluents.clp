@@ -6,11 +6,11 @@
   ?ask <- (pddl-get-numeric-fluents (instance ?instance) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) functions ?instance ?ask)
-   then (pddl-sent ?i GET-NUMERIC-FLUENTS ?ask WAITING)))
+  (if (pddl-send ?node "get_functions" (pddl-request GetFunctions ?instance nil) ?i GET-NUMERIC-FLUENTS functions ?instance ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-numeric-fluents
-  ?note <- (pddl-asked ?service ?id functions ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i functions ?instance ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -22,4 +22,4 @@
                                                              (value (float (ros-msgs-get-field ?function "value"))))))))
     (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (not (member$ ?f ?now))) (retract ?f)))
   (pddl-close ?ask ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -6,11 +6,11 @@
   ?ask <- (pddl-get-predicates (instance ?instance) (state PENDING))
   (time ?)
   =>
-  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) predicates ?instance ?ask)
-   then (pddl-sent ?i GET-PREDICATES ?ask WAITING)))
+  (if (pddl-send ?node "get_predicates" (pddl-request GetPredicates ?instance nil) ?i GET-PREDICATES predicates ?instance ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-predicates
-  ?note <- (pddl-asked ?service ?id predicates ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i predicates ?instance ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -19,4 +19,4 @@
                             (param-types (pddl-symbols (ros-msgs-get-field ?predicate "param_types")))
                             (param-names (pddl-symbols (ros-msgs-get-field ?predicate "param_names"))))))
   (pddl-close ?ask ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

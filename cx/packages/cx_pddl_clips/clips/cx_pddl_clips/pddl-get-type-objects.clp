@@ -8,11 +8,11 @@
   =>
   (bind ?request (pddl-request GetTypeObjects ?instance nil))
   (ros-msgs-set-field ?request "type" (str-cat ?type))
-  (if (pddl-send ?node "get_type_objects" ?request type-objects ?instance ?ask ?type)
-   then (pddl-sent ?i GET-TYPE-OBJECTS ?ask WAITING)))
+  (if (pddl-send ?node "get_type_objects" ?request ?i GET-TYPE-OBJECTS type-objects ?instance ?ask ?type)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-type-objects
-  ?note <- (pddl-asked ?service ?id type-objects ?instance ?ask ?type)
+  ?note <- (pddl-asked ?service ?id ?i type-objects ?instance ?ask ?type)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -20,4 +20,4 @@
     (do-for-all-facts ((?f pddl-type-objects)) (and (eq ?f:instance ?instance) (eq ?f:type ?type)) (retract ?f))
     (assert (pddl-type-objects (instance ?instance) (type ?type) (objects (ros-msgs-get-field ?message "objects")))))
   (pddl-close ?ask ?error)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

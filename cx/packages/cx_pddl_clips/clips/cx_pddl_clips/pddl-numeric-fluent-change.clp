@@ -21,7 +21,7 @@
                      ?i NUMERIC-FLUENTS numeric-changes ?instance))
 
 (defrule pddl-numbers-changed
-  ?note <- (pddl-asked ?service ?id numeric-changes ?instance)
+  ?note <- (pddl-asked ?service ?id ?i numeric-changes ?instance)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -32,4 +32,4 @@
       (pddl-take-number ?instance ?c:name ?c:params ?c:value)
       (retract ?c)))
   (pddl-close-changes)
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -14,13 +14,11 @@
   (bind ?request (pddl-request (if ?delete then RemoveObjects else AddObjects) nil nil))
   (ros-msgs-set-field ?request "objects" (create$ ?object))
   (ros-msgs-destroy-message ?object)
-  (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request object-change ?instance ?change ?name ?delete))
-  (if ?id then
-    (pddl-put ?change request-id ?id)
-    (pddl-sent ?i OBJECTS ?change WAITING)))
+  (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request ?i OBJECTS object-change ?instance ?change ?name ?delete))
+  (if ?id then (pddl-becomes-numbered ?change WAITING ?id)))
 
 (defrule pddl-object-changed
-  ?note <- (pddl-asked ?service ?id object-change ?instance ?change ?name ?delete)
+  ?note <- (pddl-asked ?service ?id ?i object-change ?instance ?change ?name ?delete)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
@@ -28,4 +26,4 @@
   (if (and ?delete (eq ?error "")) then
     (do-for-all-facts ((?f pddl-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f))
     (do-for-all-facts ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (member$ (sym-cat ?name) ?f:params)) (retract ?f)))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

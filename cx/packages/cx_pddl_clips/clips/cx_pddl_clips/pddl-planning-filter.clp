@@ -3,7 +3,7 @@
 (deffunction pddl-send-filter (?node ?i ?filter ?instance ?goal ?names ?service ?type ?field ?busy)
   (bind ?request (pddl-request ?type ?instance ?goal))
   (ros-msgs-set-field ?request ?field (pddl-strings ?names))
-  (if (pddl-send ?node ?service ?request filter ?instance ?filter) then (modify ?i (busy-with ?busy))))
+  (pddl-send ?node ?service ?request ?i ?busy filter ?filter))
 
 (defrule pddl-send-action-filter
   (declare (salience ?*PRIORITY-PDDL-SET-ACTION-FILTER*))
@@ -33,10 +33,10 @@
   (pddl-send-filter ?node ?i ?f ?instance ?goal ?names "set_object_filter" SetObjectFilter "objects" SET-OBJECT-FILTER))
 
 (defrule pddl-filter-answered
-  ?note <- (pddl-asked ?service ?id filter ?instance ?filter)
+  ?note <- (pddl-asked ?service ?id ?i filter ?filter)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (bind ?error (pddl-error-of ?message))
   (if (eq ?error "") then (printout green TRUE " " ?error crlf) else (printout error "pddl-planning-filter: " ?error crlf))
   (if (fact-existp ?filter) then (retract ?filter))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

@@ -19,12 +19,12 @@
   (ros-msgs-set-field ?request "fluents" ?fluents)
   (ros-msgs-set-field ?request "functions" ?functions)
   (foreach ?part (create$ ?fluents ?functions) (ros-msgs-destroy-message ?part))
-  (if (pddl-send ?node "set_goals" ?request set-goals ?instance ?ask)
-   then (pddl-sent ?i SET-GOALS ?ask WAITING)))
+  (if (pddl-send ?node "set_goals" ?request ?i SET-GOALS set-goals ?ask)
+   then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-goals-were-set
-  ?note <- (pddl-asked ?service ?id set-goals ?instance ?ask)
+  ?note <- (pddl-asked ?service ?id ?i set-goals ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>
   (pddl-close ?ask (pddl-error-of ?message))
-  (pddl-answered ?instance ?message ?response ?note))
+  (pddl-answered ?i ?message ?response ?note))

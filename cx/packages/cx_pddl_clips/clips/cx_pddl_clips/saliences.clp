@@ -1,6 +1,6 @@
 ; What every file of this package needs: priorities, and functions. Agents may load the files one by one, this one first,
 ; then deftemplates.clp. Needs the plugin cx::RosMsgsPlugin. Facts without a template are notes of these rules:
-; (pddl-asked SERVICE ID WHAT INSTANCE ...) of a request that is under way, (pddl-free INSTANCE) when it was answered,
+; (pddl-asked SERVICE ID INSTANCE WHAT ...) of a request that is under way, with the fact of its instance,
 ; (pddl-dropped INSTANCE NAME PARAMS...) of a fluent that is true no more, until its fact is gone,
 ; (pddl-refused CHANGE) of a change, by its index, that was refused together with others and is tried alone,
 ; (pddl-plan-goal GOAL HANDLE) of a goal that was sent for a plan; its handle is nil until it is accepted.
@@ -53,12 +53,14 @@
   (if (neq ?goal nil) then (ros-msgs-set-field ?request "goal_instance" (str-cat ?goal)))
   ?request)
 
-(deffunction pddl-send (?node ?service ?request $?about)
-  "Sends a request and notes what it is about. Its number; FALSE when the manager is not there."
+(deffunction pddl-send (?node ?service ?request ?i ?busy $?about)
+  "Sends a request, with which the instance is busy, and notes what it is about. Its number; FALSE: the manager is not there."
   (bind ?name (str-cat ?node "/" ?service))
   (bind ?id (ros-msgs-async-send-request ?request ?name))
   (ros-msgs-destroy-message ?request)
-  (if ?id then (assert (pddl-asked ?name ?id ?about)))
+  (if ?id then
+    (assert (pddl-asked ?name ?id ?i ?about))
+    (modify ?i (busy-with ?busy)))
   ?id)
 
 (deffunction pddl-error-of (?response)
@@ -73,35 +75,28 @@
   (bind ?text (implode$ (create$ ?pointer)))
   (not (or (eq ?pointer nil) (str-index "(nil)" ?text) (str-index "0x0>" ?text))))
 
-(deffunction pddl-put (?ask ?slot ?value)
-  "Where the request has such a slot."
-  (if (deftemplate-slot-existp (fact-relation ?ask) ?slot) then
-    (switch ?slot
-      (case error then (modify ?ask (error ?value)))
-      (case instance then (modify ?ask (instance ?value)))
-      (case request-id then (modify ?ask (request-id ?value))))))
-
 (deffunction pddl-becomes (?ask ?state ?error)
   "The state of a request, if it is still there. Errors are told."
   (if (fact-existp ?ask) then
     (if (eq ?state ERROR) then (printout error (fact-relation ?ask) ": " ?error crlf))
-    (pddl-put ?ask error ?error)
-    (modify ?ask (state ?state))))
+    (if (deftemplate-slot-existp (fact-relation ?ask) error)
+     then (modify ?ask (error ?error) (state ?state))
+     else (modify ?ask (state ?state)))))
 
 (deffunction pddl-close (?ask ?error)
   "A question or request is DONE, or ERROR."
   (pddl-becomes ?ask (if (eq ?error "") then DONE else ERROR) ?error))
 
-(deffunction pddl-sent (?i ?busy ?ask ?state)
-  "The instance is busy with the request."
-  (modify ?i (busy-with ?busy))
+(deffunction pddl-becomes-numbered (?ask ?state ?id)
+  "The number of the request goes where there is a slot for it."
+  (if (deftemplate-slot-existp (fact-relation ?ask) request-id) then (modify ?ask (request-id ?id)))
   (pddl-becomes ?ask ?state ""))
 
-(deffunction pddl-answered (?instance ?message ?response ?note)
+(deffunction pddl-answered (?i ?message ?response ?note)
   "The answer was taken: it goes, and the instance can be asked the next thing."
   (ros-msgs-destroy-message ?message)
   (retract ?response ?note)
-  (assert (pddl-free ?instance)))
+  (if (fact-existp ?i) then (modify ?i (busy-with FALSE))))
 
 (deffunction pddl-change-messages (?type ?changes)
   "A message for each change."
@@ -116,14 +111,8 @@
   "Sends the changes together."
   (ros-msgs-set-field ?request ?field ?messages)
   (foreach ?message ?messages (ros-msgs-destroy-message ?message))
-  (bind ?id (pddl-send ?node ?service ?request ?about))
-  (if ?id then
-    (modify ?i (busy-with ?busy))
-    (foreach ?change ?changes
-      (pddl-put ?change error "")
-      (if (deftemplate-slot-existp (fact-relation ?change) request-id)
-       then (modify ?change (request-id ?id) (state WAITING))
-       else (modify ?change (state WAITING))))))
+  (bind ?id (pddl-send ?node ?service ?request ?i ?busy ?about))
+  (if ?id then (foreach ?change ?changes (pddl-becomes-numbered ?change WAITING ?id))))
 
 (deffunction pddl-refuse (?change ?error ?together)
   "The manager did not take it; of several each is tried alone."
