@@ -2,7 +2,7 @@
 
 (deffunction apply-effects (?action ?time)
   "The effects of an action at START, END or both (ALL)."
-  (assert (pddl-action-get-effect (action ?action) (effect-type ?time) (apply TRUE))))
+  (assert (effects (number (new-id)) (action ?action) (time ?time))))
 
 (deffunction apply-action (?name ?params)
   "An instantaneous action: a part of a coarse one, or something that went wrong."
@@ -12,6 +12,22 @@
 
 (deffunction apply-part (?action ?part ?params)
   (apply-action (sym-cat ?action - ?part) ?params))
+
+(defrule effects-next
+  "In the order in which things happened, one action after the other: what failed must free what its start has claimed."
+  (declare (salience 10))
+  (effects (number ?number) (action ?action) (time ?time))
+  (not (effects (number ?earlier&:(< ?earlier ?number))))
+  (not (pddl-action-get-effect (action ?action) (effect-type ?time)))
+  =>
+  (assert (pddl-action-get-effect (action ?action) (effect-type ?time) (apply TRUE))))
+
+(defrule effects-known
+  (declare (salience 10))
+  ?effects <- (effects (action ?action) (time ?time))
+  (pddl-action-get-effect (action ?action) (effect-type ?time) (state DONE|ERROR))
+  =>
+  (retract ?effects))
 
 (defrule effects-applied
   "The world has changed: what was held back may begin."
@@ -173,6 +189,7 @@
   ?step <- (step (id ?id) (action ~deliver) (state DONE) (group ?group))
   (not (waits-for (for ?id)))
   (not (step (state ~DONE) (group ?g&:(<= ?g ?group))))
+  (not (effects (action ?id)))
   (not (pddl-action-get-effect (action ?id)))
   =>
   (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?id) (retract ?a))

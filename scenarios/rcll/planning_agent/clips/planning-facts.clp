@@ -46,6 +46,12 @@
   (slot held-for (type STRING) (default "")); why it was held back the last time
   (slot work (type INTEGER) (default 0)))   ; its job or instruction
 
+(deftemplate effects
+  "Effects of an action that are to come true: those with the smallest number next."
+  (slot number (type INTEGER))
+  (slot action (type SYMBOL))
+  (slot time (type SYMBOL) (allowed-values START END ALL)))
+
 (deftemplate waits-for
   "A step of the plan that begins after another one, because both use a product or machine."
   (slot step (type SYMBOL))
