@@ -20,7 +20,7 @@
   (assert (considered ?id))
   (do-for-fact ((?o order)) (= ?o:id ?id) (if (not (is-early ?o:rings ?o:begin)) then (assert (in-time ?id))))
   (bind ?ours (orders-in STARTED))
-  (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " is in"))))))
+  (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " can be worked for"))))))
 
 (defrule plan-for-order-in-time
   "A product for it would have been ready too early until now."
