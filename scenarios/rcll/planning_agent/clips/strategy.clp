@@ -13,9 +13,10 @@
   "The n of lookahead:n, 0 of groups; FALSE: it is none of them."
   (if (eq ?dispatch "groups") then (return 0))
   (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
-  (bind ?n (explode$ (sub-string 11 (str-length ?dispatch) ?dispatch)))
-  (if (eq ?n (create$ unlimited)) then (return 1000000))
-  (if (and (= (length$ ?n) 1) (integerp (nth$ 1 ?n)) (>= (nth$ 1 ?n) 0)) then (nth$ 1 ?n) else FALSE))
+  (bind ?text (sub-string 11 (str-length ?dispatch) ?dispatch))
+  (if (eq ?text "unlimited") then (return 1000000))
+  (bind ?n (nth$ 1 (explode$ ?text)))
+  (if (and (integerp ?n) (>= ?n 0) (eq (str-cat ?n) ?text)) then ?n else FALSE))
 
 (deffunction dispatch-file ()
   (if (groups-ahead (ros-param-get-value "strategy.dispatch" "partial-order"))
