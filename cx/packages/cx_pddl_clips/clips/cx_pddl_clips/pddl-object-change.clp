@@ -15,7 +15,7 @@
   (ros-msgs-set-field ?request "objects" (create$ ?object))
   (ros-msgs-destroy-message ?object)
   (bind ?id (pddl-send ?node (if ?delete then "rm_objects" else "add_objects") ?request ?i OBJECTS object-change ?instance ?change ?name ?delete))
-  (if ?id then (pddl-becomes-numbered ?change WAITING ?id)))
+  (if ?id then (pddl-waits ?change ?id)))
 
 (defrule pddl-object-changed
   ?note <- (pddl-asked ?service ?id ?i object-change ?instance ?change ?name ?delete)

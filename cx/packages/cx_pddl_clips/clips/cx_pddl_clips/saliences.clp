@@ -87,10 +87,12 @@
   "A question or request is DONE, or ERROR."
   (pddl-becomes ?ask (if (eq ?error "") then DONE else ERROR) ?error))
 
-(deffunction pddl-becomes-numbered (?ask ?state ?id)
-  "The number of the request goes where there is a slot for it."
-  (if (deftemplate-slot-existp (fact-relation ?ask) request-id) then (modify ?ask (request-id ?id)))
-  (pddl-becomes ?ask ?state ""))
+(deffunction pddl-waits (?change ?id)
+  "It was sent; the number of the request goes where there is a slot for it. An error of a try before is forgotten."
+  (if (deftemplate-slot-existp (fact-relation ?change) error) then (modify ?change (error "")))
+  (if (deftemplate-slot-existp (fact-relation ?change) request-id)
+   then (modify ?change (request-id ?id) (state WAITING))
+   else (modify ?change (state WAITING))))
 
 (deffunction pddl-answered (?i ?message ?response ?note)
   "The answer was taken: it goes, and the instance can be asked the next thing."
@@ -112,7 +114,7 @@
   (ros-msgs-set-field ?request ?field ?messages)
   (foreach ?message ?messages (ros-msgs-destroy-message ?message))
   (bind ?id (pddl-send ?node ?service ?request ?i ?busy ?about))
-  (if ?id then (foreach ?change ?changes (pddl-becomes-numbered ?change WAITING ?id))))
+  (if ?id then (foreach ?change ?changes (pddl-waits ?change ?id))))
 
 (deffunction pddl-refuse (?change ?error ?together)
   "The manager did not take it; of several each is tried alone."
