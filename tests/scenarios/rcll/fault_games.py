@@ -20,7 +20,7 @@ LEAST_DELIVERIES = 2
 LEAST_POINTS = 100
 LEAST_MEAN_TOGETHER = 150    # of all kinds at once, some 88 strikes a game
 MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
-MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target, without a success (a transport picks and places) or a new strike between
+MOST_FAILURES_IN_A_ROW = 8   # of one robot, the same skill at the same target, without a success (a transport picks and places)
 LONGEST_PAUSE_S = 150        # without the end of any skill; a machine may be down for that long
 
 MACHINES = ["C-BS", "C-CS1", "C-CS2", "C-DS", "C-RS1", "C-RS2"]
@@ -79,8 +79,6 @@ def problems(folder, kind):
         data = record["data"]
         if record["kind"] == "control" and "fault" in data:
             strikes += 1
-            for key in [key for key in row if key[0] == data.get("robot")]:
-                del row[key]
         if record["kind"] == "referee" and data["event"] == "score":
             points[data["team"]] += data["points"]
         if record["kind"] != "skill" or data["event"] != "end":
