@@ -156,6 +156,6 @@
 (defglobal ?*last-id* = 0)
 
 (deffunction new-id ()
-  "Numbers for jobs, commands and instructions."
+  "Numbers for jobs, commands, instructions and what else comes in an order."
   (bind ?*last-id* (+ ?*last-id* 1))
   ?*last-id*)
