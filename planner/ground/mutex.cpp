@@ -23,12 +23,15 @@ class Pairs {
       : facts_(task.facts.size() + task.actions.size()),
         words_((facts_ + 63) / 64),
         rows_(facts_ * words_, 0),
+        alone_(words_, 0),
         changed_(facts_, 0) {
     std::vector<int> initial;
     for (std::size_t f = 0; f < task.facts.size(); ++f)
       if (task.initial_facts[f]) initial.push_back(static_cast<int>(f));
-    for (const int a : initial)
+    for (const int a : initial) {
+      set(alone_.data(), a);
       for (const int b : initial) set(row(a), b);
+    }
     for (std::size_t a = 0; a < task.actions.size(); ++a) add_operators(task, static_cast<int>(a));
     for (const TimedEvent& event : task.events) operators_.push_back({{}, event.effects.add, event.effects.remove});
     std::size_t words = 0;
@@ -93,9 +96,7 @@ class Pairs {
   bool apply(const Operator& op) {
     // What can be true beside: reachable with every need, and not removed.
     if (op.needs.empty()) {
-      beside_.assign(words_, 0);
-      for (std::size_t f = 0; f < facts_; ++f)
-        if (is_set(row(static_cast<int>(f)), static_cast<int>(f))) set(beside_.data(), static_cast<int>(f));
+      beside_ = alone_;
     } else {
       beside_.assign(row(op.needs[0]), row(op.needs[0]) + words_);
       for (const int need : op.needs)
@@ -104,7 +105,8 @@ class Pairs {
     for (const int f : op.removes) reset(beside_.data(), f);
     for (const int f : op.adds) set(beside_.data(), f);
     bool changed = false;
-    for (const int added : op.adds)
+    for (const int added : op.adds) {
+      set(alone_.data(), added);
       for (std::size_t w = 0; w < words_; ++w) {
         Word fresh = beside_[w] & ~row(added)[w];
         if (!fresh) continue;
@@ -117,12 +119,14 @@ class Pairs {
           changed_[other] = now_;
         }
       }
+    }
     return changed;
   }
 
   const std::size_t facts_, words_;
-  std::vector<Word> rows_;
-  ById<int> changed_;  ///< by fact: the time of the last change of its row
+  std::vector<Word> rows_;   ///< by fact: with which others it can be true
+  std::vector<Word> alone_;  ///< what can be true at all
+  ById<int> changed_;        ///< by fact: the time of the last change of its row
   int now_ = 0, last_change_ = 0;
   std::vector<Operator> operators_;
   std::vector<Word> beside_;  ///< used by apply, kept for its memory

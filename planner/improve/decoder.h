@@ -40,10 +40,17 @@ class Decoder {
         simulator_(simulator),
         touches_(touches),
         objective_(objective),
-        timeline_(touches, true) {}
+        timeline_(touches, true),
+        kept_states_(simulator.initial()) {}
 
   /// False if the list does not lead to the goal, or costs more than `most_cost`.
   bool decode(const Sequence& list, double most_cost, DecodedPlan& plan);
+  /// Lists that begin as this plan does are decoded from where they differ, until another one is kept.
+  void keep(const DecodedPlan& plan);
+  /// Of the kept plan, before a step.
+  const Word* kept_state(std::size_t step) const {
+    return &kept_states_[step * static_cast<std::size_t>(simulator_.words())];
+  }
   /// Goes as far as the list leads; the state then. Nothing has a time. False if something is still running.
   bool advance(const Sequence& list, Sequence& order, PackedState& state);
   /// Work since the last call: steps looked at.
@@ -64,11 +71,14 @@ class Decoder {
   };
   enum class Taken { kYes, kNo, kFailed };
 
-  void clear(const Sequence& list);
+  void set_out(const Sequence& list, std::size_t same);
+  std::size_t take_kept(const Sequence& list, double most_cost, DecodedPlan& plan);
   Taken take_next(const Sequence& list, SequenceStep& step);
   bool schedule(DecodedPlan& plan, double most_cost);
   bool too_dear(double most_cost) const;
-  bool place(DecodedPlan& plan, std::size_t step);
+  bool is_part(const SequenceStep& step) const;
+  Micros append(const SequenceStep& step, std::size_t index);
+  void place(DecodedPlan& plan, std::size_t index);
   bool keeps_running(const Word* state, int except) const;
 
   const SplitTask& split_;
@@ -77,6 +87,9 @@ class Decoder {
   const Touches& touches_;
   const Objective& objective_;
   Timeline timeline_;
+  Sequence scheduled_;  ///< what is on the timeline, up to the first part of an action that is cut
+  DecodedPlan kept_;
+  PackedState kept_states_;  ///< before each step of it, and at its end
   PackedState scratch_, trial_, end_;
   ById<int> next_;  ///< linked list of what is left; index 0 is the head
   ById<Running> running_;

@@ -46,18 +46,7 @@ bool LocalSearch::start(const Sequence& plan) {
 
 void LocalSearch::set_current(DecodedPlan plan) {
   current_ = std::move(plan);
-  const std::size_t words = static_cast<std::size_t>(simulator_.words());
-  states_.resize((current_.order.size() + 1) * words);
-  PackedState state = simulator_.initial();
-  for (std::size_t i = 0; i < current_.order.size(); ++i) {
-    std::ranges::copy(state, &states_[i * words]);
-    const SequenceStep& step = current_.order[i];
-    if (is_event(step))
-      simulator_.apply_event(event_of(step), state.data());
-    else
-      simulator_.apply_with(step.action, state.data(), step.duration);
-  }
-  std::ranges::copy(state, &states_[current_.order.size() * words]);
+  decoder_.keep(current_);
   critical_.clear();
   const auto ends_late = [&](const SequenceStep& step) {
     return !is_event(step) && split_.origins[step.action].part == SplitTask::Part::kWhole;
@@ -122,7 +111,7 @@ void LocalSearch::make_move(Sequence& list) {
 
 void LocalSearch::pull(Sequence& list, int step, int to) const {
   // Providers between `to` and the step come along, unless what they provide is already true at `to`.
-  const Word* state = &states_[static_cast<std::size_t>(to) * static_cast<std::size_t>(simulator_.words())];
+  const Word* state = decoder_.kept_state(static_cast<std::size_t>(to));
   const GroundTask& task = simulator_.task();
   std::vector<int> facts, comparisons;
   const auto need = [&](const SequenceStep& of) {

@@ -44,7 +44,6 @@ class LocalSearch {
   Simulator whole_;  ///< of the original
   RandomStream random_;
   DecodedPlan current_, best_;
-  ById<Word> states_;                 ///< before each step of the current plan
   std::vector<int> critical_;         ///< steps that determine the makespan, the last one first
   ById<std::vector<int>> achievers_;  ///< by fact, then number: original actions that add it or change it
   std::vector<int> earners_;          ///< original actions that make the objective better by themselves

@@ -8,8 +8,6 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr double kMillion = 1e6;
-
 LinearForm form_of(GroundExpression metric) {
   for (auto& step : metric.steps)
     if (step.kind == GroundExpression::Kind::kTotalTime) step.kind = GroundExpression::Kind::kDuration;

@@ -20,6 +20,12 @@ class Objective {
     return is_makespan_ ? static_cast<double>(makespan)
                         : value_of(task_.metric.evaluate(numbers, 0, in_seconds(makespan)), makespan);
   }
+  /// Whether the value is above `most`, without computing it where the metric is far below.
+  bool exceeds(const double* numbers, Micros makespan, double most) const {
+    if (is_makespan_) return static_cast<double>(makespan) > most;
+    const double metric = task_.metric.evaluate(numbers, 0, in_seconds(makespan));
+    return !(metric * kMillion + 2 <= most) && value_of(metric, makespan) > most;
+  }
   /// The same of a metric that has been computed (negated where it is to be made large).
   static double value_of(double metric, Micros makespan);
   /// Whether more actions never make a plan better.
@@ -37,6 +43,8 @@ class Objective {
   std::vector<int> prices() const;
 
  private:
+  static constexpr double kMillion = 1e6;
+
   double weight(int number) const;
   void look_at(const GroundEffects& effects);
   double change_of(const GroundEffects& effects, double duration_s) const;

@@ -10,7 +10,7 @@ namespace {
 
 void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_start, bool at_end) {
   auto found = std::ranges::find(touches, key, &Touch::key);
-  if (found == touches.end()) found = touches.insert(found, Touch{key, 0, 0});
+  if (found == touches.end()) found = touches.insert(found, Touch{key});
   if (at_start) found->at_start |= does;
   if (at_end) found->at_end |= does;
 }
@@ -79,6 +79,8 @@ Touches::Touches(const GroundTask& task)
     for (const Touch& touched : touches) events_of_key_[touched.key].push_back(static_cast<int>(e));
     events_.push_back(std::move(touches));
   }
+  for (std::vector<Touch>& touches : actions_)
+    for (Touch& touched : touches) touched.meets_events = !events_of_key_[touched.key].empty();
 }
 
 bool Touches::breaks_goal(int event) const {
@@ -151,6 +153,7 @@ void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& fr
 }
 
 bool Timeline::finish() {
+  mark();
   for (int event = next_event_; event < static_cast<int>(touches_.events().size()); ++event) {
     const Micros late = makespan_ + kSeparation - touches_.events()[event].time;
     if (late <= 0 || !touches_.breaks_goal(event)) continue;
@@ -166,6 +169,23 @@ void Timeline::clear() {
   appended_ = 0;
   makespan_ = 0;
   lateness_ = 0;
+  marks_.clear();
+  changes_.clear();
+}
+
+void Timeline::take_back_to(std::size_t appends) {
+  if (appends == marks_.size()) return;
+  const Mark mark = marks_[appends];
+  for (; changes_.size() > mark.changes; changes_.pop_back()) keys_[changes_.back().key] = changes_.back().last;
+  next_event_ = mark.next_event;
+  lateness_ = mark.lateness;
+  makespan_ = mark.makespan;
+  appended_ = static_cast<int>(appends);
+  marks_.resize(appends);
+}
+
+void Timeline::mark() {
+  if (lenient_) marks_.push_back({changes_.size(), next_event_, lateness_, makespan_});
 }
 
 Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
@@ -177,7 +197,9 @@ Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
   return latest;
 }
 
-void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
+void Timeline::note(int key, std::uint8_t does, Micros time) {
+  Last& last = keys_[key];
+  if (lenient_) changes_.push_back({key, last});
   const auto keep = [&](Latest& latest) {
     if (time > latest.time) latest = {time, appended_};
   };
@@ -186,11 +208,12 @@ void Timeline::note(Last& last, std::uint8_t does, Micros time) const {
   if (does & Touch::kDown) keep(last.down);
 }
 
-bool Timeline::before_events(int key, std::uint8_t does, Micros time) {
-  for (const int event : touches_.events_of(key)) {
+bool Timeline::before_events(const Touch& touch, std::uint8_t does, Micros time) {
+  if (!touch.meets_events) return true;
+  for (const int event : touches_.events_of(touch.key)) {
     if (event < next_event_) continue;
     for (const Touch& touched : touches_.of_event(event)) {
-      if (touched.key != key || !Touches::conflict(touched.at_start, does)) continue;
+      if (touched.key != touch.key || !Touches::conflict(touched.at_start, does)) continue;
       const Micros late = time + (Touches::conflict_at_instant(touched.at_start, does) ? kSeparation : 0) -
                           touches_.events()[event].time;
       if (late <= 0) continue;
@@ -209,18 +232,19 @@ Micros Timeline::append_start(int action, Micros release) { return append(action
 Micros Timeline::append_end(int action, Micros earliest) { return append(action, Part::kEnd, earliest, 0); }
 
 Micros Timeline::append(int action, Part part, Micros earliest, Micros duration) {
-  // Calls `visit` with each key, what is done with it, and how much later than the time that is returned.
+  // Calls `visit` with each touch, what is done, and how much later than the time that is returned.
   const auto all = [touches = touches_.of(action), part, duration](const auto& visit) {
     for (const Touch& touched : touches) {
-      if (part != Part::kEnd && touched.at_start && !visit(touched.key, touched.at_start, Micros{0})) return false;
-      if (part != Part::kStart && touched.at_end && !visit(touched.key, touched.at_end, duration)) return false;
+      if (part != Part::kEnd && touched.at_start && !visit(touched, touched.at_start, Micros{0})) return false;
+      if (part != Part::kStart && touched.at_end && !visit(touched, touched.at_end, duration)) return false;
     }
     return true;
   };
+  mark();
   Micros time = earliest;
   cause_ = -1;
-  all([&](int key, std::uint8_t does, Micros later) {
-    const Latest latest = after(keys_[key], does);
+  all([&](const Touch& touched, std::uint8_t does, Micros later) {
+    const Latest latest = after(keys_[touched.key], does);
     if (latest.time + kSeparation - later > time) {
       time = latest.time + kSeparation - later;
       cause_ = latest.by;
@@ -228,10 +252,12 @@ Micros Timeline::append(int action, Part part, Micros earliest, Micros duration)
     return true;
   });
   if (next_event_ < static_cast<int>(touches_.events().size()) &&
-      !all([&](int key, std::uint8_t does, Micros later) { return before_events(key, does, time + later); }))
+      !all([&](const Touch& touched, std::uint8_t does, Micros later) {
+        return before_events(touched, does, time + later);
+      }))
     return kNever;
-  all([&](int key, std::uint8_t does, Micros later) {
-    note(keys_[key], does, time + later);
+  all([&](const Touch& touched, std::uint8_t does, Micros later) {
+    note(touched.key, does, time + later);
     return true;
   });
   if (part != Part::kStart) makespan_ = std::max(makespan_, time + duration);
@@ -240,6 +266,7 @@ Micros Timeline::append(int action, Part part, Micros earliest, Micros duration)
 }
 
 bool Timeline::append_event() {
+  mark();
   const Micros time = touches_.events()[next_event_].time;
   for (const Touch& touched : touches_.of_event(next_event_)) {
     const Micros earliest = after(keys_[touched.key], touched.at_start).time + kSeparation;
@@ -247,7 +274,7 @@ bool Timeline::append_event() {
     if (!lenient_) return false;
     lateness_ += earliest - time;
   }
-  for (const Touch& touched : touches_.of_event(next_event_)) note(keys_[touched.key], touched.at_start, time);
+  for (const Touch& touched : touches_.of_event(next_event_)) note(touched.key, touched.at_start, time);
   ++next_event_;
   ++appended_;
   return true;

@@ -24,6 +24,7 @@ struct Touch {
   int key = 0;
   std::uint8_t at_start = 0;
   std::uint8_t at_end = 0;
+  bool meets_events = false;  ///< some event touches the key
 };
 
 /// Touches of all actions and events.
@@ -88,7 +89,7 @@ class Timeline {
  public:
   static constexpr Micros kNever = -1;
 
-  /// `lenient`: what comes too late for an event is accepted and counted.
+  /// `lenient`: what comes too late for an event is accepted and counted, and appends can be taken back.
   explicit Timeline(const Touches& touches, bool lenient = false)
       : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), lenient_(lenient) {}
 
@@ -103,6 +104,8 @@ class Timeline {
   int cause() const { return cause_; }
   /// Lets the next event happen after all that has been appended. False if that is too late.
   bool append_event();
+  /// Takes back all but the first appends, and the completion, where it is lenient.
+  void take_back_to(std::size_t appends);
   /// Completes the plan. False if an event that has not been appended breaks the goal before the plan's end.
   bool finish();
   Micros makespan() const { return makespan_; }
@@ -117,13 +120,25 @@ class Timeline {
   struct Last {
     Latest read, up, down;  ///< latest happening of each kind
   };
+  /// What an append changed.
+  struct Before {
+    int key;
+    Last last;
+  };
+  /// How it stood before an append.
+  struct Mark {
+    std::size_t changes;
+    int next_event;
+    Micros lateness, makespan;
+  };
   static constexpr Micros kEver = -kSeparation;
 
   static Latest after(const Last& last, std::uint8_t does);
-  void note(Last& last, std::uint8_t does, Micros time) const;
+  void mark();
+  void note(int key, std::uint8_t does, Micros time);
   enum class Part { kWhole, kStart, kEnd };
   Micros append(int action, Part part, Micros earliest, Micros duration);
-  bool before_events(int key, std::uint8_t does, Micros time);
+  bool before_events(const Touch& touch, std::uint8_t does, Micros time);
 
   const Touches& touches_;
   ById<Last> keys_;
@@ -133,6 +148,8 @@ class Timeline {
   int appended_ = 0;
   int cause_ = -1;
   Micros makespan_ = 0;
+  ById<Mark> marks_;  ///< by append, and one of the completion
+  std::vector<Before> changes_;
 };
 
 }  // namespace cxlab::planner

@@ -109,12 +109,10 @@ bool Evaluator::ground(const Effect& effect, const Frame& frame, const State& st
 
 void Evaluator::derive(State& state) const {
   if (domain_.derivations.empty()) return;
+  state.clear_derived();
   int highest = 0;
-  for (std::size_t i = 0; i < domain_.predicates.size(); ++i) {
-    if (!domain_.predicates[i].derived) continue;
-    state.clear(static_cast<PredicateId>(i));
-    highest = std::max(highest, domain_.predicates[i].stratum);
-  }
+  for (const Predicate& predicate : domain_.predicates)
+    if (predicate.derived) highest = std::max(highest, predicate.stratum);
   for (int stratum = 0; stratum <= highest; ++stratum) {
     for (bool changed = true; changed;) {
       changed = false;

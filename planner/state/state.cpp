@@ -1,8 +1,13 @@
 #include "planner/state/state.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cxlab::planner {
+
+State::State(const Domain& domain) {
+  for (const Predicate& predicate : domain.predicates) derived_.push_back(predicate.derived);
+}
 
 State::State(const Domain& domain, const Problem& problem) : State(domain) {
   for (const Fact& fact : problem.init) set(fact.predicate, fact.objects, true);
@@ -11,102 +16,81 @@ State::State(const Domain& domain, const Problem& problem) : State(domain) {
 }
 
 bool State::holds(PredicateId predicate, std::span<const ObjectId> objects) const {
-  const auto& table = facts_[predicate];
-  return table.find(objects) != table.end();
+  const int atom = atoms_.find(predicate, objects);
+  return atom >= 0 && since_[atom] != 0;
 }
 
 void State::set(PredicateId predicate, std::span<const ObjectId> objects, bool value) {
-  auto& table = facts_[predicate];
-  const auto found = table.find(objects);
-  if (value == (found != table.end())) return;
-  if (value) {
-    table.emplace(std::vector<ObjectId>(objects.begin(), objects.end()), ++changes_);
-  } else {
-    table.erase(found);
+  int atom = atoms_.find(predicate, objects);
+  if (value == (atom >= 0 && since_[atom] != 0)) return;
+  if (atom < 0) {
+    atom = atoms_.insert(predicate, objects);
+    since_.push_back(0);
+    if (derived_[predicate]) derived_atoms_.push_back(atom);
   }
+  since_[atom] = value ? ++changes_ : 0;
 }
 
-const State::Number* State::number(FunctionId function, std::span<const ObjectId> objects) const {
-  const auto& table = numbers_[function];
-  const auto found = table.find(objects);
-  return found == table.end() ? nullptr : &found->second;
+void State::clear_derived() {
+  for (const int atom : derived_atoms_) since_[atom] = 0;
 }
 
 std::optional<double> State::value(FunctionId function, std::span<const ObjectId> objects) const {
-  const Number* found = number(function, objects);
-  if (found == nullptr) return std::nullopt;
-  return found->value + found->rate * ahead_;
+  const int found = functions_.find(function, objects);
+  if (found < 0) return std::nullopt;
+  return numbers_[found].value + numbers_[found].rate * ahead_;
 }
 
 void State::set_value(FunctionId function, std::span<const ObjectId> objects, double value) {
-  auto& table = numbers_[function];
-  const auto found = table.find(objects);
-  if (found != table.end()) {
-    found->second.value = value;
-  } else {
-    table.emplace(std::vector<ObjectId>(objects.begin(), objects.end()), Number{value, 0, ++changes_});
-  }
+  const int found = functions_.insert(function, objects);
+  if (found < static_cast<int>(numbers_.size()))
+    numbers_[found].value = value;
+  else
+    numbers_.push_back({value, 0});
 }
 
 double State::rate(FunctionId function, std::span<const ObjectId> objects) const {
-  const Number* found = number(function, objects);
-  return found == nullptr ? 0 : found->rate;
+  const int found = functions_.find(function, objects);
+  return found < 0 ? 0 : numbers_[found].rate;
 }
 
 void State::add_rate(FunctionId function, std::span<const ObjectId> objects, double rate) {
-  auto& table = numbers_[function];
-  const auto found = table.find(objects);
-  if (found == table.end()) return;
-  found->second.rate += rate;
-  changing_.push_back({function, {objects.begin(), objects.end()}});
+  const int found = functions_.find(function, objects);
+  if (found < 0) return;
+  numbers_[found].rate += rate;
+  if (std::ranges::find(changing_, found) == changing_.end()) changing_.push_back(found);
 }
 
 void State::clear_rates() {
-  for (const Fact& changing : changing_) {
-    const auto found = numbers_[changing.predicate].find(std::span<const ObjectId>(changing.objects));
-    if (found != numbers_[changing.predicate].end()) found->second.rate = 0;
-  }
+  for (const int changing : changing_) numbers_[changing].rate = 0;
   changing_.clear();
 }
 
 void State::advance(double seconds) {
-  std::vector<Number*> moved;
-  for (const Fact& changing : changing_) {
-    auto& table = numbers_[changing.predicate];
-    const auto found = table.find(std::span<const ObjectId>(changing.objects));
-    if (found == table.end() || std::find(moved.begin(), moved.end(), &found->second) != moved.end()) continue;
-    found->second.value += found->second.rate * seconds;
-    moved.push_back(&found->second);
-  }
+  for (const int changing : changing_) numbers_[changing].value += numbers_[changing].rate * seconds;
 }
-
-namespace {
-
-template <class Item>
-std::vector<Item> in_order(std::vector<std::pair<std::uint64_t, Item>> items) {
-  std::ranges::sort(items, {}, [](const auto& item) { return item.first; });
-  std::vector<Item> ordered;
-  ordered.reserve(items.size());
-  for (auto& [_, item] : items) ordered.push_back(std::move(item));
-  return ordered;
-}
-
-}  // namespace
 
 std::vector<Fact> State::facts() const {
-  std::vector<std::pair<std::uint64_t, Fact>> all;
-  for (std::size_t predicate = 0; predicate < facts_.size(); ++predicate)
-    for (const auto& [objects, order] : facts_[predicate])
-      all.push_back({order, {static_cast<PredicateId>(predicate), objects}});
-  return in_order(std::move(all));
+  std::vector<std::pair<std::uint64_t, int>> in_order;
+  for (int atom = 0; atom < atoms_.size(); ++atom)
+    if (since_[atom] != 0) in_order.push_back({since_[atom], atom});
+  std::ranges::sort(in_order);
+  std::vector<Fact> all;
+  for (const auto& [since, atom] : in_order) {
+    const std::span<const ObjectId> objects = atoms_.objects(atom);
+    all.push_back({atoms_.predicate(atom), {objects.begin(), objects.end()}});
+  }
+  return all;
 }
 
 std::vector<Assignment> State::values() const {
-  std::vector<std::pair<std::uint64_t, Assignment>> all;
-  for (std::size_t function = 0; function < numbers_.size(); ++function)
-    for (const auto& [objects, entry] : numbers_[function])
-      all.push_back({entry.order, {static_cast<FunctionId>(function), objects, entry.value + entry.rate * ahead_}});
-  return in_order(std::move(all));
+  std::vector<Assignment> all;
+  for (int each = 0; each < functions_.size(); ++each) {
+    const std::span<const ObjectId> objects = functions_.objects(each);
+    const Number& number = numbers_[each];
+    all.push_back({functions_.predicate(each), {objects.begin(), objects.end()}, number.value + number.rate * ahead_});
+  }
+  return all;
 }
 
 bool apply_changes(const std::vector<Change>& changes, State& state) {

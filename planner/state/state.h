@@ -6,28 +6,28 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "planner/pddl/model.h"
+#include "planner/state/atom_table.h"
 
 namespace cxlab::planner {
 
 /// The objects bound to the slots of an action, rule or goal.
 using Frame = ById<ObjectId>;
 
-/// Truth of ground atoms and values of ground functions. A value may change linearly with time.
+/// Truth of ground atoms and values of ground functions. A value may change linearly with time. Copies are cheap.
 class State {
  public:
   /// Nothing is true, nothing has a value.
-  explicit State(const Domain& domain) : facts_(domain.predicates.size()), numbers_(domain.functions.size()) {}
+  explicit State(const Domain& domain);
   /// The initial state, without derived facts.
   State(const Domain& domain, const Problem& problem);
 
   bool holds(PredicateId predicate, std::span<const ObjectId> objects) const;
   void set(PredicateId predicate, std::span<const ObjectId> objects, bool value);
-  /// Makes all facts of a predicate false.
-  void clear(PredicateId predicate) { facts_[predicate].clear(); }
+  /// Makes all facts of derived predicates false.
+  void clear_derived();
 
   /// The value now; none where it is undefined.
   std::optional<double> value(FunctionId function, std::span<const ObjectId> objects) const;
@@ -48,35 +48,19 @@ class State {
   std::vector<Assignment> values() const;
 
  private:
-  struct Hash {
-    using is_transparent = void;
-    std::size_t operator()(std::span<const ObjectId> objects) const {
-      std::uint64_t hash = 0x9e3779b97f4a7c15u;
-      for (const ObjectId object : objects)
-        hash = (hash ^ static_cast<std::uint64_t>(object)) * 0x100000001b3u + (hash >> 29);
-      return hash;
-    }
-  };
-  struct Same {
-    using is_transparent = void;
-    bool operator()(std::span<const ObjectId> a, std::span<const ObjectId> b) const {
-      return std::equal(a.begin(), a.end(), b.begin(), b.end());
-    }
-  };
   struct Number {
     double value = 0;
     double rate = 0;
-    std::uint64_t order = 0;
   };
-  template <class T>
-  using Table = std::unordered_map<std::vector<ObjectId>, T, Hash, Same>;
 
-  const Number* number(FunctionId function, std::span<const ObjectId> objects) const;
-
-  ById<Table<std::uint64_t>> facts_;  // by predicate: when it became true
-  ById<Table<Number>> numbers_;       // by function
-  std::vector<Fact> changing_;        // functions with a rate, as `predicate`
-  std::uint64_t changes_ = 0;         // counted for the order of facts() and values()
+  AtomTable atoms_;            // all that has ever been true
+  ById<std::uint64_t> since_;  // by atom: when it became true; 0 = it is false
+  ById<char> derived_;         // by predicate
+  std::vector<int> derived_atoms_;
+  AtomTable functions_;        // that have a value
+  ById<Number> numbers_;       // of them
+  std::vector<int> changing_;  // functions with a rate
+  std::uint64_t changes_ = 0;  // facts that became true
   double ahead_ = 0;
 };
 

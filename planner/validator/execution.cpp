@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
@@ -95,7 +94,7 @@ bool Execution::lay_out() {
 bool Execution::pass(Nanos from, Nanos to) {
   if (from == to) return true;
   const double length = to_seconds(to - from);
-  for (const int step : std::set(active_.begin(), active_.end())) {
+  for (const int step : active_) {
     if (!hold_over_all(step, length)) return false;
     drop_pending(step, length);
   }
@@ -141,7 +140,7 @@ bool Execution::happen(std::size_t first, std::size_t last) {
   const std::size_t known = records_.size();
   for (std::size_t i = first; i < last; ++i) {
     Record record{happenings_[i], {}};
-    if (!collect(happenings_[i], record.changes)) return false;
+    if (!collect(happenings_[i], record.by_step)) return false;
     records_.push_back(std::move(record));
   }
   if (!check_interference(first, last)) return false;
@@ -149,14 +148,14 @@ bool Execution::happen(std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     const Happening& happening = happenings_[i];
     const Record& record = records_[known + (i - first)];
-    if (!apply_changes(record.changes, state_)) {
-      for (const Change& change : record.changes)
+    if (!apply_changes(record.changes(), state_)) {
+      for (const Change& change : record.changes())
         if (change.effect != nullptr && change.effect->is_numeric())
           return fail_effect(happening.step, *change.effect, to_seconds(happening.time));
     }
     if (happening.kind == Happening::Kind::kEnd) std::erase(active_, happening.step);
     if (happening.kind != Happening::Kind::kStart) continue;
-    active_.push_back(happening.step);
+    active_.insert(std::ranges::lower_bound(active_, happening.step), happening.step);
     for (const Effect& effect : action_of(happening.step).effects)
       rates_change = rates_change || effect.time == Effect::Time::kContinuous;
   }
@@ -221,10 +220,7 @@ void Execution::enable_pending(int step) {
 }
 
 bool Execution::collect(const Happening& happening, std::vector<Change>& changes) {
-  if (happening.kind == Happening::Kind::kOutside) {
-    changes = happening.event->changes;
-    return true;
-  }
+  if (happening.kind == Happening::Kind::kOutside) return true;
   const int step = happening.step;
   const double duration = duration_of_step(step), now = to_seconds(happening.time);
   if (happening.kind == Happening::Kind::kEnd) {
@@ -304,7 +300,7 @@ bool Execution::check_interference(std::size_t first, std::size_t last) {
   const bool soon = last < happenings_.size() && happenings_[last].time - now < epsilon_;
   if (recent_.empty() && last - first < 2 && !soon) return true;
   for (std::size_t i = first; i < last; ++i) {
-    Recent fresh{happenings_[i], footprint_of(happenings_[i], records_[records_.size() - (last - i)].changes)};
+    Recent fresh{happenings_[i], footprint_of(happenings_[i], records_[records_.size() - (last - i)].changes())};
     for (const Recent& earlier : recent_) {
       const std::string what = Footprint::interference(earlier.footprint, fresh.footprint);
       if (!what.empty()) return fail_interference(earlier.happening, fresh.happening, what);

@@ -42,7 +42,9 @@ class Execution {
   /// What happened, for explanations.
   struct Record {
     Happening happening;
-    std::vector<Change> changes;
+    std::vector<Change> by_step;
+
+    const std::vector<Change>& changes() const { return happening.event ? happening.event->changes : by_step; }
   };
 
   bool lay_out();

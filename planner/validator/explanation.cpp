@@ -176,7 +176,7 @@ void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wan
   }
   const Happening* spoiler = nullptr;
   for (const Record& record : records_)
-    for (const Change& change : record.changes)
+    for (const Change& change : record.changes())
       if (change.kind == (wanted ? Effect::Kind::kDelete : Effect::Kind::kAdd) && change.id == fact.predicate &&
           change.objects == fact.objects)
         spoiler = &record.happening;
