@@ -1,45 +1,14 @@
 // The strategies that make a plan better, each alone.
 
+#include <algorithm>
+
+#include "cx/base/random.h"
 #include "planner/strategies/improvement.h"
 #include "planner/strategies/sequence_search.h"
 #include "prepared.h"
 
 namespace cxlab::planner {
 namespace {
-
-TEST(Decoder, LooksAtEachEventOfAListOnce) {
-  Prepared problem(R"((:predicates (day) (up) (fed))
-    (:durative-action rise :parameters () :duration (= ?duration 1) :condition (at start (day)) :effect (at end (up)))
-    (:durative-action eat :parameters () :duration (= ?duration 1) :condition (at start (up)) :effect (at end (fed))))",
-                   "(:init (at 6 (day))) (:goal (fed))");
-  Decoder decoder(problem->whole.split, problem->ground, problem->whole.space.simulator, problem->touches,
-                  problem->objective);
-  const SequenceStep dawn{-2, 0};
-  ASSERT_TRUE(is_event(dawn));
-  DecodedPlan plan;
-  const Sequence list{dawn, {problem.action("(rise)"), 1'000'000}, {problem.action("(eat)"), 1'000'000}};
-  ASSERT_TRUE(decoder.decode(list, 1e18, plan));
-  EXPECT_EQ(plan.order.size(), 3u);
-  EXPECT_EQ(decoder.take_work(), 3);
-}
-
-TEST(Improvement, OfAListMovesAndExchangesItsActions) {
-  Prepared problem(kCups, kTwoCups);
-  const Sequence list = problem.list({"(sink a)", "(sink b)"});
-  ASSERT_TRUE(problem->offer(problem->whole, list));
-  Improvement improve(*problem);
-  EXPECT_TRUE(improve.of_list(list, 0, 200));
-  EXPECT_EQ(problem->best.makespan(), 5'000'000) << "one at the sink, one by hand";
-  EXPECT_EQ(problem->best_list().size(), 2u);
-}
-
-TEST(Improvement, OfWhatIsNoPlanFails) {
-  Prepared problem(kCups, kTwoCups);
-  Improvement improve(*problem);
-  EXPECT_FALSE(improve.of_list({}, 0, 200));
-  EXPECT_FALSE(improve.of_list(problem.list({"(sink a)"}), 0, 200));
-  EXPECT_FALSE(problem->best.exists());
-}
 
 constexpr const char* kMatches = R"((:functions (cost)) (:predicates (unused ?m) (light) (mended ?f) (fuse ?f))
   (:durative-action strike :parameters (?m) :duration (= ?duration 5) :condition (at start (unused ?m))
@@ -58,6 +27,111 @@ Sequence two_matches(const Prepared& problem, const SplitTask& split) {
   };
   return {part("(strike m)", false), part("(mend f)", false), part("(strike m)", true),
           part("(strike n)", false), part("(mend g)", false), part("(strike n)", true)};
+}
+
+TEST(Decoder, LooksAtEachEventOfAListOnce) {
+  Prepared problem(R"((:predicates (day) (up) (fed))
+    (:durative-action rise :parameters () :duration (= ?duration 1) :condition (at start (day)) :effect (at end (up)))
+    (:durative-action eat :parameters () :duration (= ?duration 1) :condition (at start (up)) :effect (at end (fed))))",
+                   "(:init (at 6 (day))) (:goal (fed))");
+  Decoder decoder(problem->whole.split, problem->ground, problem->whole.space.simulator, problem->touches,
+                  problem->objective);
+  const SequenceStep dawn{-2, 0};
+  ASSERT_TRUE(is_event(dawn));
+  DecodedPlan plan;
+  const Sequence list{dawn, {problem.action("(rise)"), 1'000'000}, {problem.action("(eat)"), 1'000'000}};
+  ASSERT_TRUE(decoder.decode(list, 1e18, plan));
+  EXPECT_EQ(plan.order.size(), 3u);
+  EXPECT_EQ(decoder.take_work(), 3);
+}
+
+/// Decodes lists that differ a little from plans that were kept, and each of them with a fresh decoder, too.
+void compare_with_fresh_decoders(Prepared& problem, const SplitSpace& space, const Sequence& first) {
+  const auto fresh = [&] {
+    return Decoder(space.split, problem->ground, space.space.simulator, problem->touches, problem->objective);
+  };
+  Decoder keeps = fresh();
+  DecodedPlan kept, one, other;
+  ASSERT_TRUE(keeps.decode(first, 1e18, kept));
+  keeps.keep(kept);
+  keeps.take_work();
+  RandomStream random(1, "lists");
+  int plans = 0, late = 0;
+  for (int i = 0; i < 400; ++i) {
+    Sequence list = random.chance(0.5) ? kept.order : first;
+    for (auto moves = random.between(0, 2); moves > 0; --moves) {
+      const auto at = [&] { return list.begin() + static_cast<std::ptrdiff_t>(random.below(list.size())); };
+      if (random.chance(0.7))
+        std::iter_swap(at(), at());
+      else
+        list.erase(at());
+    }
+    Decoder anew = fresh();
+    const double most = random.chance(0.3) ? (random.chance(0.5) ? kept.cost : 0.6 * kept.value) : 1e18;
+    const bool is_plan = keeps.decode(list, most, one);
+    ASSERT_EQ(is_plan, anew.decode(list, most, other)) << "list " << i;
+    ASSERT_EQ(keeps.take_work(), anew.take_work()) << "list " << i;
+    ASSERT_EQ(one.order, other.order) << "list " << i;
+    if (!is_plan) continue;
+    ASSERT_EQ(one.times, other.times);
+    ASSERT_EQ(one.causes, other.causes);
+    ASSERT_EQ(one.late, other.late);
+    ASSERT_EQ(one.cost, other.cost);
+    ASSERT_EQ(one.lateness, other.lateness);
+    ++plans;
+    late += one.lateness > 0;
+    keeps.keep(kept = one);
+  }
+  EXPECT_GT(plans, 50);
+  EXPECT_EQ(late > 10, problem->has_events()) << "some lists are to come too late for them";
+}
+
+constexpr const char* kWalls =
+    R"((:functions (points)) (:predicates (lit) (brush ?b) (free ?b) (wall ?w) (dry ?w) (painted ?w) (day))
+  (:durative-action paint :parameters (?w ?b) :duration (= ?duration 3)
+   :condition (and (at start (brush ?b)) (at start (free ?b)) (at start (dry ?w)) (over all (day)))
+   :effect (and (at start (not (free ?b))) (at end (free ?b)) (at end (painted ?w)) (at end (increase (points) 1))))
+  (:durative-action dry :parameters (?w) :duration (= ?duration 2) :condition (at start (wall ?w)) :effect (at end (dry ?w)))
+  (:durative-action strip :parameters (?w) :duration (= ?duration 1) :condition (at start (painted ?w)) :effect (at end (not (painted ?w))))
+  (:durative-action wash :parameters (?b) :duration (= ?duration 1) :condition (at start (free ?b)) :effect (and (at start (not (free ?b))) (at end (free ?b)))))";
+
+TEST(Decoder, GivesTheSameForWhatAListHasInCommonWithThePlanKept) {
+  const std::string walls =
+      "(:objects a b u v w x) (:init (brush a) (brush b) (free a) (free b) (wall u) (wall v) (wall w) (wall x) (lit) "
+      "(= (points) 0) (at 2 (day)) (at 7 (not (lit))) (at 8 (not (day))) (at 20 (lit))) (:goal (and (lit) (painted u) "
+      "(painted v) (painted w) (painted x)))";
+  const std::vector<std::string> steps{"(dry u)",     "(wash a)",  "(dry v)",     "next event", "(paint u a)",
+                                       "(paint v b)", "(dry w)",   "(paint w a)", "(dry x)",    "(wash b)",
+                                       "(paint x b)", "(strip u)", "(paint u a)"};
+  for (const char* metric : {"", "(:metric minimize (* 2 (total-time)))", "(:metric maximize (points))"}) {
+    Prepared problem(kWalls, walls + metric);
+    compare_with_fresh_decoders(problem, problem->whole, problem.list(steps));
+  }
+}
+
+TEST(Decoder, GivesTheSameWhereActionsAreCut) {
+  Prepared problem(kMatches, kTwoMatches);
+  SequenceSearch cut(*problem, Cut::kEnvelopes);
+  ASSERT_TRUE(cut.space());
+  compare_with_fresh_decoders(problem, *cut.space(), two_matches(problem, cut.space()->split));
+}
+
+TEST(Improvement, OfAListMovesAndExchangesItsActions) {
+  Prepared problem(kCups, kTwoCups);
+  const Sequence list = problem.list({"(sink a)", "(sink b)"});
+  ASSERT_TRUE(problem->offer(problem->whole, list));
+  Improvement improve(*problem);
+  EXPECT_TRUE(improve.of_list(list, 0, 200));
+  EXPECT_EQ(problem->best.makespan(), 5'000'000) << "one at the sink, one by hand";
+  EXPECT_EQ(problem->best_list().size(), 2u);
+}
+
+TEST(Improvement, OfWhatIsNoPlanFails) {
+  Prepared problem(kCups, kTwoCups);
+  Improvement improve(*problem);
+  EXPECT_FALSE(improve.of_list({}, 0, 200));
+  EXPECT_FALSE(improve.of_list(problem.list({"(sink a)"}), 0, 200));
+  EXPECT_FALSE(problem->best.exists());
 }
 
 TEST(Improvement, OfPartsStrikesOneMatchForBothFuses) {

@@ -31,12 +31,18 @@ class Prepared {
     ADD_FAILURE() << "no action " << name;
     return -1;
   }
-  /// A list of whole actions, with their shortest durations.
+  /// A list of whole actions, with their shortest durations, and of events: "next event".
   Sequence list(const std::vector<std::string>& names) const {
     const Simulator& simulator = context_->whole.space.simulator;
     PackedState state = simulator.initial();
     Sequence list;
+    int next_event = 0;
     for (const std::string& name : names) {
+      if (name == "next event") {
+        list.push_back({-2 - next_event, 0});
+        simulator.apply_event(next_event++, state.data());
+        continue;
+      }
       Micros duration = 0;
       EXPECT_TRUE(simulator.apply(action(name), state.data(), duration)) << name;
       list.push_back({action(name), duration});
