@@ -31,7 +31,11 @@ class Grounder {
   /// Incomplete if the budget ends.
   GroundTask run() {
     find_absences();
-    for (const Assignment& value : task_.problem.values) values_[{value.function, value.objects}] = value.value;
+    for (const Assignment& value : task_.problem.values) {
+      const int atom = valued_.insert(value.function, value.objects);
+      values_.resize(static_cast<std::size_t>(valued_.size()));
+      values_[atom] = value.value;
+    }
     for (const Binding& binding : reachable_.bindings) {
       add_actions(binding);
       if (budget_.over()) return std::move(out_);
@@ -56,8 +60,6 @@ class Grounder {
   }
 
  private:
-  using Key = std::pair<int, std::vector<ObjectId>>;
-
   /// What is never true can be left out, but not where one action deletes it and another asks for its absence: the two
   /// must not share an instant.
   void find_absences() {
@@ -78,12 +80,12 @@ class Grounder {
     for (std::size_t p = 0; p < asked.size(); ++p) absence_matters_.push_back(asked[p] && deleted[p]);
   }
 
-  int fact(PredicateId predicate, const std::vector<ObjectId>& arguments) {
+  int fact(PredicateId predicate, std::span<const ObjectId> arguments) {
     const int atom = fact_atoms_.insert(predicate, arguments);
     if (atom == static_cast<int>(fact_ids_.size())) {
       const bool derived = task_.domain.predicates[predicate].derived;
       fact_ids_.push_back(static_cast<int>(out_.facts.size()));
-      out_.facts.push_back({predicate, arguments, -1, false, derived});
+      out_.facts.push_back({predicate, {arguments.begin(), arguments.end()}, -1, false, derived});
       if (derived) demanded_.push_back(fact_ids_.back());
     }
     return fact_ids_[atom];
@@ -100,22 +102,23 @@ class Grounder {
     return out_.facts[id].complement;
   }
 
-  int number(FunctionId function, const std::vector<ObjectId>& arguments) {
+  int number(FunctionId function, std::span<const ObjectId> arguments) {
     const int id = number_atoms_.insert(function, arguments);
-    if (id == static_cast<int>(out_.numbers.size())) out_.numbers.push_back({function, arguments});
+    if (id == static_cast<int>(out_.numbers.size()))
+      out_.numbers.push_back({function, {arguments.begin(), arguments.end()}});
     return id;
   }
 
-  double initial_value(FunctionId function, const std::vector<ObjectId>& arguments) const {
-    const auto found = values_.find({function, arguments});
-    return found == values_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  double initial_value(FunctionId function, std::span<const ObjectId> arguments) const {
+    const int found = valued_.find(function, arguments);
+    return found < 0 ? std::numeric_limits<double>::quiet_NaN() : values_[found];
   }
 
   GroundExpression expression(const Expression& from, const ById<ObjectId>& frame) {
     using Kind = Expression::Kind;
     if (from.kind == Kind::kConstant) return GroundExpression::constant(from.value);
     if (from.kind == Kind::kFunction) {
-      const std::vector<ObjectId> arguments = bound_objects(from.terms, frame);
+      const Objects arguments(from.terms, frame);
       const double value = initial_value(from.function, arguments);
       if (!reachable_.changing[from.function] && !std::isnan(value)) return GroundExpression::constant(value);
       return {{{Kind::kFunction, number(from.function, arguments), 0}}};
@@ -167,7 +170,7 @@ class Grounder {
     budget_.spend(Work::kGround, 1);
     switch (condition.kind) {
       case Kind::kAtom: {
-        const std::vector<ObjectId> arguments = bound_objects(condition.terms, frame);
+        const Objects arguments(condition.terms, frame);
         if (!task_.domain.predicates[condition.predicate].derived) {
           const bool can_be_true = reachable_.atoms.find(condition.predicate, arguments) >= 0;
           if (!can_be_true && !(negated && absence_matters_[condition.predicate])) return truth(negated);
@@ -177,8 +180,8 @@ class Grounder {
         return {Formula::Kind::kFact, negated ? complement(id) : id, {}};
       }
       case Kind::kSame: {
-        const std::vector<ObjectId> pair = bound_objects(condition.terms, frame);
-        return truth((pair[0] == pair[1]) != negated);
+        const Objects pair(condition.terms, frame);
+        return truth((pair.begin()[0] == pair.begin()[1]) != negated);
       }
       case Kind::kCompare: return compare(condition, frame, negated);
       case Kind::kNot: return formula(condition.operands[0], frame, !negated);
@@ -263,7 +266,7 @@ class Grounder {
 
   void add_effect(const Effect& effect, ById<ObjectId>& frame, GroundAction& action) {
     using Kind = Effect::Kind;
-    const std::vector<ObjectId> arguments = bound_objects(effect.terms, frame);
+    const Objects arguments(effect.terms, frame);
     if (effect.time == Effect::Time::kContinuous) {
       GroundExpression rate = expression(effect.value, frame);
       if (effect.kind == Kind::kDecrease) negate(rate);
@@ -410,9 +413,9 @@ class Grounder {
   Reachable reachable_;
   Budget& budget_;
   GroundTask out_;
-  std::map<Key, double> values_;
-  AtomTable fact_atoms_, number_atoms_;  ///< the functions of numbers in place of predicates
-  ById<int> fact_ids_;                   ///< by atom of fact_atoms_
+  AtomTable fact_atoms_, number_atoms_, valued_;  ///< the functions of numbers in place of predicates
+  ById<double> values_;                           ///< at first, by atom of valued_
+  ById<int> fact_ids_;                            ///< by atom of fact_atoms_
   std::map<std::string, int> comparison_ids_;
   ById<char> absence_matters_;  ///< by predicate
   std::vector<int> demanded_;   ///< derived facts that conditions ask for

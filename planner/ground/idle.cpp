@@ -40,8 +40,6 @@ class IdleFinder {
   }
 
  private:
-  using Objects = std::vector<ObjectId>;
-
   /// How the whole task uses a fact or number that is not in it.
   struct Other {
     bool read = false, up = false, down = false;
@@ -54,12 +52,12 @@ class IdleFinder {
     return static_cast<int>(task_.domain.predicates.size()) + item.function;
   }
 
-  void enter(int symbol, const Objects& objects, int key) {
+  void enter(int symbol, std::span<const ObjectId> objects, int key) {
     if (atoms_.insert(symbol, objects) == static_cast<int>(keys_.size())) keys_.push_back(key);
   }
 
   /// The key of a fact or number; one that is not in the task becomes another.
-  int key_of(int symbol, const Objects& objects) {
+  int key_of(int symbol, std::span<const ObjectId> objects) {
     enter(symbol, objects, first_other_ + static_cast<int>(others_.size()));
     const int key = keys_[atoms_.find(symbol, objects)];
     if (key == first_other_ + static_cast<int>(others_.size())) others_.emplace_back();
@@ -114,7 +112,7 @@ class IdleFinder {
   }
 
   void read_fact(const Condition& atom, const GroundCondition& needed) {
-    const int key = key_of(atom.predicate, bound_objects(atom.terms, frame_));
+    const int key = key_of(atom.predicate, Objects(atom.terms, frame_));
     if (key < first_number_)
       for (const int fact : {key, ground_.facts[key].complement})
         if (fact >= 0 && contains(needed.facts, fact)) return;
@@ -124,12 +122,12 @@ class IdleFinder {
   void read(const Expression& expression) {
     for_each_part(expression, [this](const Expression& part) {
       if (part.kind == Expression::Kind::kFunction && changing_.functions[part.function])
-        note({key_of(symbol(part), bound_objects(part.terms, frame_)), at_end_, true, false, false});
+        note({key_of(symbol(part), Objects(part.terms, frame_)), at_end_, true, false, false});
     });
   }
 
   void write(const Effect& effect) {
-    const Objects objects = bound_objects(effect.terms, frame_);
+    const Objects objects(effect.terms, frame_);
     if (!effect.is_numeric()) {
       write(effect.predicate, objects, effect.kind == Effect::Kind::kAdd, effect.kind == Effect::Kind::kDelete);
       return;
@@ -139,7 +137,7 @@ class IdleFinder {
     read(effect.value);
   }
 
-  void write(int symbol, const Objects& objects, bool up, bool down) {
+  void write(int symbol, std::span<const ObjectId> objects, bool up, bool down) {
     if (const int key = key_of(symbol, objects); key >= first_other_) note({key, at_end_, false, up, down});
   }
 

@@ -38,8 +38,7 @@ class Join {
     by_argument_.resize(predicates);
     everything_.resize(predicates);
     for (std::size_t p = 0; p < predicates; ++p)
-      by_argument_[p].assign(task_.domain.predicates[p].parameters.size(),
-                             ById<std::vector<int>>(task_.problem.objects.size()));
+      by_argument_[p].assign(task_.domain.predicates[p].parameters.size(), ById<int>(task_.problem.objects.size(), 0));
     relevant_ = relevant_actions(task_);
     for (std::size_t a = 0; a < task_.domain.actions.size(); ++a)
       patterns_.push_back(make_pattern(task_.domain.actions[a]));
@@ -145,7 +144,14 @@ class Join {
     const PredicateId predicate = result_.atoms.predicate(atom);
     everything_[predicate].push_back(atom);
     const std::span<const ObjectId> objects = result_.atoms.objects(atom);
-    for (std::size_t i = 0; i < objects.size(); ++i) by_argument_[predicate][i][objects[i]].push_back(atom);
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      int& list = by_argument_[predicate][i][objects[i]];
+      if (list == 0) {
+        list = static_cast<int>(lists_.size());
+        lists_.emplace_back();
+      }
+      lists_[list].push_back(atom);
+    }
   }
 
   void begin(std::size_t action, int first, int atom) {
@@ -202,7 +208,8 @@ class Join {
         key_.push_back(object);
         if (object < 0)
           ground = false;
-        else if (const std::vector<int>& with = by_argument_[atom.predicate][i][object]; with.size() < fewest->size())
+        else if (const std::vector<int>& with = lists_[by_argument_[atom.predicate][i][object]];
+                 with.size() < fewest->size())
           fewest = &with;
       }
       if (ground) {
@@ -263,7 +270,7 @@ class Join {
     for (const Effect& effect : action.effects) {
       if (effect.kind != Effect::Kind::kAdd) continue;
       for_each_assignment(task_, effect.variables, frame, budget_,
-                          [&] { result_.atoms.insert(effect.predicate, bound_objects(effect.terms, frame)); });
+                          [&] { result_.atoms.insert(effect.predicate, Objects(effect.terms, frame)); });
     }
   }
 
@@ -272,10 +279,11 @@ class Join {
   Budget& budget_;
   Reachable result_;
   std::vector<Pattern> patterns_;
-  std::vector<char> relevant_;                      ///< by action
-  ById<ById<ById<std::vector<int>>>> by_argument_;  ///< predicate, position, object: visible atoms
-  ById<std::vector<int>> everything_;               ///< predicate: visible atoms
-  AtomTable seen_;                                  ///< bindings
+  std::vector<char> relevant_;         ///< by action
+  ById<ById<ById<int>>> by_argument_;  ///< predicate, position, object: list of visible atoms
+  ById<std::vector<int>> lists_{{}};   ///< the first one is of all that have none
+  ById<std::vector<int>> everything_;  ///< predicate: visible atoms
+  AtomTable seen_;                     ///< bindings
   int visible_ = 0;
   std::size_t action_ = 0;
   ById<ObjectId> frame_, key_;

@@ -15,12 +15,12 @@ constexpr double kExchanges = 0.5;  ///< share of moves that change which action
 
 }  // namespace
 
-LocalSearch::LocalSearch(Decoder& decoder, std::uint64_t seed)
+LocalSearch::LocalSearch(Decoder& decoder, const Simulator& whole, std::uint64_t seed)
     : decoder_(decoder),
       split_(decoder.split()),
       original_(decoder.original()),
       simulator_(decoder.simulator()),
-      whole_(original_),
+      whole_(whole),
       random_(seed, "planner local search") {
   const GroundTask& original = original_;
   achievers_.resize(original.facts.size() + original.numbers.size());

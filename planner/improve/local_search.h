@@ -14,7 +14,8 @@ class LocalSearch {
  public:
   using OnBetter = std::function<void(const DecodedPlan&)>;
 
-  LocalSearch(Decoder& decoder, std::uint64_t seed);
+  /// `whole` is of the task that the decoder's cuts.
+  LocalSearch(Decoder& decoder, const Simulator& whole, std::uint64_t seed);
 
   /// Takes a plan to begin with, as a sequence of parts; false if it is none. It may come too late for events: the
   /// search then brings that down first.
@@ -41,7 +42,7 @@ class LocalSearch {
   const SplitTask& split_;
   const GroundTask& original_;
   const Simulator& simulator_;
-  Simulator whole_;  ///< of the original
+  const Simulator& whole_;  ///< of the original
   RandomStream random_;
   DecodedPlan current_, best_;
   std::vector<int> critical_;         ///< steps that determine the makespan, the last one first

@@ -18,12 +18,6 @@ std::vector<ObjectId> objects_of(const Domain& domain, const Problem& problem, c
   return found;
 }
 
-std::vector<ObjectId> bound_objects(const std::vector<Term>& terms, const ById<ObjectId>& frame) {
-  std::vector<ObjectId> objects;
-  for (const Term& term : terms) objects.push_back(term.in(frame));
-  return objects;
-}
-
 int find(const NameTable& table, std::string_view name) {
   const auto entry = table.find(std::string(name));
   return entry == table.end() ? -1 : entry->second;

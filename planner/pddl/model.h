@@ -286,9 +286,6 @@ bool fits(const Domain& domain, const Object& object, const std::vector<TypeId>&
 /// All objects that may be the value of a variable with these types, ascending.
 std::vector<ObjectId> objects_of(const Domain& domain, const Problem& problem, const std::vector<TypeId>& types);
 
-/// The objects that terms are in a frame.
-std::vector<ObjectId> bound_objects(const std::vector<Term>& terms, const ById<ObjectId>& frame);
-
 /// The index of a name, or -1.
 int find(const NameTable& table, std::string_view name);
 

@@ -40,4 +40,10 @@ void AtomTable::grow() {
   for (int atom = 0; atom < size(); ++atom) slots_[slot(predicates_[atom], objects(atom))] = atom;
 }
 
+Objects::Objects(const std::vector<Term>& terms, const Frame& frame) : size_(terms.size()) {
+  if (size_ > kFew) many_.resize(size_);
+  ObjectId* out = size_ > kFew ? many_.data() : few_;
+  for (const Term& term : terms) *out++ = term.in(frame);
+}
+
 }  // namespace cxlab::planner

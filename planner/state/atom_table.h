@@ -1,5 +1,5 @@
 #pragma once
-// Ground atoms and their numbers.
+// Ground atoms and their numbers, and the objects of an atom with variables.
 
 #include <span>
 #include <vector>
@@ -30,6 +30,25 @@ class AtomTable {
   ById<std::size_t> begin_ = {0};
   std::vector<ObjectId> objects_;
   std::vector<int> slots_ = std::vector<int>(64, -1);  ///< open addressing; size is a power of two
+};
+
+/// The objects bound to the slots of an action, rule or goal.
+using Frame = ById<ObjectId>;
+
+/// The objects of terms in a frame, without allocation for the usual few.
+class Objects {
+ public:
+  Objects(const std::vector<Term>& terms, const Frame& frame);
+  const ObjectId* begin() const { return data(); }
+  const ObjectId* end() const { return data() + size_; }
+
+ private:
+  static constexpr std::size_t kFew = 12;
+  const ObjectId* data() const { return size_ <= kFew ? few_ : many_.data(); }
+
+  std::size_t size_;
+  ObjectId few_[kFew];
+  std::vector<ObjectId> many_;
 };
 
 }  // namespace cxlab::planner

@@ -115,10 +115,4 @@ bool apply_changes(const std::vector<Change>& changes, State& state) {
   return true;
 }
 
-Objects::Objects(const std::vector<Term>& terms, const Frame& frame) : size_(terms.size()) {
-  if (size_ > kFew) many_.resize(size_);
-  ObjectId* out = size_ > kFew ? many_.data() : few_;
-  for (const Term& term : terms) *out++ = term.in(frame);
-}
-
 }  // namespace cxlab::planner

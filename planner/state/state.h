@@ -13,9 +13,6 @@
 
 namespace cxlab::planner {
 
-/// The objects bound to the slots of an action, rule or goal.
-using Frame = ById<ObjectId>;
-
 /// Truth of ground atoms and values of ground functions. A value may change linearly with time. Copies are cheap.
 class State {
  public:
@@ -132,21 +129,5 @@ class Evaluator {
 /// Applies changes that were collected in one state: deletes, then adds, then numbers in their order. False if a number
 /// that is changed relatively has no value.
 bool apply_changes(const std::vector<Change>& changes, State& state);
-
-/// The objects of terms in a frame, without allocation for the usual few.
-class Objects {
- public:
-  Objects(const std::vector<Term>& terms, const Frame& frame);
-  const ObjectId* begin() const { return data(); }
-  const ObjectId* end() const { return data() + size_; }
-
- private:
-  static constexpr std::size_t kFew = 12;
-  const ObjectId* data() const { return size_ <= kFew ? few_ : many_.data(); }
-
-  std::size_t size_;
-  ObjectId few_[kFew];
-  std::vector<ObjectId> many_;
-};
 
 }  // namespace cxlab::planner

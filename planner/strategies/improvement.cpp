@@ -31,7 +31,7 @@ Improvement::Improvement(PlanningContext& context)
 
 bool Improvement::of_list(const Sequence& list, std::uint64_t round, std::int64_t most_idle) {
   Budget& budget = context_.budget;
-  LocalSearch local(decoder_, round + 1);
+  LocalSearch local(decoder_, context_.whole.space.simulator, round + 1);
   if (list.empty() || !local.start(list)) return false;
   const auto offer = offer_to(context_, context_.whole);
   const std::int64_t began = budget.units();
@@ -46,7 +46,7 @@ bool Improvement::of_list(const Sequence& list, std::uint64_t round, std::int64_
 
 void Improvement::of_parts(const SplitSpace& cut, const Sequence& list, std::uint64_t round, std::int64_t most_idle) {
   Decoder decoder(cut.split, context_.ground, cut.space.simulator, context_.touches, context_.objective);
-  LocalSearch local(decoder, round + 1);
+  LocalSearch local(decoder, context_.whole.space.simulator, round + 1);
   if (local.start(list)) local.run(context_.budget, most_idle, offer_to(context_, cut));
 }
 

@@ -22,7 +22,7 @@ bool bring_in_time(PlanningContext& context, Sequence list, const Turn& turn) {
     if (!context.best.exists() && context.offer(whole, plan.order)) slice.end();
   };
   for (std::uint64_t round = 0; !context.best.exists() && budget.units() < until && !budget.over(); ++round) {
-    LocalSearch local(decoder, turn.round + round);
+    LocalSearch local(decoder, whole.space.simulator, turn.round + round);
     local.exchange_late_steps();
     if (!local.start(list)) break;
     if (local.best().lateness == 0) in_time(local.best());

@@ -121,7 +121,10 @@ class Begun {
   }
 
  private:
-  std::vector<ObjectId> bound(const std::vector<Term>& terms) const { return bound_objects(terms, frame(coarse_)); }
+  std::vector<ObjectId> bound(const std::vector<Term>& terms) const {
+    const Objects objects(terms, frame(coarse_));
+    return {objects.begin(), objects.end()};
+  }
 
   void give_number(const Expression& part, double value) {
     if (part.kind != Expression::Kind::kFunction) return;
@@ -175,7 +178,7 @@ Condition as_in(const State& state, const Begun& begun) {
   Condition goal;
   for (const Effect& effect : begun.coarse().effects) {
     Condition part;
-    const std::vector<ObjectId> objects = bound_objects(effect.terms, begun.frame(begun.coarse()));
+    const Objects objects(effect.terms, begun.frame(begun.coarse()));
     std::vector<Term> terms;
     for (const ObjectId object : objects) terms.push_back(Term::object(object));
     if (effect.is_numeric()) {
