@@ -176,7 +176,7 @@ void Timeline::clear() {
 void Timeline::take_back_to(std::size_t appends) {
   if (appends == marks_.size()) return;
   const Mark mark = marks_[appends];
-  for (; changes_.size() > mark.changes; changes_.pop_back()) keys_[changes_.back().key] = changes_.back().last;
+  for (; changes_.size() > mark.changes; changes_.pop_back()) *changes_.back().where = changes_.back().was;
   next_event_ = mark.next_event;
   lateness_ = mark.lateness;
   makespan_ = mark.makespan;
@@ -197,11 +197,11 @@ Timeline::Latest Timeline::after(const Last& last, std::uint8_t does) {
   return latest;
 }
 
-void Timeline::note(int key, std::uint8_t does, Micros time) {
-  Last& last = keys_[key];
-  if (lenient_) changes_.push_back({key, last});
+void Timeline::note(Last& last, std::uint8_t does, Micros time) {
   const auto keep = [&](Latest& latest) {
-    if (time > latest.time) latest = {time, appended_};
+    if (time <= latest.time) return;
+    if (lenient_) changes_.push_back({&latest, latest});
+    latest = {time, appended_};
   };
   if (does & Touch::kAnyRead) keep(last.read);
   if (does & Touch::kUp) keep(last.up);
@@ -257,7 +257,7 @@ Micros Timeline::append(int action, Part part, Micros earliest, Micros duration)
       }))
     return kNever;
   all([&](const Touch& touched, std::uint8_t does, Micros later) {
-    note(touched.key, does, time + later);
+    note(keys_[touched.key], does, time + later);
     return true;
   });
   if (part != Part::kStart) makespan_ = std::max(makespan_, time + duration);
@@ -274,7 +274,7 @@ bool Timeline::append_event() {
     if (!lenient_) return false;
     lateness_ += earliest - time;
   }
-  for (const Touch& touched : touches_.of_event(next_event_)) note(touched.key, touched.at_start, time);
+  for (const Touch& touched : touches_.of_event(next_event_)) note(keys_[touched.key], touched.at_start, time);
   ++next_event_;
   ++appended_;
   return true;

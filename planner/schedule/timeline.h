@@ -92,6 +92,8 @@ class Timeline {
   /// `lenient`: what comes too late for an event is accepted and counted, and appends can be taken back.
   explicit Timeline(const Touches& touches, bool lenient = false)
       : touches_(touches), keys_(static_cast<std::size_t>(touches.keys())), lenient_(lenient) {}
+  Timeline(const Timeline&) = delete;
+  Timeline& operator=(const Timeline&) = delete;
 
   void clear();
   /// Appends an action; its start, or kNever if an event that has not been appended forbids it.
@@ -122,8 +124,8 @@ class Timeline {
   };
   /// What an append changed.
   struct Before {
-    int key;
-    Last last;
+    Latest* where;
+    Latest was;
   };
   /// How it stood before an append.
   struct Mark {
@@ -135,7 +137,7 @@ class Timeline {
 
   static Latest after(const Last& last, std::uint8_t does);
   void mark();
-  void note(int key, std::uint8_t does, Micros time);
+  void note(Last& last, std::uint8_t does, Micros time);
   enum class Part { kWhole, kStart, kEnd };
   Micros append(int action, Part part, Micros earliest, Micros duration);
   bool before_events(const Touch& touch, std::uint8_t does, Micros time);
