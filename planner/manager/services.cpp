@@ -120,7 +120,8 @@ struct PddlManager::Services {
 
   // --- Instances
 
-  Expected<std::string> read(const std::string& directory, const std::string& file) {
+  /// The text of a file, rendered where it is a template, and its name for messages.
+  Expected<std::pair<std::string, std::string>> read(const std::string& directory, const std::string& file) {
     namespace fs = std::filesystem;
     fs::path folder = directory, name = file;
     if (manager.options_.resolve && folder.is_relative()) folder = manager.options_.resolve(directory);
@@ -145,8 +146,10 @@ struct PddlManager::Services {
           "' is refused: for rules the manager reads packages, what rules wrote, and files *.pddl only (" +
           kTrustRemedy + ')');
     if (!is_file(folder / name)) return input_error("there is no such file", (folder / name).string());
+    const auto source = below(name.string());
     auto text = templates::render(loader, name.string());
-    if (text) return text;
+    if (text)
+      return std::pair(*std::move(text), (folder / name).string() + (source && is_template(*source) ? kRendered : ""));
     Error error = text.error();
     if (!error.file.empty()) error.file = (folder / error.file).string();
     return error;
@@ -157,15 +160,16 @@ struct PddlManager::Services {
                       &problem_file = q.text("problem_file");
     auto domain_text = read(directory, domain_file);
     if (!domain_text) return domain_text.error();
-    auto domain = parse_domain(*domain_text, domain_file);
+    auto domain = parse_domain(domain_text->first, domain_text->second);
     if (!domain) return domain.error();
     if (problem_file.empty() && original)
       return input_error("unsupported operand type(s) for -: 'method' and 'function'");
-    auto problem_text = problem_file.empty()
-                            ? "(define (problem none) (:domain " + domain->name + ") (:init) (:goal (and)))"
-                            : read(directory, problem_file);
+    auto problem_text =
+        problem_file.empty()
+            ? std::pair("(define (problem none) (:domain " + domain->name + ") (:init) (:goal (and)))", std::string())
+            : read(directory, problem_file);
     if (!problem_text) return problem_text.error();
-    auto problem = parse_problem(*problem_text, problem_file, *domain);
+    auto problem = parse_problem(problem_text->first, problem_text->second, *domain);
     if (!problem) return problem.error();
     return std::make_unique<Instance>(Task{*std::move(domain), *std::move(problem)});
   }

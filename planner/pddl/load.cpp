@@ -14,15 +14,18 @@ namespace {
 Expected<std::pair<std::string, std::string>> read_source(const std::string& file) {
   auto text = read_file(file);
   if (!text) return text.error();
-  const auto has = [&](const char* mark) { return text->find(mark) != std::string::npos; };
-  if (!has("{{") && !has("{%") && !has("{#")) return std::pair(*std::move(text), file);
+  if (!is_template(*text)) return std::pair(*std::move(text), file);
   const std::filesystem::path path = file;
   auto rendered = templates::render_file(path.has_parent_path() ? path.parent_path().string() : ".", path.filename());
   if (!rendered) return rendered.error();
-  return std::pair(*std::move(rendered), file + " (rendered)");
+  return std::pair(*std::move(rendered), file + kRendered);
 }
 
 }  // namespace
+
+bool is_template(std::string_view text) {
+  return text.find("{{") != text.npos || text.find("{%") != text.npos || text.find("{#") != text.npos;
+}
 
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline) {
   const auto domain_text = read_source(domain_file);

@@ -18,8 +18,13 @@ Expected<Domain> parse_domain(std::string_view text, const std::string& file);
 Expected<Problem> parse_problem(std::string_view text, const std::string& file, const Domain& domain,
                                 const Deadline& deadline = {});
 
-/// Reads and parses both files. A file with `{{`, `{%` or `{#` is a template: it is rendered first, with its folder as
-/// the place of all that it names, and errors then count the lines of what came out, as `FILE (rendered)`.
+/// Whether a text has `{{`, `{%` or `{#`.
+bool is_template(std::string_view text);
+/// Behind the name of a file in errors that count the lines of what came out of a template.
+inline constexpr const char* kRendered = " (rendered)";
+
+/// Reads and parses both files. A template is rendered first, with its folder as the place of all that it names, and
+/// errors then count the lines of what came out, as `FILE (rendered)`.
 Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file,
                          const Deadline& deadline = {});
 

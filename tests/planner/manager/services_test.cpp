@@ -80,7 +80,13 @@ TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
       << "(define (domain d)\n (:predicates (p))\n (:action a :precondition (q) :effect (p)))";
   EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance",
                        "{name: y, directory: \"" + folder_.string() + "\", domain_file: d.pddl}"),
-              HasSubstr("d.pddl:3:"));
+              ::testing::StartsWith((folder_ / "d.pddl").string() + ":3: "));
+  std::ofstream(folder_ / "t.pddl")
+      << "{% if true %}\n(define (domain d)\n (:predicates (p))\n (:action a :paramters ()))"
+         "{% endif %}";
+  EXPECT_THAT(error_of("add_pddl_instance", "AddPddlInstance",
+                       "{name: y, directory: \"" + folder_.string() + "\", domain_file: t.pddl}"),
+              ::testing::StartsWith((folder_ / "t.pddl").string() + " (rendered):4: "));
 }
 
 TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
