@@ -44,6 +44,9 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   const auto note = [&](const Status& s) {
     if (!s && !failure) failure = s.error();
   };
+  if (scenario_.stop_on_rule_error)
+    for (auto& agent : agents_)
+      if (agent->gave_up()) note(*agent->gave_up());
   for (auto& agent : agents_) note(agent->deactivate());
   const bool stopped = failure && failure->code == kStoppedCode;  // amid a tick: its inputs are not whole
   if (!stopped) note(write_out());

@@ -17,7 +17,7 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
                 const bool of_rules = logical_name != "stderr";
                 write_line({now(), level, name_in_log(), text, colour, of_rules}, LogLevel::kInfo);
                 if (level == LogLevel::kError && of_rules && options_.printed_errors)
-                  options_.printed_errors->add(name_in_log(), text);
+                  options_.printed_errors->add(now(), name_in_log(), text);
                 if (options_.topic_logging) options_.publish_line(name(), logical_name, text);
               }) {}
 

@@ -298,7 +298,10 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
     if (!engine.watch(lower(item))) return parameters_.error_at(name + ".watch", "Unknown watch item: " + item);
   if (Status s = engine.add_function({"cx-shutdown", "v", 0, 0, "", FunctionKind::kActing, options_.node,
                                       "Ends the executive at the end of this tick, through deactivation."},
-                                     [this](Call&) { shutdown_ = true; });
+                                     [this](Call&) {
+                                       shutdown_ = true;
+                                       if (!gave_up_) gave_up_ = printed_errors_.last(bus_.now());
+                                     });
       !s)
     return s.error();
   log(LogLevel::kInfo, options_.node, "Initialized new CLIPS environment: " + name);

@@ -78,6 +78,8 @@ class EnvironmentManager final : public Agent {
   SimTime next_due() const override;
   /// Rules called (cx-shutdown) or (exit).
   bool shutdown_requested() const;
+  /// They called (cx-shutdown) in the tick in which they had printed an error, which is the reason.
+  const std::optional<Error>& gave_up() const { return gave_up_; }
 
   // --- What others ask of the node at run time. The error's message is the answer that CX gives; the log says more.
   /// Environment and plugins as its parameters say; no reset and no run. "Enviroment X already exists!"
@@ -200,6 +202,7 @@ class EnvironmentManager final : public Agent {
   std::unique_ptr<Bond> bond_;  // may be none
   Status failure_;              // of something that was asked for, that must end the run
   bool shutdown_ = false;
+  std::optional<Error> gave_up_;
   bool deterministic_ = true;
 };
 

@@ -15,8 +15,10 @@ std::string shortened(std::string_view line, std::size_t most) {
 
 }  // namespace
 
-void PrintedErrors::add(std::string environment, std::string_view text) {
+void PrintedErrors::add(SimTime at, std::string environment, std::string_view text) {
   Line line{std::move(environment), shortened(text, kLongest)};
+  last_ = line;
+  last_at_ = at;
   if (std::ranges::find(kept_, line) != kept_.end()) return;
   if (kept_.size() < kMost)
     kept_.push_back(std::move(line));
@@ -30,6 +32,11 @@ std::vector<Error> PrintedErrors::warnings() const {
     out.push_back(run_error("environment '" + environment + "' printed as error: " + text));
   if (others_ > 0) out.push_back(run_error(std::to_string(others_) + " more lines were printed as error, in the log"));
   return out;
+}
+
+std::optional<Error> PrintedErrors::last(SimTime at) const {
+  if (at != last_at_) return std::nullopt;
+  return run_error("environment '" + last_.first + "' gives up: " + last_.second).with_code("gave_up");
 }
 
 }  // namespace cxlab::cx

@@ -133,6 +133,14 @@ class Ends(Lab):
         self.assertEqual(self.run_it("--force").returncode, 0)
         self.assertEqual((self.status(), self.result()["sim_time_s"]), ("completed", 2))
 
+    def test_rules_give_up(self):
+        self.agent('(defrule t (time ?t&:(> ?t 1)) => (printout error "a file is missing" crlf) (cx-shutdown))')
+        self.fails(4, "error: environment 'main' gives up: a file is missing")
+        self.assertEqual((self.status(), self.result()["reason"]["code"], self.result()["sim_time_s"]), ("failed", "gave_up", 1.1))
+        self.write("scenario.yaml", SCENARIO + "on_rule_error: continue\n")
+        self.assertEqual(self.run_it("--force").returncode, 0)
+        self.assertEqual(self.status(), "stopped")
+
     def test_expectations(self):
         self.write("scenario.yaml", GAME + "expect:\n  - {path: teams.CYAN.points, min: 0}\n  - {path: status, equals: completed}\n")
         self.assertEqual(self.run_it().returncode, 0)

@@ -176,6 +176,30 @@ TEST(Deactivation, ARuleMayAskForIt) {
   EXPECT_TRUE(lab.manager->shutdown_requested());
 }
 
+TEST(Deactivation, RulesGiveUpThatPrintAnErrorAndAskForIt) {
+  Lab lab;
+  lab.agent(
+      "(defrule odd (time 0.0) => (printout error \"odd\" crlf))\n"
+      "(defrule stop (time ?t&:(> ?t 0.15)) => (printout error \"no way\" crlf) (cx-shutdown))");
+  lab.run_up();
+  lab.ticks(10);
+  EXPECT_FALSE(lab.manager->gave_up());
+  lab.ticks(1);
+  ASSERT_TRUE(lab.manager->gave_up());
+  EXPECT_EQ(lab.manager->gave_up()->text(), "environment 'main' gives up: no way");
+}
+
+TEST(Deactivation, AnErrorPrintedBeforeIsNoReasonForIt) {
+  Lab lab;
+  lab.agent(
+      "(defrule odd (time 0.0) => (printout error \"odd\" crlf))\n"
+      "(defrule stop (time ?t&:(> ?t 0.15)) => (cx-shutdown))");
+  lab.run_up();
+  lab.ticks(11);
+  EXPECT_TRUE(lab.manager->shutdown_requested());
+  EXPECT_FALSE(lab.manager->gave_up());
+}
+
 TEST(RuleErrors, StopTheRunWithRuleFileLineAndSide) {
   Lab lab;
   lab.agent("(defrule bad\n  (time ?t)\n  =>\n  (println (/ 1 0)))\n");

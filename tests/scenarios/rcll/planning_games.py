@@ -7,6 +7,7 @@ would do otherwise, and that a run comes again.
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -91,6 +92,23 @@ class PlanningGames(unittest.TestCase):
                      "--set", f"agents[0].params={{{parameters}}}")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return json.loads((out / "result.json").read_text())
+
+    def test_an_agent_that_cannot_plan_gives_up(self):
+        self.assertIn("error: environment 'agent' gives up: nothing can be planned: no PDDL manager answers at /pddl_manager",
+                      self.given_up(SCENARIO, "--set", "servers=[]"))
+        rcll = pathlib.Path(SCENARIO).parent
+        shutil.copytree(rcll, self.folder / "rcll")
+        mine = self.folder / "rcll" / "planning.yaml"
+        domain = self.folder / "rcll" / "planning_agent" / "pddl" / "coarse.pddl"
+        domain.write_text(domain.read_text().replace(":parameters", ":paramters", 1))
+        self.assertRegex(self.given_up(mine), rf"gives up: nothing can be planned: the PDDL manager cannot load \w+: {domain.parent}/.*:\d+: found :paramters")
+        domain.unlink()
+        self.assertIn("gives up: nothing can be planned: the PDDL manager cannot load", self.given_up(mine))
+
+    def given_up(self, scenario, *arguments):
+        done = cxlab("run", scenario, "--tier", "timed", "--quiet", "--out", "none", *arguments)
+        self.assertEqual(done.returncode, 4, done.stderr)
+        return done.stderr
 
     def test_numbers_out_of_range_are_told(self):
         for parameter, found, expected in (("products", "0", "a whole number of at least 1; taken: 3"),

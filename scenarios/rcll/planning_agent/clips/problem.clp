@@ -2,35 +2,40 @@
 
 (defglobal
   ?*WINDOW-LEAD* = 45.0  ; so long before its window a product is fetched for its delivery, s
-  ?*LOADING* = 10.0)     ; s of production in which the PDDL manager should have answered
+  ?*LOADING* = 10.0      ; s in which the PDDL manager should have answered
+  ?*ASKED-AT* = 0.0)     ; when it was asked, s
 
 (defrule problem-load
   "Both instances, and the coarse actions alone, for their names; by the folder of this package."
   (pddl-manager)
   (not (pddl-instance))
   =>
+  (bind ?*ASKED-AT* (now))
   (bind ?folder (str-cat (ament-index-get-package-share-directory "rcll_planning_agent") "/pddl"))
   (assert (pddl-instance (name production) (domain "production.pddl") (problem "problem.pddl") (directory ?folder))
           (pddl-instance (name planning) (domain "planning.pddl") (problem "planning_problem.pddl") (directory ?folder))
           (pddl-instance (name coarse) (domain "coarse.pddl") (directory ?folder))
           (pddl-action-names (instance coarse))))
 
+(deffunction give-up (?why)
+  "Without plans there is nothing to do: the run ends."
+  (printout error "nothing can be planned: " ?why crlf)
+  (cx-shutdown))
+
 (defrule problem-no-manager
-  "Without it nothing is planned."
   (pddl-manager (node ?node))
   (pddl-instance (name production) (state ~LOADED&~ERROR))
-  (game (phase PRODUCTION) (begin ?zero))
   (not (no-manager))
-  (time ?now&:(> ?now (+ ?zero ?*LOADING*)))
+  (time ?now&:(> ?now (+ ?*ASKED-AT* ?*LOADING*)))
   =>
   (assert (no-manager))
-  (printout error "nothing can be planned: no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)" crlf))
+  (give-up (str-cat "no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)")))
 
 (defrule problem-not-loaded
   "It answers that there is an error in our domain or problem."
-  (pddl-instance (name ?instance&production|planning) (state ERROR) (error ?why))
+  (pddl-instance (name ?instance) (state ERROR) (error ?why))
   =>
-  (printout error "nothing can be planned: the PDDL manager cannot load " ?instance ": " ?why crlf))
+  (give-up (str-cat "the PDDL manager cannot load " ?instance ": " ?why)))
 
 (defrule problem-loaded
   "The fact of the instance changes with all that it is asked; this one does not."
