@@ -15,7 +15,7 @@
 
 namespace cxlab::app {
 
-inline constexpr std::string_view kRed = "1;31";
+inline constexpr std::string_view kRed = "1;31", kYellow = "33";
 
 /// From here on SIGINT and SIGTERM end the process with their exit code and a line on stderr.
 void end_at_signals();

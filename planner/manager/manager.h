@@ -72,6 +72,8 @@ class PddlManager : public Server {
   /// Plans that were found; of these, those for a goal instance that had had one before.
   int plans() const { return plans_; }
   int replans() const { return replans_; }
+  /// Plans were asked for and none was found: how often, by status, and the remedy. Empty: there is nothing to say.
+  std::string without_plans() const;
 
  private:
   using Goals = std::set<std::string>;  ///< what a goal asks for, as texts
@@ -153,6 +155,7 @@ class PddlManager : public Server {
   std::vector<Job> jobs_;  // in the order in which they were asked for
   Status failure_;         // ends the run
   int plans_ = 0, replans_ = 0;
+  std::map<std::string, int> others_;                      // answers without a plan, by status
   std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
   RecordData data_;
 };

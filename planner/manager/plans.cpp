@@ -199,6 +199,8 @@ void PddlManager::finish(const Job& job) {
     if (const auto entry = instances_.find(reported.text("pddl_instance")); entry != instances_.end())
       entry->second.plans[reported.text("goal_instance")] = {job.wanted, job.result, plans_};
     if (!planned_.emplace(reported.text("pddl_instance"), reported.text("goal_instance")).second) ++replans_;
+  } else {
+    ++others_[reported.text("status")];
   }
   data_.begin()
       .field("op", "plan")
@@ -217,6 +219,21 @@ void PddlManager::finish(const Job& job) {
         whose + reported.text("status") + ", " + reported.text("reason"));
   bus_.publish(reports_.endpoint, job.report);
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
+}
+
+std::string PddlManager::without_plans() const {
+  int requests = 0;
+  std::string statuses;
+  for (const auto& [status, times] : others_) {
+    requests += times;
+    statuses += (statuses.empty() ? "" : ", ") + status + ' ' + std::to_string(times);
+  }
+  if (plans_ > 0 || requests == 0) return {};
+  return options_.node.full_name() + ": no plan was found in " + std::to_string(requests) + " requests (" + statuses +
+         ')' +
+         (others_.contains("TIMEOUT")
+              ? "; a larger planner.budget than " + std::to_string(options_.cost.budget) + " gives more time"
+              : "");
 }
 
 void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {

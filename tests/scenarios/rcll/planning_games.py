@@ -110,6 +110,14 @@ class PlanningGames(unittest.TestCase):
         self.assertEqual(done.returncode, 4, done.stderr)
         return done.stderr
 
+    def test_games_without_a_plan_have_a_warning(self):
+        out = self.folder / "out"
+        done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 300, "--set", "planner.budget=10", "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        warnings = json.loads((out / "result.json").read_text())["warnings"]
+        self.assertRegex("\n".join(warnings), r"^/pddl_manager: no plan was found in \d+ requests \(TIMEOUT \d+\); a larger planner.budget than 10 gives more time$")
+        self.assertIn("warning: " + warnings[0], done.stderr)
+
     def test_numbers_out_of_range_are_told(self):
         for parameter, found, expected in (("products", "0", "a whole number of at least 1; taken: 3"),
                                            ("alternatives", "-1", "a whole number of at least 1; taken: 3"),
