@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace cxlab::lab {
 
@@ -28,6 +29,29 @@ Json json(const Summary& s) {
           {"interval_95", std::isnan(s.half) ? Json() : Json(s.half)},
           {"min", s.min},
           {"max", s.max}};
+}
+
+void add_errors(const Row& row, TableLine& line) {
+  for (const std::string& text : std::set<std::string>(row.errors.begin(), row.errors.end())) {
+    const auto known = std::ranges::find(line.errors, text, [](const auto& error) { return error.first; });
+    if (known == line.errors.end())
+      line.errors.emplace_back(text, 1);
+    else
+      ++known->second;
+  }
+}
+
+/// Errors and warnings, a line each.
+std::string errors_text(const TableLine& line) {
+  constexpr std::size_t kMost = 5;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(kMost, line.errors.size()); ++i)
+    out += line.scenario + ", " + line.strategy + ", " + std::to_string(line.errors[i].second) + " of " +
+           std::to_string(line.episodes) + " episodes: " + line.errors[i].first + '\n';
+  if (line.errors.size() > kMost)
+    out += line.scenario + ", " + line.strategy + ": " + std::to_string(line.errors.size() - kMost) +
+           " more, in rows/*.json\n";
+  return out;
 }
 
 /// Column `figure` of the rows.
@@ -77,12 +101,13 @@ std::vector<TableLine> table_of(const std::vector<Row>& rows) {
     const bool first =
         std::none_of(out.begin(), line, [&](const TableLine& l) { return l.scenario == row.cell.scenario; });
     if (line == out.end()) {
-      line = out.insert(out.end(), TableLine{row.cell.scenario, row.cell.strategy, 0, {}, {}, {}, {}, {}});
+      line = out.insert(out.end(), TableLine{row.cell.scenario, row.cell.strategy, 0, {}, {}, {}, {}, {}, {}});
       counted.emplace_back();
       differences.emplace_back();
     }
     const auto at = static_cast<std::size_t>(line - out.begin());
     ++line->episodes;
+    add_errors(row, *line);
     if (!row.counts()) continue;
     counted[at].push_back(&row);
     auto& points = firsts[row.cell.scenario];
@@ -98,6 +123,7 @@ std::vector<TableLine> table_of(const std::vector<Row>& rows) {
     out[i].busy = summary_of(counted[i], &Figures::busy);
     out[i].real_time_factor = summary_of(counted[i], &Figures::real_time_factor);
     out[i].against_first = summarize(differences[i]);
+    std::ranges::stable_sort(out[i].errors, std::ranges::greater(), [](const auto& error) { return error.second; });
   }
   return out;
 }
@@ -115,12 +141,16 @@ std::string to_text(const std::vector<TableLine>& table) {
                   text(l.real_time_factor, "%.0f", "%.0f").c_str(), text(l.against_first, "%+.1f", "%.1f").c_str());
     out += line;
   }
-  return out;
+  std::string errors;
+  for (const TableLine& l : table) errors += errors_text(l);
+  return errors.empty() ? out : out + "\nerrors and warnings:\n" + errors + '\n';
 }
 
 std::string to_json(const std::vector<TableLine>& table) {
   Json out = Json::array();
-  for (const TableLine& l : table)
+  for (const TableLine& l : table) {
+    Json errors = Json::array();
+    for (const auto& [text, episodes] : l.errors) errors.push_back({{"text", text}, {"episodes", episodes}});
     out.push_back({{"scenario", l.scenario},
                    {"strategy", l.strategy},
                    {"episodes", l.episodes},
@@ -128,7 +158,9 @@ std::string to_json(const std::vector<TableLine>& table) {
                    {"deliveries", json(l.deliveries)},
                    {"busy", json(l.busy)},
                    {"real_time_factor", json(l.real_time_factor)},
-                   {"points_against_first", json(l.against_first)}});
+                   {"points_against_first", json(l.against_first)},
+                   {"errors", std::move(errors)}});
+  }
   return json_text(out, 2) + '\n';
 }
 

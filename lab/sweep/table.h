@@ -2,6 +2,7 @@
 // Rows of a sweep compared: mean and 95 % interval of each strategy, and the paired difference from the first one.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lab/sweep/row.h"
@@ -25,10 +26,13 @@ struct TableLine {
   Summary points, deliveries, busy, real_time_factor;
   Summary against_first;  ///< points minus those of the first strategy with the same game and seed; of others than the
                           ///< first
+  std::vector<std::pair<std::string, std::size_t>> errors;  ///< errors and warnings of its episodes, the most frequent
+                                                            ///< first, and in how many episodes each is
 };
 /// In the order in which scenarios and strategies come in the rows.
 std::vector<TableLine> table_of(const std::vector<Row>& rows);
 
+/// The lines, and below them the errors and warnings of each.
 std::string to_text(const std::vector<TableLine>& table);
 std::string to_json(const std::vector<TableLine>& table);
 

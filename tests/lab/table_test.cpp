@@ -96,6 +96,25 @@ TEST(TableText, ShowsAStrategyOnALine) {
   EXPECT_THAT(text, HasSubstr("-10.0"));
 }
 
+TEST(TableText, SaysBelowTheTableWhatEpisodesHaveToSay) {
+  Row misspelt = row("misspelt", 1, 100), again = row("misspelt", 2, 90), other = row("misspelt", 3, 95);
+  misspelt.errors = {"found 'x'", "found 'y'"};
+  again.errors = {"found 'x'", "found 'x'"};
+  const auto table = table_of({row("first", 1, 100), misspelt, again, other});
+  EXPECT_THAT(to_text(table), testing::EndsWith("\nerrors and warnings:\n"
+                                                "game, misspelt, 2 of 3 episodes: found 'x'\n"
+                                                "game, misspelt, 1 of 3 episodes: found 'y'\n\n"));
+  EXPECT_THAT(to_json(table), HasSubstr("\"text\": \"found 'x'\",\n        \"episodes\": 2"));
+  EXPECT_THAT(to_text(table_of({row("first", 1, 100)})), testing::Not(HasSubstr("errors")));
+}
+
+TEST(TableText, NamesTheFirstOfManyErrors) {
+  Row bad = row("bad", 1, 100);
+  for (char c = 'a'; c < 'h'; ++c) bad.errors.emplace_back(1, c);
+  EXPECT_THAT(to_text(table_of({bad})),
+              HasSubstr("game, bad, 1 of 1 episodes: e\ngame, bad: 2 more, in rows/*.json\n"));
+}
+
 TEST(TableJson, WritesAMissingIntervalAsNull) {
   EXPECT_THAT(to_json(table_of({row("first", 1, 100)})), HasSubstr("\"interval_95\": null"));
 }
