@@ -52,19 +52,22 @@ Outcome play(const PlayCommand& command, Scenario scenario) {
 
 namespace {
 
-/// The errors of rules that only the log has, of a run that went on.
-void print_rule_errors(const lab::Played& played) {
+/// The errors of rules, in their order. Whether what the run failed of is one of them.
+bool print_rule_errors(const lab::Played& played) {
   constexpr std::size_t kMost = 20;
   std::size_t printed = 0;
+  bool failure_printed = false;
   for (const RuleErrorResult& e : played.result.rule_errors) {
     if (e.side == "load") continue;
     if (++printed > kMost) continue;
     const std::string what = (e.side == "callback" ? "" : "rule ") + e.rule + ", " + e.side + ": " + e.message;
     const Error error = Error{ErrorKind::kRun, what, e.file, e.line, "rule_error"};
-    if (!played.failure || played.failure->text() != error.text()) (void)fail(error);
+    failure_printed = failure_printed || (played.failure && played.failure->text() == error.text());
+    (void)fail(error);
   }
   if (printed > kMost)
     std::fprintf(stderr, "%s %zu more, in result.json\n", coloured("errors:", kRed).c_str(), printed - kMost);
+  return failure_printed;
 }
 
 std::string what_there_is(const lab::Played& played) {
@@ -78,12 +81,12 @@ std::string what_there_is(const lab::Played& played) {
 
 int conclude(const lab::Played& played, const Console& console) {
   const Status page = lab::write_report(played);
-  if (console.quiet()) print_rule_errors(played);
+  const bool failure_printed = console.quiet() && print_rule_errors(played);
   std::size_t shown = 0;  // of files that could not be loaded, while the run went on
   for (const Error& error : played.errors)
     if (error.kind == ErrorKind::kInput && console.has_shown(error.text()))
       ++shown;
-    else
+    else if (!failure_printed || error.text() != played.failure->text())
       (void)fail(error);
   if (shown > 0) std::fprintf(stderr, "%s %zu, reported in the log above\n", coloured("errors:", kRed).c_str(), shown);
   if (played.failure) return static_cast<int>(played.failure->kind);

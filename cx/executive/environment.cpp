@@ -178,7 +178,8 @@ Value Environment::look(std::string_view function, const std::function<Value()>&
 }
 
 void Environment::log(LogLevel level, std::string_view logger, std::string_view text) {
-  write_line({now(), level, options_.logger_names.in_log(logger), text, {}}, level);
+  const bool of_rules = RuleEngine::at_work() != nullptr;  // a function that they call has logged it
+  write_line({now(), level, options_.logger_names.in_log(logger), text, {}, of_rules}, level);
 }
 
 void Environment::write_line(LogLine line, LogLevel level_in_file) {

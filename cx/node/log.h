@@ -19,7 +19,7 @@ struct LogLine {
   std::string_view logger;  ///< environment, plugin instance or node
   std::string_view text;
   std::string_view colour;  ///< ANSI sequence for terminals, empty = none; the reset is "\033[0m"
-  bool of_rules = false;    ///< printed by rules, and not as "stderr", where CLIPS prints, too
+  bool of_rules = false;    ///< of a function that rules call, or printed by them, but not as "stderr", as CLIPS does
 };
 
 /// Takes the lines. The program prints them; log files take those of their environment.

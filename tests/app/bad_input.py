@@ -237,6 +237,18 @@ class Rules(Lab):
 """, "rules.clp:6", "rule a, LHS", side="LHS", rule="a")
         self.assertEqual(error["tick"], 25, "0.5 s of ticks of 20 ms")
 
+    def test_what_comes_first_is_shown_first(self):
+        self.agent("(defrule first (time ?t&:(> (/ 1 0) 2)) =>)\n(defrule second (time ?t) => (div 1 0))")
+        said = self.fails(4, "rules.clp:1: rule first, LHS: ", "rules.clp:2: rule second, RHS: ").stderr
+        self.assertLess(said.index("rule first"), said.index("rule second"))
+        self.assertEqual(said.count("rule first"), 1)
+
+    def test_what_a_function_of_a_plugin_reports_is_shown_before_what_comes_of_it(self):
+        self.agent('(defrule r (time ?t) => (load* (str-cat (ament-index-get-package-share-directory "nowhere") "/x.clp")) (div 1 0))')
+        self.write("agent.yaml", CONFIG.replace('"files"]', '"index", "files"]') + '    index: {plugin: "cx::AmentIndexPlugin"}\n')
+        said = self.fails(4, "package 'nowhere' not found; say where it is", "divide by zero").stderr
+        self.assertLess(said.index("nowhere"), said.index("divide by zero"))
+
     def test_in_a_deffunction_the_rule_and_its_call_are_reported(self):
         self.rule_fails(4, "(deffunction f (?x)\n  (/ 1 ?x))\n(deffunction g (?x) (f ?x))\n(defrule a\n (go)\n =>\n (g 0))\n",
                         "rules.clp:9", side="RHS", rule="a")
