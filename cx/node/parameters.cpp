@@ -200,7 +200,13 @@ std::vector<Error> Parameters::in_vain() const {
   for (const auto& [name, value] : values_) {
     if (!value.given || value.asked_for) continue;
     std::vector<std::string> others = names();
-    std::erase(others, name);
+    std::erase_if(others, [&word = name](const std::string& other) {
+      // Of names in the same group, what is behind the group counts.
+      std::size_t group = 0;
+      for (std::size_t i = 0; i < std::min(word.size(), other.size()) && word[i] == other[i]; ++i)
+        if (word[i] == '.') group = i + 1;
+      return word == other || nearest_word(word.substr(group), {other.substr(group)}).empty();
+    });
     out.push_back(input_error("parameter '" + name + "' was set and nobody asked for it" + did_you_mean(name, others),
                               value.file, value.line));
   }

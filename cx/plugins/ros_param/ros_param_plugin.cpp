@@ -65,7 +65,8 @@ Expected<Value> value_of(const Parameter& p, Type type) {
     if (type == Type::kDouble && std::abs(number) < 0x1p63 && static_cast<std::int64_t>(number) == integer)
       return Value::number(number);
   } else if (p.type == Type::kDouble) {
-    const double number = read_number<double>(p.text).value_or(0);
+    const double number = read_number<double>(p.text).value_or(NAN);
+    if (!std::isfinite(number)) return input_error("found '" + p.text + "', expected a finite number");
     if (type == Type::kDouble) return Value::number(number);
     if (type == Type::kInteger && std::abs(number) <= 0x1p53 && std::trunc(number) == number)
       return Value::integer(static_cast<std::int64_t>(number));
@@ -75,6 +76,12 @@ Expected<Value> value_of(const Parameter& p, Type type) {
   return input_error("found " + (p.text.empty() ? std::string() : "'" + p.text + "' (") +
                      std::string(to_string(p.type)) + (p.text.empty() ? "" : ")") + ", the default wants " +
                      std::string(to_string(type)));
+}
+
+/// Where the value is from, behind what is wrong with it: " (game.yaml:7)". Empty where rules have set it.
+std::string place_of(const Parameter& p) {
+  if (p.at_run_time || p.file.empty()) return {};
+  return " (" + p.file + (p.line > 0 ? ':' + std::to_string(p.line) : "") + ')';
 }
 
 /// Parameters of the manager node, as rules ask for them.
@@ -126,13 +133,13 @@ class RosParamPlugin final : public Plugin {
     const bool is_list = known->type == Type::kList;
     if (is_list != wanted->is_list)
       return input_error("found " + std::string(to_string(known->type)) + ", the default wants " +
-                         (wanted->is_list ? "a list" : std::string(to_string(wanted->type))));
+                         (wanted->is_list ? "a list" : std::string(to_string(wanted->type))) + place_of(*known));
     std::vector<Value> out;
     const std::span<const Parameter> items =
         is_list ? std::span<const Parameter>(known->items) : std::span<const Parameter>(known, 1);
     for (const Parameter& item : items) {
       auto value = value_of(item, wanted->type);
-      if (!value) return value.error();
+      if (!value) return input_error(value.error().message + place_of(*known));
       out.push_back(*std::move(value));
     }
     return out;

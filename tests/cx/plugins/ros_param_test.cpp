@@ -15,7 +15,7 @@ class RosParam : public ::testing::Test {
 main: {plugins: ["executive", "params"]}
 executive: {plugin: "cx::ExecutivePlugin"}
 params: {plugin: "cx::RosParamPlugin", gain: 2.5}
-goal: {x: 3, name: "home", active: true, precise: 1.0, exact: 1.5, big: 9007199254740993}
+goal: {x: 3, name: "home", active: true, precise: 1.0, exact: 1.5, none: .nan, big: 9007199254740993}
 lists: {ids: [1, 2], names: ["a", "b"], gains: [1.5, 2.0], flags: [true, false], none: []}
 quoted: "7"
 empty: ""
@@ -72,7 +72,10 @@ TEST_F(RosParam, NumbersAreConvertedWhereThatIsExact) {
   EXPECT_EQ(get("goal.precise", "0"), "1");
   EXPECT_EQ(failure("goal.exact", "0"),
             "error main: [CXLAB1] Function 'ros-param-get-value': parameter 'goal.exact': found '1.5' (a double), the "
-            "default wants an integer");
+            "default wants an integer (" +
+                lab_.options.config.string() + ":7)");
+  EXPECT_THAT(failure("goal.none", "0.0"),
+              HasSubstr("found 'nan', expected a finite number (" + lab_.options.config.string() + ":7)"));
   EXPECT_THAT(failure("goal.big", "0.0"),
               HasSubstr("found '9007199254740993' (an integer), the default wants a double"));
 }
