@@ -156,8 +156,12 @@ Status Episode::build_stage() {
   for (const fs::path& file : stage_->files)
     if (Status s = files_->keep("models/" + file.filename().string(), file); !s) return s;
   const std::size_t of_the_world = stage_->servers.size();
-  for (const ServerSpec& server : scenario_.servers)
+  for (const ServerSpec& server : scenario_.servers) {
     if (Status s = server.kind->add(server, setup, *stage_); !s) return at(server.origin, s.error());
+    const std::vector<std::string> names = bus_->nodes();
+    if (const auto twice = std::ranges::adjacent_find(names); twice != names.end())
+      return input_error("found a second node '" + *twice + "', expected another `name` or `namespace`", server.origin);
+  }
   if (WallMeter* meter = options_.meters.physics)
     for (auto& moving : stage_->worlds) moving = std::make_unique<MeasuredWorld>(std::move(moving), *meter);
   if (WallMeter* meter = options_.meters.nodes)

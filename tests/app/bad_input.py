@@ -36,6 +36,10 @@ class Scenarios(Lab):
         self.scenario_fails(GAME.replace("production_s: 20", "layout: [{machine: C-XS, zone: C_Z23}]"),
                             "scenario.yaml:2: world.layout[0].machine: no machine 'C-XS', did you mean 'C-BS'?")
 
+    def test_a_node_of_a_name_that_is_there(self):
+        self.scenario_fails(GAME + "servers:\n  - pddl_manager\n  - {node: pddl_manager, namespace: /}\n",
+                            "scenario.yaml:6: found a second node '/pddl_manager', expected another `name` or `namespace`")
+
     def test_goals_with_a_machine_that_does_not_exist_are_aborted(self):
         self.write("scenario.yaml", GAME + """stimuli:
   - {at: 1, send_goal: /robot1/drive_to, type: cxlab_skills/action/DriveTo, goal: {target: C-XS-OUTPUT}}
