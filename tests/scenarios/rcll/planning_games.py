@@ -53,13 +53,13 @@ class PlanningGames(unittest.TestCase):
         self.assertEqual(hashes[0], hashes[1])
 
     def test_a_strategy_that_nobody_knows_is_told(self):
-        for parameter, known in {"dispatch": '"greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
+        for parameter, known in {"dispatch": '"greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
                                  "robot": '"nearest" "rested" "both"'}.items():
             said = self.said_with(f"clips_manager.strategy.{parameter}: other")
             self.assertIn(f"strategy.{parameter}: found 'other', expected one of: {known}", said)
 
     def test_lookahead_takes_a_number_of_groups(self):
-        for found in ("lookahead", "lookahead:-1", "lookahead:1.5", '"lookahead:"', '"lookahead:1 2"', "lookahead:all"):
+        for found in ("lookahead", "lookahead:-1", "lookahead:1.5", '"lookahead:"', '"lookahead:1 2"', "lookahead:all", "lookahead:N"):
             said = self.said_with(f"clips_manager.strategy.dispatch: {found}")
             self.assertIn("strategy.dispatch: found '" + found.strip('"') + "', expected one of: ", said)
         for right in ("lookahead:0", "lookahead:12", "lookahead:unlimited"):
@@ -94,7 +94,7 @@ class PlanningGames(unittest.TestCase):
         return json.loads((out / "result.json").read_text())
 
     def test_an_agent_that_cannot_plan_gives_up(self):
-        self.assertIn("error: environment 'agent' gives up: nothing can be planned: no PDDL manager answers at /pddl_manager",
+        self.assertIn("error: environment 'agent' gives up: nothing can be planned: no PDDL manager answers at '/pddl_manager' (",
                       self.given_up(SCENARIO, "--set", "servers=[]"))
         rcll = pathlib.Path(SCENARIO).parent
         shutil.copytree(rcll, self.folder / "rcll")
@@ -130,6 +130,15 @@ class PlanningGames(unittest.TestCase):
                                        ("sub_actions", "3", 4), ("dispatch", "5", 3)):
             said = self.said_with(f"clips_manager.strategy.{parameter}: {found}", code)
             self.assertIn(f"parameter 'strategy.{parameter}': found ", said)
+            self.assertIn(f" (--set agents[0].params={{clips_manager.strategy.{parameter}: {found}}})", said)
+
+    def test_a_number_without_a_value_ends_the_run(self):
+        for found in (".nan", ".inf"):
+            self.assertIn("parameter 'strategy.patience': found ", self.said_with(f"clips_manager.strategy.patience: {found}", 4))
+
+    def test_a_parameter_that_a_strategy_does_not_have_is_told_without_a_hint(self):
+        said = self.result_of(SCENARIO, {"dispatch": "greedy", "products": 2})["warnings"]
+        self.assertRegex(said[0], "parameter 'strategy.products' was set and nobody asked for it$")
 
     def said_with(self, parameters, code=0):
         done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--quiet", "--out", "none",

@@ -29,7 +29,7 @@
   (time ?now&:(> ?now (+ ?*ASKED-AT* ?*LOADING*)))
   =>
   (assert (no-manager))
-  (give-up (str-cat "no PDDL manager answers at " ?node " (servers of the scenario, planner.node of the agent)")))
+  (give-up (str-cat "no PDDL manager answers at '" ?node "' (servers of the scenario, planner.node of the agent)")))
 
 (defrule problem-not-loaded
   "It answers that there is an error in our domain or problem."

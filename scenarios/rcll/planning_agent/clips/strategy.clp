@@ -21,7 +21,7 @@
 (deffunction dispatch-file ()
   (if (groups-ahead (ros-param-get-value "strategy.dispatch" "partial-order"))
    then groups
-   else (sym-cat (one-of "strategy.dispatch" "partial-order" "greedy" "groups" "lookahead:1" "lookahead:unlimited" "partial-order" "stn"))))
+   else (sym-cat (one-of "strategy.dispatch" "partial-order" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"))))
 
 (deffunction load-strategy (?file)
   (if (eq ?file greedy)
