@@ -224,7 +224,9 @@ void PddlManager::finish(const Job& job) {
 std::string PddlManager::without_plans() const {
   int requests = 0;
   std::string statuses;
-  for (const auto& [status, times] : others_) {
+  auto answers = others_;
+  if (!jobs_.empty()) answers["not answered yet"] = static_cast<int>(jobs_.size());
+  for (const auto& [status, times] : answers) {
     requests += times;
     statuses += (statuses.empty() ? "" : ", ") + status + ' ' + std::to_string(times);
   }
