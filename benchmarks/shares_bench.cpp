@@ -2,7 +2,7 @@
 // planner), rules (what they perceive becomes facts, they fire), and the rest (skill servers, factory, referee, files).
 // Journals are written, as by `cxlab run`.
 //
-//   bench_shares SCENARIO SEED...
+//   bench_shares SCENARIO SEED...   a file, or the name of a scenario that comes with cxlab; exit codes as of cxlab
 
 #include <chrono>
 #include <cstdio>
@@ -11,6 +11,7 @@
 
 #include "cx/base/scratch_folder.h"
 #include "lab/session.h"
+#include "scenarios/share.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab {
@@ -36,11 +37,13 @@ struct Seconds {
 void need(const Status& status) {
   if (status) return;
   std::fprintf(stderr, "bench_shares: %s\n", status.error().text().c_str());
-  std::exit(1);
+  std::exit(static_cast<int>(status.error().kind));
 }
 
-Seconds play(const std::string& file, const std::string& seed) {
-  auto scenario = Scenario::load(file, shipped(), {"seed=" + seed});
+Seconds play(const std::string& name, const std::string& seed) {
+  const auto file = find_scenario(name);
+  need(file ? Status() : Status(file.error()));
+  auto scenario = Scenario::load(*file, shipped(), {"seed=" + seed});
   need(scenario ? Status() : Status(scenario.error()));
   const auto folder = ScratchFolder::create();
   need(folder ? Status() : Status(folder.error()));
