@@ -72,8 +72,8 @@ class PddlManager : public Server {
   /// Plans that were found; of these, those for a goal instance that had had one before.
   int plans() const { return plans_; }
   int replans() const { return replans_; }
-  /// Plans were asked for and none was found: how often, by status, and the remedy. Empty: there is nothing to say.
-  std::string without_plans() const;
+  /// Instances of somebody that others have replaced; plans that were asked for, of which none was found.
+  std::vector<std::string> warnings() const;
 
  private:
   using Goals = std::set<std::string>;  ///< what a goal asks for, as texts
@@ -86,6 +86,7 @@ class PddlManager : public Server {
   struct Entry {
     std::unique_ptr<Instance> instance;
     SimTime loaded{};
+    bus::ParticipantId owner{};             ///< who has it loaded
     std::map<std::string, LastPlan> plans;  // by goal instance
   };
   // The packages that have types for the same services.
@@ -155,6 +156,7 @@ class PddlManager : public Server {
   std::vector<Job> jobs_;  // in the order in which they were asked for
   Status failure_;         // ends the run
   int plans_ = 0, replans_ = 0;
+  std::vector<std::string> replaced_;                      // warnings
   std::map<std::string, int> others_;                      // answers without a plan, by status
   std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
   RecordData data_;

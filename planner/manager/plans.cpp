@@ -221,7 +221,8 @@ void PddlManager::finish(const Job& job) {
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }
 
-std::string PddlManager::without_plans() const {
+std::vector<std::string> PddlManager::warnings() const {
+  std::vector<std::string> warnings = replaced_;
   int requests = 0;
   std::string statuses;
   auto answers = others_;
@@ -230,12 +231,13 @@ std::string PddlManager::without_plans() const {
     requests += times;
     statuses += (statuses.empty() ? "" : ", ") + status + ' ' + std::to_string(times);
   }
-  if (plans_ > 0 || requests == 0) return {};
-  return options_.node.full_name() + ": no plan was found in " + std::to_string(requests) + " requests (" + statuses +
-         ')' +
-         (others_.contains("TIMEOUT")
-              ? "; a larger planner.budget than " + std::to_string(options_.cost.budget) + " gives more time"
-              : "");
+  if (plans_ > 0 || requests == 0) return warnings;
+  warnings.push_back(options_.node.full_name() + ": no plan was found in " + std::to_string(requests) + " requests (" +
+                     statuses + ')' +
+                     (others_.contains("TIMEOUT") ? "; a larger planner.budget than " +
+                                                        std::to_string(options_.cost.budget) + " gives more time"
+                                                  : ""));
+  return warnings;
 }
 
 void PddlManager::on_cancel(std::size_t dialect, const bus::Delivery& cancel) {

@@ -94,7 +94,7 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   if (!manager) return manager.error();
   stage.reports.push_back([&node = **manager, outside](Result& result) {
     if (outside) result.deterministic = false;
-    if (const std::string warning = node.without_plans(); !warning.empty()) result.warnings.push_back(warning);
+    for (const std::string& warning : node.warnings()) result.warnings.push_back(warning);
     result.plans += node.plans();
     result.replans += node.replans();
   });

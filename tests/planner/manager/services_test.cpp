@@ -89,6 +89,18 @@ TEST_F(ManagerTest, ErrorsNameWhatWasFoundAndChangeNothing) {
               ::testing::StartsWith((folder_ / "t.pddl").string() + " (rendered):4: "));
 }
 
+TEST_F(ManagerTest, AnInstanceThatSomebodyElseReplacesIsAWarning) {
+  start();
+  load_blocks();
+  load_blocks();
+  EXPECT_THAT(manager_->warnings(), ::testing::IsEmpty());
+  client_ = bus_.join(bus::ParticipantKind::kEnvironment, {"other", "/", {}}, sink_.open_stream("other"));
+  load_blocks();
+  EXPECT_THAT(manager_->warnings(),
+              ::testing::ElementsAre("/pddl_manager: pddl instance 'bw' is replaced by that of another one who asks, "
+                                     "expected a manager for each agent"));
+}
+
 TEST_F(ManagerTest, AListOfObjectsIsAcceptedAsAWholeOrNotAtAll) {
   start();
   load_blocks();
