@@ -7,6 +7,7 @@
 import csv
 import html
 import math
+import pathlib
 import statistics
 import sys
 
@@ -21,7 +22,7 @@ def refuse(why):
 
 
 def read_rows(path):
-    """The rows of the episodes that have points."""
+    """The rows of the episodes that were played to their end."""
     with open(path, newline="") as file:
         table = csv.DictReader(file)
         rows, columns = list(table), table.fieldnames or []
@@ -35,9 +36,11 @@ def read_rows(path):
                 raise ValueError
         except ValueError:
             raise ValueError(f"line {line}: found '{row['points']}' as points, expected a number") from None
-    played = [row for row in rows if row["points"]]
+    played = [row for row in rows if row["points"] and row.get("exit", "0") == "0"]
     if not played:
-        raise ValueError(f"found {len(rows)} rows, and none with points; expected one at least")
+        raise ValueError(f"found {len(rows)} rows, and none of a game that was played to its end; expected one at least")
+    if len(played) < len(rows):
+        print(f"not drawn: {len(rows) - len(played)} of {len(rows)} rows, whose games were not played to their end", file=sys.stderr)
     return played
 
 
@@ -55,18 +58,20 @@ def drawing(rows):
     def x(points):
         return LEFT + (RIGHT - LEFT) * points / most
 
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {RIGHT + 20} {bottom + 30}" font-family="sans-serif" font-size="12">',
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {RIGHT + 20} {bottom + 46}" font-family="sans-serif" font-size="12">',
            '<rect width="100%" height="100%" fill="white"/>']
     for points in range(0, most + 1, 100):
         out.append(f'<line x1="{x(points)}" y1="{TOP - 8}" x2="{x(points)}" y2="{bottom}" stroke="#ddd"/>'
                    f'<text x="{x(points)}" y="{bottom + 18}" text-anchor="middle" fill="#555">{points}</text>')
+    out.append(f'<text x="{(LEFT + RIGHT) / 2}" y="{bottom + 38}" text-anchor="middle">points of a game: grey each game, '
+               'coloured the mean with its 95 % interval</text>')
     for i, strategy in enumerate(strategies):
         points = [float(row["points"]) for row in rows if row["strategy"] == strategy]
         mean, half, y = statistics.mean(points), interval(points), TOP + ROW * i + ROW / 2
         colour = "#c2187f" if strategy == "greedy" else "#0093b8"
         if i == 0:
             out.append(f'<line x1="{x(mean)}" y1="{TOP - 8}" x2="{x(mean)}" y2="{bottom}" stroke="{colour}" stroke-dasharray="4 3"/>')
-        out.append(f'<text x="{LEFT - 10}" y="{y + 4}" text-anchor="end">{html.escape(strategy)}</text>')
+        out.append(f'<text x="{LEFT - 10}" y="{y + 4}" text-anchor="end">{html.escape(strategy.replace("-", " "))}</text>')
         out += [f'<circle cx="{x(p):.1f}" cy="{y}" r="2.5" fill="#bbb"/>' for p in points]
         out.append(f'<line x1="{x(mean - half):.1f}" y1="{y}" x2="{x(mean + half):.1f}" y2="{y}" stroke="{colour}" stroke-width="3"/>'
                    f'<circle cx="{x(mean):.1f}" cy="{y}" r="4.5" fill="{colour}"/>')
@@ -76,6 +81,8 @@ def drawing(rows):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit(__doc__)
+    if pathlib.Path(sys.argv[2]).suffix != ".svg":
+        refuse(f"{sys.argv[2]}: the drawing is an SVG, expected a name that ends in .svg")
     try:
         rows = read_rows(sys.argv[1])
         with open(sys.argv[2], "w") as file:

@@ -5,6 +5,9 @@
     benchmarks/upper_bound.py RUN ...         the games of runs (folders), the points of each scenario's runs, and their share
     benchmarks/upper_bound.py RUN ... rows.csv    also the rows of a `cxlab bench` with the same games: each strategy's
 
+Runs are whole games: of 1,200 s of production, in the timed tier, one team. Rows of episodes that were not played to their end are
+named and not counted.
+
 The schedule behind the bound is clairvoyant, and only those limits hold that are easy to prove:
 
 - All is known at 0: orders, prices, machines. Products may be made before their order comes in. All points of
@@ -300,8 +303,9 @@ def game_of_run(path, robots):
         game = (path / "game.yaml").read_text()
     except FileNotFoundError as missing:
         raise BadInput(f"{path}: no run of a game: {pathlib.Path(missing.filename).name} is missing") from None
-    if result["tier"] != "timed" or len(result["robots"]) != robots or result["sim_time_s"] > PRODUCTION:
-        raise BadInput(f"{path}: expected a run in the timed tier of {PRODUCTION} s and one team with {robots} robots")
+    if result["tier"] != "timed" or len(result["robots"]) != robots or result["sim_time_s"] != PRODUCTION:
+        raise BadInput(f"{path}: found a run in the {result['tier']} tier of {result['sim_time_s']} s with {len(result['robots'])} robots, "
+                       f"expected one in the timed tier of {PRODUCTION} s and one team with {robots} robots")
     return str(result["seed"]), result["scenario"], result["teams"]["CYAN"]["points"], read_game(game)
 
 
@@ -309,15 +313,16 @@ def read_rows(path):
     """A table of cxlab bench."""
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
-    lacking = {"game", "seed", "strategy", "points"} - set(rows[0] if rows else ())
-    if lacking:
-        raise BadInput(f"{path}: no rows of cxlab bench: the column {min(lacking)} is missing")
+    for column in "game", "seed", "strategy", "points", "status", "exit":
+        if column not in (rows[0] if rows else ()):
+            raise BadInput(f"{path}: no rows of cxlab bench: the column {column} is missing")
     return rows
 
 
 def read_inputs(paths, robots):
-    """Games by name, and of each strategy the points in games: {strategy: {game: points}}."""
-    games, points, rows = {}, collections.defaultdict(dict), []
+    """Games by name; of each strategy the points in games: {strategy: {game: points}}; and rows of games that were not played to
+    their end."""
+    games, points, rows, broken = {}, collections.defaultdict(dict), [], []
     for path in map(pathlib.Path, paths):
         try:
             if path.suffix == ".csv":
@@ -340,9 +345,11 @@ def read_inputs(paths, robots):
         name = row["game"] or row["seed"]
         if name not in games:
             raise BadInput(f"no game {name} for the rows: name its file, or the folder of a run of it")
-        if row["points"]:
+        if row["status"] == "completed" and row["exit"] == "0":
             points[row["strategy"]][name] = float(row["points"])
-    return games, points
+        else:
+            broken.append(f"{row['strategy']} in game {name} ({row['status']}, exit code {row['exit']})")
+    return games, points, broken
 
 
 def main():
@@ -353,7 +360,7 @@ def main():
     options = parser.parse_args()
     bounds = {}
     try:
-        games, points = read_inputs(options.input, options.robots)
+        games, points, broken = read_inputs(options.input, options.robots)
         for name, game in games.items():
             try:
                 bounds[name] = upper_bound(game, options.robots, options.durations)
@@ -371,6 +378,8 @@ def main():
         print(f"| {name} | {bound} |" + "".join(f" {cell} |" for cell in cells))
     means = (f"{statistics.mean(of.values()):.0f} ({statistics.mean(shares[strategy].values()):.1%})" for strategy, of in points.items())
     print(f"| mean | {statistics.mean(bounds.values()):.0f} |" + "".join(f" {cell} |" for cell in means))
+    if broken:
+        print("not counted: " + ", ".join(broken), file=sys.stderr)
     beyond = [f"{strategy} in game {name}" for strategy, of in shares.items() for name, share in of.items() if share > 1]
     if beyond:
         sys.exit("more than the bound: " + ", ".join(beyond))

@@ -108,13 +108,21 @@ class Bounds(Lab):
         for scenario in ("rcll/game", "rcll/planning"):
             subprocess.run([CXLAB, "run", scenario, "--tier", "timed", "--seed", "101", "--quiet", "--out", self.folder / scenario],
                            check=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=100)
-        (self.folder / "rows.csv").write_text("scenario,strategy,game,seed,points\ngame,lazy,,101,0.0\ngame,crashed,,101,\n")
-        lines = self.script("rcll/game", "rcll/planning", "rows.csv").splitlines()
+        columns = "scenario,strategy,game,seed,status,exit,points\n"
+        (self.folder / "rows.csv").write_text(columns + "game,lazy,,101,completed,0,0.0\ngame,crashed,,101,crashed,70,\ngame,broken,,101,failed,4,0.0\n")
+        done = subprocess.run([sys.executable, SCRIPT, "rcll/game", "rcll/planning", "rows.csv"], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr),
+                         (0, "not counted: crashed in game 101 (crashed, exit code 70), broken in game 101 (failed, exit code 4)\n"))
+        lines = done.stdout.splitlines()
         self.assertRegex(lines[0], r"^\| Game \| Bound \| game \| planning \| lazy \|$")
         self.assertRegex(lines[2], r"^\| 101 \| 823 \| \d+ \(\d+%\) \| \d+ \(\d+%\) \| 0 \(0%\) \|$")
-        (self.folder / "rows.csv").write_text("scenario,strategy,game,seed,points\ngame,lucky,,101,824\n")
+        (self.folder / "rows.csv").write_text(columns + "game,lucky,,101,completed,0,824\n")
         self.assertIn("more than the bound: lucky in game 101", self.script("rcll/game", "rows.csv", code=1))
         self.assertIn("no game 101", self.script("rows.csv", code=3))
+        subprocess.run([CXLAB, "run", "rcll/game", "--tier", "timed", "--set", "world.production_s=300", "--set", "world.overtime_s=0", "--quiet", "--out",
+                        self.folder / "short"], check=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=100)
+        self.assertIn("short: found a run in the timed tier of 300.0 s with 3 robots, expected one in the timed tier of 1200 s",
+                      self.script("short", code=3))
         self.assertIn("one team with 2 robots", self.script("rcll/game", "--robots", 2, code=3))
 
     def test_games_as_people_write_them(self):
@@ -149,9 +157,9 @@ class Bounds(Lab):
 
 
 class Plots(Lab):
-    def plot(self, table, code=3):
+    def plot(self, table, code=3, out="out.svg"):
         (self.folder / "rows.csv").write_text(table)
-        done = subprocess.run([sys.executable, SCRIPT.with_name("plot_strategies.py"), "rows.csv", "out.svg"], capture_output=True,
+        done = subprocess.run([sys.executable, SCRIPT.with_name("plot_strategies.py"), "rows.csv", out], capture_output=True,
                               text=True, timeout=60, stdin=subprocess.DEVNULL, cwd=self.folder)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stderr
@@ -159,13 +167,21 @@ class Plots(Lab):
     def test_rows_are_drawn(self):
         self.plot("strategy,points\ngroups,120.0\ngroups,140.0\nstn,\nstn,0.0\n", code=0)
         self.assertIn(">groups</text>", (self.folder / "out.svg").read_text())
-        self.plot("strategy,points\nlazy,0.0\n", code=0)
+        self.assertEqual(self.plot("strategy,exit,points\nstn,0,1.0\nstn,4,0.0\n", code=0),
+                         "not drawn: 1 of 2 rows, whose games were not played to their end\n")
+        self.plot("strategy,points\nlazy-robot,0.0\n", code=0)
+        self.assertIn(">lazy robot</text>", (self.folder / "out.svg").read_text())
+
+    def test_a_picture_of_another_kind_is_refused(self):
+        self.assertEqual(self.plot("strategy,points\nlazy,0.0\n", out="out.png"),
+                         "error: out.png: the drawing is an SVG, expected a name that ends in .svg\n")
+        self.assertFalse((self.folder / "out.png").exists())
 
     def test_other_tables_are_refused_with_what_was_found(self):
         for table, said in (
                 ("a,b\n1,2\n", "found the columns a, b, expected strategy and points among them"),
                 ("strategy,b\n", "found the columns strategy, b, expected points among them"),
                 ("", "found an empty file, expected strategy and points"),
-                ("strategy,points\nstn,\n", "found 1 rows, and none with points; expected one at least"),
+                ("strategy,points\nstn,\n", "found 1 rows, and none of a game that was played to its end; expected one at least"),
                 ("strategy,points\nstn,1\nstn,many\n", "line 3: found 'many' as points, expected a number")):
             self.assertEqual(self.plot(table), f"error: rows.csv: no rows of cxlab bench: {said}\n")
