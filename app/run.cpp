@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/play.h"
 #include "app/suggestions.h"
+#include "cx/base/file.h"
 #include "scenarios/share.h"
 
 namespace cxlab::app {
@@ -43,7 +44,9 @@ int run(Options options) {
       to_seconds(played.result.sim_time) >= duration)
     std::fprintf(stderr, "ended after %s, the scenario's duration_s; for longer: --set duration_s=%g\n",
                  seconds_text(played.result.sim_time).c_str(), until);
-  if (!options.json && !played.folder.empty()) std::printf("%s\n", (played.folder / "index.html").c_str());
+  const auto page = played.folder / "index.html";  // on a full disk there is none
+  if (!options.json && !played.folder.empty())
+    std::printf("%s\n", (path_exists(page) ? page : played.folder).c_str());
   return code;
 }
 
