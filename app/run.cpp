@@ -45,8 +45,7 @@ int run(Options options) {
     std::fprintf(stderr, "ended after %s, the scenario's duration_s; for longer: --set duration_s=%g\n",
                  seconds_text(played.result.sim_time).c_str(), until);
   const auto page = played.folder / "index.html";  // on a full disk there is none
-  if (!options.json && !played.folder.empty())
-    std::printf("%s\n", (path_exists(page) ? page : played.folder).c_str());
+  if (!options.json && !played.folder.empty()) std::printf("%s\n", (path_exists(page) ? page : played.folder).c_str());
   return code;
 }
 

@@ -1,6 +1,6 @@
 // The coarse actions of the planning agent and what they are made of. Nothing here names an action: for each action
 // NAME that has a NAME-drive, the problem "its conditions are the initial state, its effects are the goal" is derived
-// from the parsed domain.
+// from the parsed domain. For the domain of a copy of the agent: CXLAB_PDDL=DIR (an absolute path).
 
 #include <gtest/gtest.h>
 
@@ -23,9 +23,14 @@ namespace {
 
 constexpr double kAnyNumber = 5;  // of numbers of which no condition says anything
 
+/// Of the domain: that of the shipped agent, or $CXLAB_PDDL.
+std::string folder() {
+  if (const char* own = std::getenv("CXLAB_PDDL")) return std::string(own) + '/';
+  return std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
+}
+
 Task production() {
-  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
-  auto task = load_task(folder + "production.pddl", folder + "problem.pddl");
+  auto task = load_task(folder() + "production.pddl", folder() + "problem.pddl");
   if (!task) throw std::runtime_error(task.error().text());
   return *task;
 }
@@ -270,8 +275,7 @@ TEST(PlanningDomain, EveryActionOfARobotHasItsPartsAndItsFailures) {
 }
 
 TEST(PlanningDomain, PlansAddARobotOrADeadlineAsTheLastParameter) {
-  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
-  const auto planning = load_task(folder + "planning.pddl", folder + "planning_problem.pddl");
+  const auto planning = load_task(folder() + "planning.pddl", folder() + "planning_problem.pddl");
   ASSERT_TRUE(planning) << planning.error().text();
   const Task world = production();
   const auto type_of_last = [&](const std::string& name) {
@@ -485,8 +489,7 @@ TEST(PlanningDomain, AccidentsAtMachinesTakeWhatLiesThereAndLeaveNoClaim) {
 }
 
 TEST(LevelTwo, ABaseComesOutAtTheSideOverWhichItIsThereSooner) {
-  const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
-  auto task = load_task(folder + "refinement.pddl", folder + "refinement_problem.pddl");
+  auto task = load_task(folder() + "refinement.pddl", folder() + "refinement_problem.pddl");
   ASSERT_TRUE(task) << task.error().text();
   struct Ways {
     double to_input, on_from_input, to_output, on_from_output;
