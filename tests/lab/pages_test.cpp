@@ -47,6 +47,7 @@ json empty_run() {
           {"off_field", json::array()},
           {"faults", json::array()},
           {"pauses", json::array()},
+          {"decisions", json::array()},
           {"film", ""},
           {"scores", json::array()},
           {"files", {"result.json"}},
@@ -82,6 +83,16 @@ TEST(RunPage, WarningsAreShown) {
   const std::string text = page("run.html", run);
   EXPECT_EQ(found(text, "<h2>([^<]*)"), (Texts{"Warnings", "Files of this run"}));
   EXPECT_NE(text.find("nobody asked for &lt;x&gt;"), std::string::npos) << text;
+}
+
+TEST(RunPage, DecisionsAreATable) {
+  json run = empty_run();
+  for (int i = 0; i < 1001; ++i)
+    run["decisions"].push_back({{"t", 60 + i}, {"by", "agent"}, {"slots", {"begin <a>", "its conditions hold"}}});
+  const std::string text = page("run.html", run);
+  EXPECT_EQ(found(text, "<h2>([^<]*)"), (Texts{"Decisions", "Files of this run"}));
+  EXPECT_NE(text.find("<tr><td>1:00<td>agent<td>begin &lt;a&gt;<td>its conditions hold</tr>"), std::string::npos);
+  EXPECT_NE(text.find("and 1 more, in journal.jsonl"), std::string::npos);
 }
 
 TEST(RunPage, NamesCannotWriteHtml) {
