@@ -45,7 +45,7 @@
   (if (and (= ?code 300) (str-index "SHELF" ?target)) then (return MISSING))
   (bind ?fetches (or (eq ?step GO-FETCH) (eq ?step FETCH)))
   (if (and ?fetches (= ?code 207)) then (return (if (> ?tries 0) then HELD else FULL)))
-  (if (and (= ?code 208) (> ?tries 0)) then (return LOST))
+  (if (and (not ?fetches) (= ?code 208)) then (return LOST))
   (if (or (< ?tries 2) (= ?code 210)) then (return NONE))
   (if (and ?fetches (= ?code 202)) then (return MISSING))
   (if ?fetches then (return UNABLE))
