@@ -2,7 +2,7 @@
 
 (defglobal
   ?*WINDOW-LEAD* = 45.0  ; so long before its window a product is fetched for its delivery, s
-  ?*LOADING* = 10.0      ; s in which the PDDL manager should have answered
+  ?*LOADING* = 30.0      ; s in which the PDDL manager should have answered
   ?*ASKED-AT* = 0.0)     ; when it was asked, s
 
 (defrule problem-load
