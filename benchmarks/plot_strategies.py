@@ -11,8 +11,9 @@ import pathlib
 import statistics
 import sys
 
-# Student's t for 95 %, by degrees of freedom; 1.97 beyond.
-T = {5: 2.571, 9: 2.262, 11: 2.201, 14: 2.145, 19: 2.093, 29: 2.045, 39: 2.023}
+# Student's t for 95 %, by degrees of freedom from 1 on; beyond them it is close to 1.96 + 2.4 / degrees.
+T = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
+     2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042]
 LEFT, RIGHT, ROW, TOP = 190, 900, 20, 24
 
 
@@ -47,7 +48,9 @@ def read_rows(path):
 def interval(points):
     if len(points) < 2:
         return 0
-    return T.get(len(points) - 1, 1.97) * statistics.stdev(points) / math.sqrt(len(points))
+    degrees = len(points) - 1
+    t = T[degrees - 1] if degrees <= len(T) else 1.96 + 2.4 / degrees
+    return t * statistics.stdev(points) / math.sqrt(len(points))
 
 
 def drawing(rows):
@@ -80,7 +83,8 @@ def drawing(rows):
 
 if __name__ == "__main__":
     if len(sys.argv) != 3:
-        sys.exit(__doc__)
+        print(__doc__, file=sys.stderr)
+        sys.exit(2)
     if pathlib.Path(sys.argv[2]).suffix != ".svg":
         refuse(f"{sys.argv[2]}: the drawing is an SVG, expected a name that ends in .svg")
     try:

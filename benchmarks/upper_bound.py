@@ -275,7 +275,7 @@ def program():
     built = pathlib.Path(__file__).resolve().parents[1] / "build/release/cxlab"
     found = os.environ.get("CXLAB") or (built if built.exists() else shutil.which("cxlab"))
     if not found:
-        raise BadInput("no cxlab to read game files with: ./dev path builds it; or name the folders of runs")
+        raise BadInput("no cxlab to read game files with: build it with ./dev run; or name the folders of runs")
     return found
 
 
@@ -316,7 +316,7 @@ def read_rows(path):
     for column in "game", "seed", "strategy", "points", "status", "exit":
         if column not in (rows[0] if rows else ()):
             raise BadInput(f"{path}: no rows of cxlab bench: the column {column} is missing")
-    return rows
+    return [{**row, "file": path} for row in rows]
 
 
 def read_inputs(paths, robots):
@@ -340,11 +340,11 @@ def read_inputs(paths, robots):
         except (KeyError, TypeError, ValueError, csv.Error) as problem:
             raise BadInput(f"{path}: not as cxlab writes it: {problem!r}") from None
         if games.setdefault(name, game) != game:
-            raise BadInput(f"{path}: another game {name} than before")
+            raise BadInput(f"{path}: another game than the one before of the name {name!r}; give each a name of its own")
     for row in rows:
         name = row["game"] or row["seed"]
         if name not in games:
-            raise BadInput(f"no game {name} for the rows: name its file, or the folder of a run of it")
+            raise BadInput(f"{row['file']}: no game {name} for its rows: name its file, or the folder of a run of it")
         if row["status"] == "completed" and row["exit"] == "0":
             points[row["strategy"]][name] = float(row["points"])
         else:
