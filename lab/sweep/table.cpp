@@ -23,12 +23,19 @@ std::string text(const Summary& s, const char* mean_format, const char* half_for
   return std::isnan(s.half) ? mean : std::string(mean) + " +- " + half;
 }
 
+std::string extreme(const Summary& s, double value) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%g", value);
+  return s.n == 0 ? "-" : out;
+}
+
 Json json(const Summary& s) {
+  const auto of_any = [&s](double value) { return s.n == 0 ? Json() : Json(value); };
   return {{"n", s.n},
-          {"mean", s.mean},
+          {"mean", of_any(s.mean)},
           {"interval_95", std::isnan(s.half) ? Json() : Json(s.half)},
-          {"min", s.min},
-          {"max", s.max}};
+          {"min", of_any(s.min)},
+          {"max", of_any(s.max)}};
 }
 
 void add_errors(const Row& row, TableLine& line) {
@@ -134,11 +141,12 @@ std::string to_text(const std::vector<TableLine>& table) {
                 "done", "points", "min", "max", "deliveries", "busy", "real time", "points against the first strategy");
   std::string out = line;
   for (const TableLine& l : table) {
-    std::snprintf(line, sizeof line, "%-20s %-20s %3zu/%-3zu  %-18s %6g %6g  %-14s %-14s %-14s %s\n",
+    std::snprintf(line, sizeof line, "%-20s %-20s %3zu/%-3zu  %-18s %6s %6s  %-14s %-14s %-14s %s\n",
                   l.scenario.c_str(), l.strategy.c_str(), l.points.n, l.episodes,
-                  text(l.points, "%.1f", "%.1f").c_str(), l.points.min, l.points.max,
-                  text(l.deliveries, "%.1f", "%.1f").c_str(), text(l.busy, "%.3f", "%.3f").c_str(),
-                  text(l.real_time_factor, "%.0f", "%.0f").c_str(), text(l.against_first, "%+.1f", "%.1f").c_str());
+                  text(l.points, "%.1f", "%.1f").c_str(), extreme(l.points, l.points.min).c_str(),
+                  extreme(l.points, l.points.max).c_str(), text(l.deliveries, "%.1f", "%.1f").c_str(),
+                  text(l.busy, "%.3f", "%.3f").c_str(), text(l.real_time_factor, "%.0f", "%.0f").c_str(),
+                  text(l.against_first, "%+.1f", "%.1f").c_str());
     out += line;
   }
   std::string errors;

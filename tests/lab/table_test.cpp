@@ -96,6 +96,14 @@ TEST(TableText, ShowsAStrategyOnALine) {
   EXPECT_THAT(text, HasSubstr("-10.0"));
 }
 
+TEST(TableText, HasNoFiguresOfAStrategyWithoutACompleteEpisode) {
+  Row broken = row("broken", 1, 100);
+  broken.status = "failed";
+  const auto table = table_of({broken});
+  EXPECT_THAT(to_text(table), testing::ContainsRegex("broken +0/1 +- +- +- +- +- +- +"));
+  EXPECT_THAT(to_json(table), testing::AllOf(HasSubstr("\"min\": null"), HasSubstr("\"mean\": null")));
+}
+
 TEST(TableText, SaysBelowTheTableWhatEpisodesHaveToSay) {
   Row misspelt = row("misspelt", 1, 100), again = row("misspelt", 2, 90), other = row("misspelt", 3, 95);
   misspelt.errors = {"found 'x'", "found 'y'"};
