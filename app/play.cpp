@@ -90,8 +90,8 @@ int conclude(const lab::Played& played, const Console& console) {
       (void)fail(error);
   if (shown > 0) std::fprintf(stderr, "%s %zu, reported in the log above\n", coloured("errors:", kRed).c_str(), shown);
   if (played.failure) return static_cast<int>(played.failure->kind);
-  for (const std::string& warning : played.result.warnings)
-    if (!console.quiet())
+  if (!console.quiet())
+    for (const std::string& warning : played.result.warnings)
       std::fprintf(stderr, "%s %s\n", coloured("warning:", kYellow).c_str(), printable(warning).c_str());
   if (!page) return fail(page.error());
   return interrupted(what_there_is(played));
