@@ -1,7 +1,7 @@
 # Headers that are installed, and the check that each of them compiles alone with nothing but what is installed.
 #
 #   cxlab_install_headers(<folder> a.h...)   installs them below include/cxlab/<folder>
-#   cxlab_check_installed_headers()          the target and test installed_headers
+#   cxlab_check_installed_headers()          the target installed_headers, part of a whole build, and the test of its name
 
 include_guard(GLOBAL)
 
@@ -41,7 +41,7 @@ function(cxlab_check_installed_headers)
       COMMENT "Compiling ${header} alone")
     list(APPEND stamps "${stem}.stamp")
   endforeach()
-  add_custom_target(installed_headers DEPENDS ${stamps})
+  add_custom_target(installed_headers ALL DEPENDS ${stamps})
   add_test(NAME installed_headers COMMAND ${CMAKE_COMMAND} --build "${PROJECT_BINARY_DIR}" --target installed_headers)
   set_tests_properties(installed_headers PROPERTIES LABELS short TIMEOUT 600)
 endfunction()
