@@ -30,7 +30,45 @@ def dev_on_a_bare_machine(*arguments):
         return dev(*arguments, root=root, PATH=str(programs), CXLAB_DOWNLOADS=str(root / "downloads"))
 
 
+def dev_with_a_compiler(build, *arguments):
+    """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code."""
+    text, code = build
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        shutil.copy(ROOT / "dev", root / "dev")
+        (root / "build/release").mkdir(parents=True)
+        (root / "build/release/build.ninja").touch()
+        (root / "build/release/.ninja_log").touch()
+        (root / "text").write_text(text)
+        programs = root / "bin"
+        programs.mkdir()
+        for name, script in {"cmake": f"cat {root}/text; exit {code}", "rustc": "exit 0", "cargo": "echo cargo 1.90.0",
+                             "dpkg-query": 'for p in "$@"; do echo "installed $p"; done'}.items():
+            (programs / name).write_text(f"#!{shutil.which('bash')}\n{script}\n")
+            (programs / name).chmod(0o755)
+        program = root / "build/release/cxlab"
+        program.write_text(f"#!{shutil.which('bash')}\necho played \"$@\"\n")
+        program.chmod(0o755)
+        return dev(*arguments, root=root, PATH=f"{programs}:{os.environ['PATH']}")
+
+
 class Dev(unittest.TestCase):
+    def test_build_that_works_is_silent(self):
+        done = dev_with_a_compiler(("[1/2] Building a.o\n[2/2] Linking cxlab\n", 0), "cxlab", "list")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "played list\n", ""))
+
+    def test_verbose_shows_the_lines_of_the_build_and_reaches_the_program(self):
+        done = dev_with_a_compiler(("[1/2] Building a.o\n", 0), "run", "a.yaml", "-v")
+        self.assertEqual((done.returncode, done.stdout), (0, "played run a.yaml -v\n"))
+        self.assertEqual(done.stderr, "[1/2] Building a.o\n")
+
+    def test_build_that_fails_shows_why(self):
+        text = "[1/2] Building a.o\nFAILED: b.o\nb.cpp:3:1: error: no such thing\n[2/2] Building c.o\nninja: build stopped\n"
+        done = dev_with_a_compiler((text, 1), "run")
+        self.assertEqual((done.returncode, done.stdout), (5, ""))
+        self.assertEqual(done.stderr, "FAILED: b.o\nb.cpp:3:1: error: no such thing\nninja: build stopped\n"
+                                      "./dev: the build failed; all of its lines are in build/build.log\n")
+
     def test_help_names_its_commands(self):
         for arguments in ((), ("help",), ("--help",)):
             done = dev(*arguments)
