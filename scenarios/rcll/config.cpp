@@ -40,6 +40,8 @@ Status check_order(const std::string& key, const OrderConfig& order) {
     return bad_word(key + ".base_color", order.base_color, {"BASE_RED", "BASE_BLACK", "BASE_SILVER"});
   for (const std::string& ring : order.ring_colors)
     if (Status s = check_word<RingColor>(key + ".ring_colors", ring); !s) return s;
+  if (const auto same = std::ranges::adjacent_find(order.ring_colors); same != order.ring_colors.end())
+    return bad_value(key + ".ring_colors", *same + " on " + *same, "another colour than that of the ring below");
   if (Status s = check_word<CapColor>(key + ".cap_color", order.cap_color); !s) return s;
   const auto rings = static_cast<std::size_t>(*named<Complexity>(order.complexity));
   if (order.ring_colors.size() != rings)
@@ -51,6 +53,8 @@ Status check_order(const std::string& key, const OrderConfig& order) {
   if (Status s = check_range(key + ".quantity", order.quantity, 1, 1000); !s) return s;
   if (!(order.delivery_end > order.delivery_begin))
     return bad_value(key + ".delivery_end", general_text(order.delivery_end, 10), "a time after delivery_begin");
+  if (!(order.activate_at < order.delivery_end))
+    return bad_value(key + ".activate_at", general_text(order.activate_at, 10), "a time before delivery_end");
   return check_range(key + ".delivery_end", order.delivery_end, 0, 1e7);
 }
 
@@ -64,6 +68,41 @@ Status check_down(const std::string& key, const DownPeriodConfig& period) {
   if (!(period.end_s > period.begin_s))
     return bad_value(key + ".end_s", general_text(period.end_s, 10), "a time after begin_s");
   return check_range(key + ".end_s", period.end_s, 0, 1e7);
+}
+
+/// A time that lies in the game.
+Status check_in_game(const std::string& key, double time, double end) {
+  if (time < end) return {};
+  return bad_value(key, general_text(time, 10), "a time before the end of the game at " + general_text(end, 10));
+}
+
+Status check_window(const std::string& key, const OrderConfig& order, double end) {
+  if (Status s = check_in_game(key + ".activate_at", order.activate_at, end); !s) return s;
+  return check_in_game(key + ".delivery_begin", order.delivery_begin, end);
+}
+
+// A game of the league that is cut short keeps its orders.
+constexpr double kProductionS = 1200, kOvertimeS = 300;
+double latest_order(const WorldConfig& config) { return std::max(config.production_s, kProductionS); }
+double latest_end(const WorldConfig& config) { return latest_order(config) + std::max(config.overtime_s, kOvertimeS); }
+
+Status check_windows(const std::string& key, const std::vector<OrderConfig>& orders, double end) {
+  for (std::size_t i = 0; i < orders.size(); ++i)
+    if (Status s = check_window(key + "[" + std::to_string(i) + "]", orders[i], end); !s) return s;
+  return {};
+}
+
+/// A machine is not down twice at a time.
+Status check_apart(const std::vector<DownPeriodConfig>& periods) {
+  for (std::size_t i = 0; i < periods.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (periods[i].machine == periods[k].machine && periods[i].begin_s < periods[k].end_s &&
+          periods[k].begin_s < periods[i].end_s)
+        return bad_value("down[" + std::to_string(i) + "].begin_s", general_text(periods[i].begin_s, 10),
+                         "a time at which " + periods[i].machine + " is not down: down[" + std::to_string(k) +
+                             "] is from " + general_text(periods[k].begin_s, 10) + " to " +
+                             general_text(periods[k].end_s, 10));
+  return {};
 }
 
 Status check_pauses(const WorldConfig& config) {
@@ -97,7 +136,12 @@ RuleChoices choices_of(Rules rules) {
           .by_hand = rulebook,
           .overtime_at_nil = !rulebook,
           .sudden_death = rulebook,
-          .storage_serves_one = rulebook};
+          .storage_serves_one = rulebook,
+          .down_hides_broken = !rulebook,
+          .unpaid_again_waits = !rulebook,
+          .reports_by_type = !rulebook,
+          .surplus_cap_counts = !rulebook,
+          .report_hides_broken = !rulebook};
 }
 
 std::vector<Team> teams_of(const WorldConfig& config) {
@@ -128,18 +172,24 @@ Status validate(const WorldConfig& config) {
     return bad_value("world.layout", "a list beside world.game", "only one of the two: list it in the file");
   for (std::size_t i = 0; i < config.orders.size(); ++i)
     if (Status s = check_order("world.orders[" + std::to_string(i) + "]", config.orders[i]); !s) return s;
-  return {};
+  return check_windows("world.orders", config.orders, latest_order(config));
 }
 
 Status validate(const GameFile& file) {
-  if (file.layout)
-    if (const auto layout = read_layout(*file.layout, "layout"); !layout) return layout.error();
+  if (file.layout) {
+    const auto layout = read_layout(*file.layout, "layout");
+    if (!layout) return layout.error();
+    if (file.mirrored.value_or(true))
+      if (Status s = check_mirrored(*file.layout, *layout, "layout"); !s) return s;
+  }
   if (file.ring_prices)
     for (const RingColor color : kRingColors)
       if (Status s = check_range("ring_prices." + std::string(to_string(color)),
                                  file.ring_prices->prices[static_cast<std::size_t>(color) - 1], 0, 2);
           !s)
         return s;
+  if (file.orders && file.orders->empty())
+    return bad_value("orders", "an empty list", "an order at least; without this key they are drawn");
   if (file.orders)
     for (std::size_t i = 0; i < file.orders->size(); ++i)
       if (Status s = check_order("orders[" + std::to_string(i) + "]", (*file.orders)[i]); !s) return s;
@@ -148,6 +198,19 @@ Status validate(const GameFile& file) {
   if (file.down)
     for (std::size_t i = 0; i < file.down->size(); ++i)
       if (Status s = check_down("down[" + std::to_string(i) + "]", (*file.down)[i]); !s) return s;
+  return file.down ? check_apart(*file.down) : Status();
+}
+
+Status check_times(const GameFile& file, const WorldConfig& config) {
+  if (file.orders)
+    if (Status s = check_windows("orders", *file.orders, latest_order(config)); !s) return s;
+  if (file.overtime)
+    if (Status s = check_window("overtime", *file.overtime, latest_end(config)); !s) return s;
+  for (std::size_t i = 0; file.down && i < file.down->size(); ++i)
+    if (Status s =
+            check_in_game("down[" + std::to_string(i) + "].begin_s", (*file.down)[i].begin_s, latest_end(config));
+        !s)
+      return s;
   return {};
 }
 

@@ -42,6 +42,13 @@ struct RuleChoices {
   bool overtime_at_nil = true;      ///< referee box: overtime also when no team has a point
   bool sudden_death = false;        ///< rulebook: an overtime that ends even goes on until a team leads
   bool storage_serves_one = false;  ///< rulebook: one C0 of the storage station counts, and none in overtime
+
+  // What the referee box does and the rulebook does not say.
+  bool down_hides_broken = true;    ///< a base on the slide of a station that is BROKEN and DOWN counts as a payment
+  bool unpaid_again_waits = true;   ///< the second unpaid instruction in a row waits for payments, the first one breaks
+  bool reports_by_type = true;      ///< reports are limited by type of machine, not to fourteen (exploration.h)
+  bool surplus_cap_counts = true;   ///< the cap of a surplus product that was made after a stored one was delivered
+  bool report_hides_broken = true;  ///< a machine that is not reported shows the lights of its report in each state
 };
 RuleChoices choices_of(Rules rules);
 
@@ -127,6 +134,7 @@ struct RingPriceConfig {
 
 /// A game as a file (docs/rcll.md, Game files). What is missing is drawn from the seed.
 struct GameFile {
+  std::optional<bool> mirrored;                       ///< false: the halves of the field may differ
   std::optional<std::vector<PlacedMachine>> layout;   ///< all fourteen machines
   std::optional<RingPriceConfig> ring_prices;         ///< all four colours
   std::optional<std::vector<OrderConfig>> orders;     ///< numbered from 1
@@ -135,6 +143,7 @@ struct GameFile {
 
   template <class Keys>
   void fields(Keys& keys) {
+    keys("mirrored", mirrored);
     keys("layout", layout);
     keys("ring_prices", ring_prices);
     keys("orders", orders);
@@ -216,5 +225,7 @@ std::vector<Team> teams_of(const WorldConfig& config);
 /// Every value in its range and every name known; errors name the key and what was expected.
 Status validate(const WorldConfig& config);
 Status validate(const GameFile& file);
+/// Orders and down periods of the file begin before the end of the game.
+Status check_times(const GameFile& file, const WorldConfig& config);
 
 }  // namespace cxlab::rcll

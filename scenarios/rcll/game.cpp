@@ -11,13 +11,14 @@
 namespace cxlab::rcll {
 namespace {
 
-Expected<GameFile> read_file_of_game(const std::string& path) {
+Expected<GameFile> read_file_of_game(const WorldConfig& config) {
   GameFile file;
-  if (path.empty()) return file;
-  auto document = yaml::Document::load(path);
+  if (config.game.empty()) return file;
+  auto document = yaml::Document::load(config.game);
   if (!document) return document.error();
   yaml::Map map = document->root().as_map();
   map.read(file);
+  if (const Status s = check_times(file, config); !s) map.fail(s.error());
   map.finish();
   if (Status s = document->status(); !s) return s.error();
   return file;
@@ -74,7 +75,7 @@ std::vector<DownPeriodConfig> draw_down_periods(RandomStream& random, double pro
 
 Expected<Game> game_of(const WorldConfig& config, std::uint64_t seed) {
   if (Status s = validate(config); !s) return s.error();
-  const auto file = read_file_of_game(config.game);
+  const auto file = read_file_of_game(config);
   if (!file) return file.error();
   Game game;
   auto layout = layout_of(config, *file, seed);
@@ -91,15 +92,14 @@ Expected<Game> game_of(const WorldConfig& config, std::uint64_t seed) {
 
 std::string to_yaml(const Game& game) {
   GameFile file;
-  file.layout.emplace();
-  for (const Placement& p : game.layout) file.layout->push_back({p.name(), to_string(p.zone), p.rotation});
+  file.layout = listed(game.layout);
+  if (!check_mirrored(*file.layout, game.layout, "layout")) file.mirrored = false;
   file.ring_prices = RingPriceConfig{game.schedule.ring_prices};
   file.orders.emplace();
   for (const Order& order : game.schedule.orders) file.orders->push_back(listed(order));
   if (game.overtime) file.overtime = listed(*game.overtime);
   file.down = game.down;
   yaml::Writer out = yaml::Writer::of(file);
-  if (file.orders->empty()) out.put_yaml("orders", "[]");
   if (file.down->empty()) out.put_yaml("down", "[]");
   return out.text();
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <tuple>
 
 namespace cxlab::rcll {
 namespace {
@@ -222,6 +223,9 @@ class HalfDraw {
   CellSet machines_, blocked_;
 };
 
+int mirrored(int rotation) { return (540 - rotation) % 360; }
+Zone mirrored(const Zone& zone) { return {other(zone.half), zone.column, zone.row}; }
+
 /// The angle of magenta's copy.
 int mirrored_rotation(const Pose& pose, Shape shape) {
   const auto [x, y] = pose.cell;
@@ -230,7 +234,7 @@ int mirrored_rotation(const Pose& pose, Shape shape) {
     if (y == 1 || (y == 2 && x >= W - 2)) return 0;
     if (x == W) return 270;
   }
-  return (540 - pose.rotation) % 360;
+  return mirrored(pose.rotation);
 }
 
 void swap_sides(Layout& layout, std::string_view machine) {
@@ -322,6 +326,44 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const s
   for (const Placement& p : layout)
     if (p.rotation < 0) return input_error(key + ": " + p.name() + " is missing");
   return layout;
+}
+
+namespace {
+
+/// Of two machines in zones that mirror each other. At a border the referee box turns the one on magenta's half so that
+/// its shelf or slide can be reached.
+bool face_opposite_ways(const Placement& one, const Placement& two) {
+  const auto& [cyan, magenta] = one.zone.half == Team::kCyan ? std::tie(one, two) : std::tie(two, one);
+  const Pose pose{{cyan.zone.column, cyan.zone.row}, cyan.rotation};
+  return magenta.rotation == mirrored(cyan.rotation) ||
+         magenta.rotation == mirrored_rotation(pose, shape_of(cyan.machine));
+}
+
+}  // namespace
+
+Status check_mirrored(const std::vector<PlacedMachine>& machines, const Layout& layout, const std::string& key) {
+  for (std::size_t m = 0; m < kMachines.size(); ++m) {
+    const Placement& cyan = layout[m];
+    const Placement& magenta = layout[m + kMachines.size()];
+    const auto listed = std::ranges::find(machines, magenta.name(), &PlacedMachine::machine);
+    const auto fail = [&](const std::string& what, const std::string& found, const std::string& expected) {
+      return input_error(key + "[" + std::to_string(listed - machines.begin()) + "]." + what + ": found " + found +
+                             ", expected " + expected + ", opposite to " + cyan.name() +
+                             "; a field that is not mirrored has 'mirrored: false'",
+                         listed->origin);
+    };
+    const Zone zone = mirrored(cyan.zone);
+    if (!(magenta.zone == zone)) return fail("zone", to_string(magenta.zone), to_string(zone));
+    if (!face_opposite_ways(cyan, magenta))
+      return fail("rotation", std::to_string(magenta.rotation), std::to_string(mirrored(cyan.rotation)));
+  }
+  return {};
+}
+
+std::vector<PlacedMachine> listed(const Layout& layout) {
+  std::vector<PlacedMachine> machines;
+  for (const Placement& p : layout) machines.push_back({p.name(), to_string(p.zone), p.rotation});
+  return machines;
 }
 
 std::size_t count_poses(std::string_view machine, bool shelf_faces_wall) {

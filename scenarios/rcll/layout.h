@@ -65,6 +65,12 @@ Layout draw_layout(RandomStream& random, bool shelf_faces_wall);
 /// in errors.
 Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const std::string& key = "world.layout");
 
+/// One half of the field must be the mirror image of the other, as far as the border lets it. `machines` is the list
+/// that `layout` was read from: errors name its entry.
+Status check_mirrored(const std::vector<PlacedMachine>& machines, const Layout& layout, const std::string& key);
+/// The layout as a list.
+std::vector<PlacedMachine> listed(const Layout& layout);
+
 /// How many cells and angles of an empty half the rules allow that machine.
 std::size_t count_poses(std::string_view machine, bool shelf_faces_wall);
 

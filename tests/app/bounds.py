@@ -9,6 +9,7 @@ import sys
 from lab import CXLAB, Lab
 
 SCRIPT = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"]) / "benchmarks/upper_bound.py"
+ROTATIONS = {"C": 0, "M": 180}  # the halves mirror each other
 # BS, RS1, CS1 and DS in a row, from each output to the next input 0.65 m and half a turn: pi / 0.9 + 0.9 / 1.2 = 4.241 s.
 LAYOUT = {"BS": "C_Z74", "RS1": "C_Z54", "CS1": "C_Z34", "DS": "C_Z14", "SS": "C_Z17", "RS2": "C_Z37", "CS2": "C_Z57"}
 # Handling less one sigma: pick 15.5 - 2 - 0.4, place 15.3 - 0.6, and of a drive what is more than 2.3 s:
@@ -31,7 +32,7 @@ def game(orders, orange=0):
     lines = ["layout:"]
     for name, zone in LAYOUT.items():
         for team, half in (("C", zone), ("M", "M" + zone[1:])):
-            lines += [f"  - machine: {team}-{name}", f"    zone: {half}", "    rotation: 0"]
+            lines += [f"  - machine: {team}-{name}", f"    zone: {half}", f"    rotation: {ROTATIONS[team]}"]
     prices = {"BLUE": 0, "GREEN": 1, "ORANGE": orange, "YELLOW": 2}
     lines += ["ring_prices:", *(f"  RING_{colour}: {price}" for colour, price in prices.items()), "orders:"]
     return "\n".join([*lines, *(line for order in orders for line in order), "down:", "  []", ""])
@@ -127,7 +128,7 @@ class Bounds(Lab):
 
     def test_games_as_people_write_them(self):
         bound = self.bound([order("C1", "RING_ORANGE")])
-        layout = ",\n  ".join(f"{{machine: {team}-{name}, zone: {zone if team == 'C' else 'M' + zone[1:]}, rotation: 0}}"
+        layout = ",\n  ".join(f"{{machine: {team}-{name}, zone: {zone if team == 'C' else 'M' + zone[1:]}, rotation: {ROTATIONS[team]}}}"
                               for name, zone in LAYOUT.items() for team in "CM")
         (self.folder / "flow, [1].yaml").write_text(
             f"layout: [{layout}]  # in a row\n"

@@ -106,6 +106,38 @@ class GameFiles(Lab):
         self.assertIn("overtime.delivery_gate: found 4, expected 1 to 3", self.error("overtime:\n  delivery_gate: 4\n", 2))
         self.assertIn("overtime.delivery_end: found 1e+30", self.error("overtime:\n  delivery_end: 1e30\n", 2))
 
+    def test_games_that_cannot_be_are_errors_with_line_and_key(self):
+        self.cxlab("new", "game", "g.yaml", "--seed", 4)
+        lines = (self.folder / "g.yaml").read_text().splitlines()
+        machine = next(i for i, text in enumerate(lines) if "machine: M-BS" in text)
+        for key, value in ("zone", "M_Z11"), ("rotation", "45"):
+            at = next(i for i in range(machine, len(lines)) if f"{key}:" in lines[i])
+            text = "\n".join([*lines[:at], f"    {key}: {value}", *lines[at + 1:]]) + "\n"
+            said = self.error(text, at + 1)
+            self.assertIn(f"layout[7].{key}: found {value}, expected ", said)
+            self.assertIn("opposite to C-BS; a field that is not mirrored has 'mirrored: false'", said)
+            self.write("free.yaml", "mirrored: false\n" + text)
+            self.cxlab("new", "game", "again.yaml", "--force", "--set", "world.game=free.yaml")
+            again = (self.folder / "again.yaml").read_text()
+            self.assertTrue(again.startswith("mirrored: false\n"))
+            self.cxlab("new", "game", "again.yaml", "--force", "--set", "world.game=again.yaml")
+        self.assertIn("orders: found an empty list, expected an order at least", self.error("down: []\norders: []\n", 2))
+        self.assertIn("down[1].begin_s: found 30, expected a time at which RS1 is not down: down[0] is from 10 to 40",
+                      self.error("down:\n  - {machine: RS1, begin_s: 10, end_s: 40}\n  - {machine: RS1, begin_s: 30, end_s: 50}\n", 3))
+        self.assertIn("down[0].begin_s: found 1500, expected a time before the end of the game at 1500",
+                      self.error("down:\n  - {machine: RS1, begin_s: 1500, end_s: 1540}\n", 2))
+        order = "orders:\n  - {complexity: C0}\n  - {complexity: C0, %s}\n"
+        self.assertIn("orders[1].delivery_begin: found 1250, expected a time before the end of the game at 1200",
+                      self.error(order % "delivery_begin: 1250, delivery_end: 1300", 3))
+        self.assertIn("orders[1].activate_at: found 1200, expected a time before delivery_end", self.error(order % "activate_at: 1200", 3))
+        self.assertIn("orders[1].activate_at: found 1250, expected a time before the end of the game at 1200",
+                      self.error(order % "activate_at: 1250, delivery_end: 1300", 3))
+        self.assertIn("orders[1].delivery_end: found 200, expected a time after delivery_begin",
+                      self.error(order % "delivery_begin: 300, delivery_end: 200", 3))
+        self.assertIn("orders[1].ring_colors: found RING_BLUE on RING_BLUE",
+                      self.error((order % "ring_colors: [RING_BLUE, RING_BLUE]").replace("  - {complexity: C0, ring", "  - {complexity: C2, ring"), 3))
+        self.assertIn("overtime.delivery_begin: found 1500", self.error("overtime: {delivery_begin: 1500, delivery_end: 1600}\n", 1))
+
     def test_a_list_beside_the_file_is_an_error(self):
         self.write("g.yaml", "down: []\n")
         for key, value in ("orders", "[{}]"), ("layout", "[{machine: C-BS, zone: C_Z23}]"):

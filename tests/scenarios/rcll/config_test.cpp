@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "scenarios/rcll/layout.h"
+
 namespace cxlab::rcll {
 namespace {
 
@@ -90,6 +92,18 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
            {"orders[0].delivery_gate", [](WorldConfig& c) { c.orders[0].delivery_gate = 4; }},
            {"orders[0].quantity", [](WorldConfig& c) { c.orders[0].quantity = 0; }},
            {"orders[0].delivery_end", [](WorldConfig& c) { c.orders[0].delivery_end = c.orders[0].delivery_begin; }},
+           {"orders[0].activate_at", [](WorldConfig& c) { c.orders[0].activate_at = c.orders[0].delivery_end; }},
+           {"orders[1].ring_colors", [](WorldConfig& c) { c.orders[1].ring_colors[1] = c.orders[1].ring_colors[0]; }},
+           {"orders[1].delivery_begin",
+            [](WorldConfig& c) {
+              c.orders[1].delivery_begin = 1200;
+              c.orders[1].delivery_end = 1300;
+            }},
+           {"orders[0].activate_at",
+            [](WorldConfig& c) {
+              c.orders[0].activate_at = 1200;
+              c.orders[0].delivery_end = 1300;
+            }},
        }) {
     WorldConfig config;
     config.orders.resize(2);
@@ -111,7 +125,7 @@ TEST(WorldConfig, LimitsThemselvesAreAccepted) {
     config.robots = most ? 3 : 0;
     config.setup_s = config.shelf_refill_s = config.repair_s = most ? 1e6 : 0;
     config.production_s = most ? 1e6 : 1;
-    order.activate_at = order.delivery_begin = most ? 1e6 : 0;
+    order.activate_at = order.delivery_begin = most ? 1e6 - 1 : 0;
     order.delivery_end = order.delivery_begin + 1;
     order.delivery_gate = most ? 3 : 1;
     order.quantity = most ? 1000 : 1;
@@ -126,6 +140,136 @@ TEST(WorldConfig, LimitsThemselvesAreAccepted) {
   }
   order.quantity = 1001;
   EXPECT_FALSE(validate(config));
+}
+
+TEST(WorldConfig, OrdersBeginBeforeProductionEndsOrWouldEndInTheLeague) {
+  const auto begins_at = [](double begin, double production_s) {
+    WorldConfig config;
+    config.production_s = production_s;
+    OrderConfig& order = config.orders.emplace_back();
+    order.delivery_begin = begin;
+    order.delivery_end = begin + 100;
+    return static_cast<bool>(validate(config));
+  };
+  EXPECT_TRUE(begins_at(1199, 1200));
+  EXPECT_FALSE(begins_at(1200, 1200));
+  EXPECT_TRUE(begins_at(1199, 300)) << "a game that is cut short";
+  EXPECT_FALSE(begins_at(1200, 300));
+  EXPECT_TRUE(begins_at(1500, 2000));
+  EXPECT_FALSE(begins_at(2000, 2000));
+}
+
+OrderConfig timed(double activate_at, double begin, double end) {
+  OrderConfig order;
+  order.activate_at = activate_at;
+  order.delivery_begin = begin;
+  order.delivery_end = end;
+  return order;
+}
+
+GameFile drawn_file() {
+  GameFile file;
+  RandomStream random(3, "layout");
+  file.layout = listed(draw_layout(random, false));
+  file.orders.emplace().resize(2);
+  file.down = {{"RS1", 10, 20}, {"CS1", 10, 20}, {"RS1", 20, 30}};
+  file.overtime.emplace();
+  file.overtime->delivery_begin = 1200;
+  file.overtime->delivery_end = 1500;
+  return file;
+}
+
+std::string error_of(const GameFile& file, const WorldConfig& config = {}) {
+  const Status status = validate(file);
+  if (!status) return status.error().message;
+  const Status times = check_times(file, config);
+  return times ? "" : times.error().message;
+}
+
+TEST(GameFile, IsAGameThatCanBePlayed) {
+  EXPECT_EQ(error_of(drawn_file()), "");
+  const auto with = [](auto change) {
+    GameFile file = drawn_file();
+    change(file);
+    return error_of(file);
+  };
+  EXPECT_EQ(with([](GameFile& f) { f.orders->clear(); }),
+            "orders: found an empty list, expected an order at least; without this key they are drawn");
+  EXPECT_EQ(with([](GameFile& f) { f.down->push_back({"CS1", 19, 40}); }),
+            "down[3].begin_s: found 19, expected a time at which CS1 is not down: down[1] is from 10 to 20");
+  EXPECT_THAT(with([](GameFile& f) { f.down->push_back({"RS1", 5, 40}); }), HasSubstr("down[0] is from 10 to 20"));
+  EXPECT_THAT(with([](GameFile& f) { f.down->push_back({"RS1", 12, 13}); }), HasSubstr("down[0] is from 10 to 20"));
+  EXPECT_EQ(with([](GameFile& f) { f.down->push_back({"CS2", 19, 40}); }), "");
+  EXPECT_EQ(with([](GameFile& f) { f.down->push_back({"CS2", 1500, 1540}); }),
+            "down[3].begin_s: found 1500, expected a time before the end of the game at 1500");
+  EXPECT_EQ(with([](GameFile& f) { (*f.orders)[1] = timed(0, 1200, 1300); }),
+            "orders[1].delivery_begin: found 1200, expected a time before the end of the game at 1200");
+  EXPECT_EQ(with([](GameFile& f) { (*f.orders)[1] = timed(1200, 0, 1300); }),
+            "orders[1].activate_at: found 1200, expected a time before the end of the game at 1200");
+  EXPECT_EQ(with([](GameFile& f) { (*f.orders)[0].activate_at = 1200; }),
+            "orders[0].activate_at: found 1200, expected a time before delivery_end");
+  EXPECT_EQ(with([](GameFile& f) { f.overtime->delivery_begin = 1500, f.overtime->delivery_end = 1501; }),
+            "overtime.delivery_begin: found 1500, expected a time before the end of the game at 1500");
+  EXPECT_EQ(with([](GameFile& f) {
+              OrderConfig& order = f.orders->emplace_back();
+              order.complexity = "C2";
+              order.ring_colors = {"RING_BLUE", "RING_BLUE"};
+            }),
+            "orders[2].ring_colors: found RING_BLUE on RING_BLUE, expected another colour than that of the ring below");
+}
+
+TEST(GameFile, TimesFollowTheLengthOfTheGame) {
+  GameFile file = drawn_file();
+  (*file.orders)[0] = timed(0, 1300, 1400);
+  file.overtime->delivery_begin = 1700;
+  file.overtime->delivery_end = 1800;
+  WorldConfig longer;
+  longer.production_s = 1500;
+  EXPECT_NE(error_of(file), "");
+  EXPECT_EQ(error_of(file, longer), "");
+  longer.production_s = 300;
+  longer.overtime_s = 0;
+  EXPECT_EQ(error_of(drawn_file(), longer), "") << "a game of the league that is cut short";
+}
+
+TEST(GameFile, HasTwoHalvesThatMirrorEachOther) {
+  const auto with = [](auto change) {
+    GameFile file = drawn_file();
+    change(file);
+    return error_of(file);
+  };
+  const auto find = [](GameFile& file, const char* name) -> PlacedMachine& {
+    return *std::ranges::find(*file.layout, name, &PlacedMachine::machine);
+  };
+  const std::string said = with([&](GameFile& f) { find(f, "M-BS").zone = "M_Z11"; });
+  EXPECT_THAT(said, testing::MatchesRegex("layout.7..zone: found M_Z11, expected M_Z.., opposite to C-BS; .*"));
+  EXPECT_THAT(with([&](GameFile& f) { find(f, "C-SS").zone = "C_Z11"; }),
+              testing::MatchesRegex("layout.[0-9]+..zone: found M_Z.., expected M_Z11, opposite to C-SS; .*"));
+  EXPECT_THAT(with([&](GameFile& f) { std::swap(find(f, "C-BS").zone, find(f, "M-BS").zone); }),
+              testing::Not(HasSubstr("zone")));
+  EXPECT_THAT(with([&](GameFile& f) { find(f, "M-DS").rotation = (find(f, "M-DS").rotation + 45) % 360; }),
+              HasSubstr(".rotation: found "));
+  EXPECT_EQ(with([&](GameFile& f) {
+              f.mirrored = false;
+              find(f, "M-DS").rotation = (find(f, "M-DS").rotation + 45) % 360;
+              find(f, "M-BS").zone = "M_Z11";
+            }),
+            "");
+  EXPECT_NE(with([&](GameFile& f) {
+              f.mirrored = true;
+              find(f, "M-BS").zone = "M_Z11";
+            }),
+            "");
+}
+
+TEST(GameFile, TakesEachLayoutThatIsDrawn) {
+  for (const bool shelf_faces_wall : {false, true})
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+      RandomStream random(seed, "layout");
+      GameFile file;
+      file.layout = listed(draw_layout(random, shelf_faces_wall));
+      EXPECT_EQ(error_of(file), "") << seed;
+    }
 }
 
 TEST(WorldConfig, AnOrderMustHaveTheRingsOfItsComplexity) {

@@ -439,7 +439,8 @@ TEST(Result, SaysWhatWasOrderedDeliveredAndEarned) {
   late.complexity = "C1";
   late.ring_colors = {"RING_ORANGE"};
   late.activate_at = 10;
-  never.activate_at = 500;
+  never.activate_at = never.delivery_begin = 500;
+  never.delivery_end = 600;
   config.orders.insert(config.orders.end(), {late, never});
   GameStory story(config);
   story.run_until(20);
