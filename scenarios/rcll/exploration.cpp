@@ -4,18 +4,36 @@
 
 namespace cxlab::rcll {
 
-Exploration::Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on)
-    : plan_(plan), clock_(clock), on_(on), findings_(plan.stations.size()) {}
+Exploration::Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on, bool by_type)
+    : plan_(plan), clock_(clock), on_(on), by_type_(by_type), findings_(plan.stations.size()) {}
 
 std::vector<std::int64_t> Exploration::report(Team team, const MachineReport& entry, SimTime now) {
   if (over(now) || now < clock_.production_begin) return {};
+  const auto named = plan_.find_station(entry.name);
+  if (by_type_ && named) {
+    const sim::Station& station = plan_.station(*named);
+    if (!count(team, station.kind, station.name)) return {};
+  }
   int& entries = entries_[static_cast<std::size_t>(team)];
-  if (entries == kMostEntries || !nonsense(team, entry).empty()) return {};
+  if ((!by_type_ && entries == kMostEntries) || !nonsense(team, entry).empty()) return {};
   const std::uint64_t before = changes_;
-  std::vector<std::int64_t> points =
-      entry.name.empty() ? report_type(team, entry) : report_machine(*plan_.find_station(entry.name), entry);
+  std::vector<std::int64_t> points = named ? report_machine(*named, entry) : report_type(team, entry);
   if (changes_ != before) ++entries;
   return points;
+}
+
+std::ptrdiff_t Exploration::machines_of(Team team, const std::string& type) const {
+  return std::ranges::count_if(plan_.stations,
+                               [&](const sim::Station& s) { return s.kind == type && team_of(s) == team; });
+}
+
+bool Exploration::count(Team team, const std::string& type, const std::string& name) {
+  const auto of_type = [&](const Reported& r) { return r.team == team && r.type == type; };
+  if (!name.empty() && std::ranges::any_of(reported_, [&](const Reported& r) { return of_type(r) && r.name == name; }))
+    return true;
+  if (std::ranges::count_if(reported_, of_type) >= machines_of(team, type)) return false;
+  reported_.push_back({team, type, name});
+  return true;
 }
 
 std::string Exploration::nonsense(Team team, const MachineReport& entry) const {
@@ -56,17 +74,19 @@ std::vector<std::int64_t> Exploration::report_machine(sim::StationId machine, co
 }
 
 std::vector<std::int64_t> Exploration::report_type(Team team, const MachineReport& entry) {
-  const auto of_type = [&](const sim::Station& s) { return s.kind == entry.type && team_of(s) == team; };
   const auto said = [&](const TypeFeedback& f) { return f.team == team && f.type == entry.type; };
-  // What was said of a zone before counts, and each report uses one of that type up.
+  // What was said of a zone before counts.
   if (std::ranges::any_of(feedback_, [&](const TypeFeedback& f) { return said(f) && f.zone == entry.zone; })) return {};
-  if (std::ranges::count_if(feedback_, said) >= std::ranges::count_if(plan_.stations, of_type)) return {};
-  const auto there = std::ranges::find_if(
-      plan_.stations, [&](const sim::Station& s) { return of_type(s) && to_string(zone_of(s)) == entry.zone; });
-  const bool right = there != plan_.stations.end();
+  const auto there = std::ranges::find_if(plan_.stations, [&](const sim::Station& s) {
+    return s.kind == entry.type && (by_type_ || team_of(s) == team) && to_string(zone_of(s)) == entry.zone;
+  });
+  const std::string name = there != plan_.stations.end() ? there->name : "";
+  if (by_type_ ? !count(team, entry.type, name)
+               : std::ranges::count_if(feedback_, said) >= machines_of(team, entry.type))
+    return {};
   ++changes_;
-  feedback_.push_back({team, entry.type, entry.zone, right ? there->name : ""});
-  return right ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{-1};
+  feedback_.push_back({team, entry.type, entry.zone, name});
+  return name.empty() ? std::vector<std::int64_t>{-1} : std::vector<std::int64_t>{};
 }
 
 std::vector<std::string> Exploration::reported(Team team) const {

@@ -2,9 +2,13 @@
 // The first 180 s of production: a team reports where its machines stand. What is right is published to it and may be
 // instructed; what is wrong costs points. Afterwards all machines are known.
 //
-// As the referee box judges: of zone and rotation of a machine the first value counts. Zone right +1, wrong -1;
-// rotation right +1, wrong -1, and neither when the zone is wrong. An entry without a name says that a machine of that
-// type stands in a zone: right, and the team is told its name; wrong -1, as often as there are machines of that type.
+// Of zone and rotation of a machine the first value counts. Zone right +1, wrong -1; rotation right +1, wrong -1, and
+// neither when the zone is wrong. An entry without a name says that a machine of that type stands in a zone: right, and
+// the team is told its name; wrong -1.
+//
+// The referee box lets a team report as many machines of a type as it has. A machine of either team that an entry
+// names, or that stands where an entry says, is one of them; so is each wrong entry of a type. The rulebook allows
+// fourteen entries, and as many of a type as the team has such machines; those of the other team do not count.
 
 #include <cstdint>
 #include <optional>
@@ -36,7 +40,7 @@ struct TypeFeedback {
 class Exploration {
  public:
   static constexpr double kLength = 180;   ///< s of production
-  static constexpr int kMostEntries = 14;  ///< of a team; those that say nothing new do not count
+  static constexpr int kMostEntries = 14;  ///< of a team, by the rulebook; those that say nothing new do not count
 
   enum class Guess : std::uint8_t { kOpen, kRight, kWrong };
   struct Finding {
@@ -44,8 +48,8 @@ class Exploration {
     bool complete() const { return zone == Guess::kRight && rotation == Guess::kRight; }
   };
 
-  /// Without `on` all machines are known from the start. The clock outlives it.
-  Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on);
+  /// Without `on` all machines are known from the start. `by_type`: as the referee box judges. The clock outlives it.
+  Exploration(const sim::FloorPlan& plan, const GameClock& clock, bool on, bool by_type);
 
   /// Judges an entry; what it earns, point by point (each 1 or -1).
   std::vector<std::int64_t> report(Team team, const MachineReport& entry, SimTime now);
@@ -66,14 +70,25 @@ class Exploration {
   SimTime end() const { return on_ ? clock_.at(kLength) + SimTime{1} : kNever; }
 
  private:
+  /// A machine that a team has reported, as the referee box counts them.
+  struct Reported {
+    Team team{};
+    std::string type;
+    std::string name;  ///< empty: a wrong entry of that type
+  };
   std::vector<std::int64_t> report_machine(sim::StationId machine, const MachineReport& entry);
   std::vector<std::int64_t> report_type(Team team, const MachineReport& entry);
 
+  std::ptrdiff_t machines_of(Team team, const std::string& type) const;
+  /// Whether the team may still report that machine; if so it is reported.
+  bool count(Team team, const std::string& type, const std::string& name);
+
   const sim::FloorPlan& plan_;
   const GameClock& clock_;
-  bool on_;
+  bool on_, by_type_;
   std::vector<Finding> findings_;  ///< by station
   std::vector<TypeFeedback> feedback_;
+  std::vector<Reported> reported_;
   std::array<int, 2> entries_{};  ///< by team
   std::uint64_t changes_ = 0;
 };

@@ -35,7 +35,6 @@ sim::Lights lights_of(MachineState state) {
 sim::Lights lights_of(const Exploration::Finding& finding) {
   using sim::Light;
   using Guess = Exploration::Guess;
-  if (finding.complete()) return lights_of(MachineState::kIdle);
   if (finding.zone == Guess::kOpen) return {Light::kOff, Light::kOn, Light::kOff};
   if (finding.zone == Guess::kWrong) return {Light::kOn, Light::kOn, Light::kOff};
   return {finding.rotation == Guess::kWrong ? Light::kOn : Light::kOff, Light::kBlink, Light::kOff};
@@ -121,9 +120,10 @@ void Machine::change_state(SimTime now, sim::World& world) {
   if (state_ == MachineState::kReadyAtOutput && world.at(ready_spot()) == nullptr) enter(MachineState::kWaitIdle, now);
   if (!working(state_)) return;
   if (hardware_.command == Command::kNone) proceed(now, world);
-  if (working(state_) && in_phase(now) > kStuckTime && !may_wait())
-    break_down(now, world, InstructError::kNoWorkpiece,
-               "stuck for 20 s in " + std::string(to_string(state_)) + ": no workpiece where it was expected");
+  if (working(state_) && in_phase(now) > kStuckTime && !may_wait()) {
+    const Refusal missing = lacks();
+    break_down(now, world, missing.error, "stuck for 20 s in " + std::string(to_string(state_)) + ": " + missing.text);
+  }
 }
 
 SimTime Machine::next_due() const {
@@ -298,7 +298,8 @@ void Machine::follow_down_times(SimTime now, sim::World& world) {
 void Machine::show_lights(SimTime now, sim::World& world) {
   using sim::Light;
   sim::Lights shown = lights_of(state_);
-  if (state_ == MachineState::kIdle && context_.exploration && !context_.exploration->over(now))
+  const bool shows_report = state_ == MachineState::kIdle || context_.rules.report_hides_broken;
+  if (shows_report && context_.exploration && !context_.exploration->knows(id_, now))
     shown = lights_of(context_.exploration->finding(id_));
   if (context_.clock.phase(now) == Phase::kSetup) shown = {Light::kOn, Light::kOn, Light::kOn};
   if (context_.clock.phase(now) == Phase::kPostGame) shown = {Light::kBlink, Light::kOff, Light::kOff};

@@ -173,7 +173,7 @@ class Machine {
     std::string text;
     bool breaks = false;
   };
-  virtual Refusal check(const Instruction& instruction) const = 0;
+  virtual Refusal check(const Instruction& instruction) = 0;
   /// Whether the instruction asks for no work: it is done at once, without a change of state.
   virtual bool done_at_once(const Instruction&) { return false; }
   /// An instruction was accepted: the machine is PREPARED. Most take the workpiece in.
@@ -188,6 +188,8 @@ class Machine {
   virtual SimTime observe_due() const { return kNever; }
   /// When `proceed` has something to do in a phase without a command; never = only when the world changes.
   virtual SimTime proceed_due() const { return kNever; }
+  /// What the machine lacks when it is stuck: the error of its instruction.
+  virtual Refusal lacks() const { return {InstructError::kNoWorkpiece, "no workpiece where it was expected"}; }
   /// Whether the current phase may last longer than the 20 s after which a machine counts as stuck.
   virtual bool may_wait() const { return false; }
   /// Forgets payments and caps.

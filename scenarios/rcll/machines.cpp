@@ -21,7 +21,7 @@ constexpr int kMaxPayments = 3;
 
 // --- BaseStation
 
-Machine::Refusal BaseStation::check(const Instruction& instruction) const {
+Machine::Refusal BaseStation::check(const Instruction& instruction) {
   if (instruction.side != "INPUT" && instruction.side != "OUTPUT")
     return {InstructError::kInvalid, "side: found '" + instruction.side + "', expected INPUT or OUTPUT", true};
   const auto base = named<BaseColor>(instruction.base_color);
@@ -59,7 +59,7 @@ CapStation::CapStation(sim::StationId id, Team team, MachineContext& context, co
             *plan.find_spot(name() + "-SHELF-RIGHT")};
 }
 
-Machine::Refusal CapStation::check(const Instruction& instruction) const {
+Machine::Refusal CapStation::check(const Instruction& instruction) {
   if (instruction.operation == "RETRIEVE_CAP") {
     if (cap_buffered()) return {InstructError::kInvalid, "RETRIEVE_CAP while a cap is buffered", true};
   } else if (instruction.operation == "MOUNT_CAP") {
@@ -125,7 +125,7 @@ bool CapStation::operate(SimTime now, sim::World& world, const sim::Piece* piece
 
 // --- RingStation
 
-Machine::Refusal RingStation::check(const Instruction& instruction) const {
+Machine::Refusal RingStation::check(const Instruction& instruction) {
   const auto mounted = rings_of(name().substr(2));
   const auto ring = named<RingColor>(instruction.ring_color);
   if (!ring || std::ranges::find(mounted, *ring) == mounted.end())
@@ -133,16 +133,31 @@ Machine::Refusal RingStation::check(const Instruction& instruction) const {
             "ring_color: found '" + instruction.ring_color + "', expected " + std::string(to_string(mounted[0])) +
                 " or " + std::string(to_string(mounted[1])),
             true};
-  const int price = context_.schedule->price(*ring);
-  if (payments_ < price)
-    return {InstructError::kInvalid,
-            std::string(to_string(*ring)) + " costs " + std::to_string(price) + " payments, " +
-                std::to_string(payments_) + " lie on the slide",
-            true};
-  return {};
+  if (is_paid(instruction)) return {};
+  const Count count{paid_, used_};
+  // The referee box asks for payments once; asked again for the same it only waits.
+  if (context_.rules.unpaid_again_waits && count == refused_at_) return {};
+  refused_at_ = count;
+  return unpaid(instruction);
 }
 
-int RingStation::price() const { return context_.schedule->price(*named<RingColor>(instruction().ring_color)); }
+int RingStation::price(const Instruction& instruction) const {
+  return context_.schedule->price(*named<RingColor>(instruction.ring_color));
+}
+
+Machine::Refusal RingStation::unpaid(const Instruction& instruction) const {
+  return {InstructError::kInvalid,
+          instruction.ring_color + " costs " + std::to_string(price(instruction)) + " payments, " +
+              std::to_string(loaded_with()) + " lie on the slide",
+          true};
+}
+
+Machine::Refusal RingStation::lacks() const { return waits_for_payment_ ? unpaid(instruction()) : Machine::lacks(); }
+
+void RingStation::begin(SimTime now, sim::World& world) {
+  waits_for_payment_ = !is_paid(instruction());
+  if (!waits_for_payment_) Machine::begin(now, world);
+}
 
 void RingStation::observe(SimTime now, sim::World& world) {
   const auto slid = world.slid(id());
@@ -153,23 +168,29 @@ void RingStation::observe(SimTime now, sim::World& world) {
     return context_.rules.by_hand && robot && team_of(world.plan().robot(*robot)) != team();
   };
   for (; seen_ < count; ++seen_) {
-    if (broken() || is_foreign(slid[static_cast<std::size_t>(seen_)])) continue;
-    if (payments_ == kMaxPayments) {
+    if (is_foreign(slid[static_cast<std::size_t>(seen_)])) continue;
+    const bool full = loaded_with() == kMaxPayments;
+    // The referee box sees DOWN alone and not the BROKEN that it hides.
+    const bool hidden = state() != MachineState::kBroken && context_.rules.down_hides_broken;
+    if (broken() && (full || !hidden)) continue;
+    if (full) {
       break_down(now, world, InstructError::kBroken, "a fourth unused payment on its slide");
     } else {
-      ++payments_;
+      ++paid_;
       post(MachineEvent::Kind::kPayment, now);
     }
   }
 }
 
 void RingStation::proceed(SimTime now, sim::World& world) {
-  if (state() == MachineState::kPrepared) {
-    payments_ -= price();
+  if (waits_for_payment_) {
+    if (is_paid(instruction())) begin(now, world);
+  } else if (state() == MachineState::kPrepared) {
+    used_ += price(instruction());
     enter(MachineState::kProcessing, now);
     send(Command::kOperate, now, world, kRingTime);
   } else if (state() == MachineState::kProcessing) {
-    post(MachineEvent::Kind::kMounted, now, worked_on_).payments = price();
+    post(MachineEvent::Kind::kMounted, now, worked_on_).payments = price(instruction());
     enter(MachineState::kProcessed, now);
     send(Command::kToOutput, now, world);
   } else {
@@ -198,7 +219,7 @@ const Order* DeliveryStation::order() const {
   return at == orders.end() ? nullptr : &*at;
 }
 
-Machine::Refusal DeliveryStation::check(const Instruction& instruction) const {
+Machine::Refusal DeliveryStation::check(const Instruction& instruction) {
   const auto known = [&](const Order& order) { return order.id == instruction.order_id; };
   if (instruction.order_id != 0 && std::ranges::none_of(context_.schedule->orders, known))
     return {InstructError::kInvalid, "order_id: no order " + std::to_string(instruction.order_id), true};

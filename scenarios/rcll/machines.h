@@ -18,7 +18,7 @@ class BaseStation final : public Machine {
   using Machine::Machine;
 
  private:
-  Refusal check(const Instruction& instruction) const override;
+  Refusal check(const Instruction& instruction) override;
   void begin(SimTime, sim::World&) override {}
   void proceed(SimTime now, sim::World& world) override;
   bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
@@ -33,7 +33,7 @@ class CapStation final : public Machine {
   int loaded_with() const override { return cap_buffered() ? 1 : 0; }
 
  private:
-  Refusal check(const Instruction& instruction) const override;
+  Refusal check(const Instruction& instruction) override;
   void observe(SimTime now, sim::World& world) override;
   void proceed(SimTime now, sim::World& world) override;
   bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
@@ -53,18 +53,29 @@ class CapStation final : public Machine {
 class RingStation final : public Machine {
  public:
   using Machine::Machine;
-  int loaded_with() const override { return payments_; }
+  int loaded_with() const override { return paid_ - used_; }
 
  private:
-  Refusal check(const Instruction& instruction) const override;
+  Refusal check(const Instruction& instruction) override;
+  void begin(SimTime now, sim::World& world) override;
   void observe(SimTime now, sim::World& world) override;
   void proceed(SimTime now, sim::World& world) override;
   bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;
-  void clear() override { payments_ = 0; }
-  int price() const;  ///< of the instruction's ring
+  void clear() override { used_ = paid_; }
+  Refusal lacks() const override;
+  int price(const Instruction& instruction) const;  ///< of its ring
+  Refusal unpaid(const Instruction& instruction) const;
+  bool is_paid(const Instruction& instruction) const { return loaded_with() >= price(instruction); }
 
-  int payments_ = 0;  ///< not used yet
-  int seen_ = -1;     ///< of those that have slid in; -1 before production
+  struct Count {
+    int paid = -1, used = -1;
+    bool operator==(const Count&) const = default;
+  };
+  int paid_ = 0;              ///< bases that counted as payments
+  int used_ = 0;              ///< of these, by rings or forgotten
+  Count refused_at_;          ///< when an instruction was refused last for want of payments
+  bool waits_for_payment_{};  ///< PREPARED, and the belt does not run yet
+  int seen_ = -1;             ///< of those that have slid in; -1 before production
 };
 
 /// Takes products through gate 1, 2 or 3 once the order's window is open; order 0 is discarded at once. The product is
@@ -74,7 +85,7 @@ class DeliveryStation final : public Machine {
   using Machine::Machine;
 
  private:
-  Refusal check(const Instruction& instruction) const override;
+  Refusal check(const Instruction& instruction) override;
   void begin(SimTime, sim::World&) override {}
   void proceed(SimTime now, sim::World& world) override;
   bool operate(SimTime now, sim::World& world, const sim::Piece* piece) override;

@@ -40,7 +40,7 @@ GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, 
       schedule_(std::move(schedule)),
       plan_(plan),
       sink_(sink),
-      exploration_(plan, clock_, explore),
+      exploration_(plan, clock_, explore, rules_.reports_by_type),
       stream_(sink.open_stream("referee")) {
   for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
 }
@@ -73,6 +73,14 @@ std::string GameReferee::take_report(Team team, const MachineReport& entry, SimT
   write(now);
   for (const std::int64_t point : points) give(team, PointKind::kExploration, point, now);
   return nonsense;
+}
+
+std::string GameReferee::deny_report(Team team, const std::string& color, SimTime now) {
+  std::string reason = "found '" + color + "' as its team_color, expected " + std::string(to_string(team));
+  data_.begin().field("event", "report").field("team", to_string(team)).field("judged", false);
+  data_.field("reason", reason);
+  write(now);
+  return reason;
 }
 
 void GameReferee::take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error,
@@ -227,7 +235,10 @@ void GameReferee::note(const MachineEvent& event) {
       write_work(event, "cap_retrieved");
       give(team, PointKind::kBuffer, kBufferPoints, event.at);
       break;
-    case MachineEvent::Kind::kMounted: write_work(event, "mounted"); break;
+    case MachineEvent::Kind::kMounted:
+      write_work(event, "mounted");
+      if (event.stack.cap != 0) capped_at_[event.piece] = event.at;
+      break;
     case MachineEvent::Kind::kStored:
     case MachineEvent::Kind::kUnstored:
       write_work(event, event.kind == MachineEvent::Kind::kStored ? "stored" : "unstored");
@@ -310,6 +321,7 @@ void GameReferee::judge_delivery(OrderState& state, const MachineEvent& event, T
   delivery.reason = rejection(state, event, team, correct);
   delivery.correct = delivery.reason.empty();
   if (delivery.correct) accept(state, delivery, now);
+  if (delivery.reason == "surplus" && rules_.surplus_cap_counts) credit_cap(state, delivery, now);
   data_.begin().field("event", "delivery").field("order", delivery.order).field("team", to_string(team));
   data_.field("piece", static_cast<std::int64_t>(delivery.piece)).field("product", describe(delivery.stack));
   data_.field("correct", delivery.correct).field("points", delivery.points);
@@ -345,9 +357,20 @@ void GameReferee::accept(OrderState& state, Delivery& delivery, SimTime now) {
   give_for_order(PointKind::kCap, kCapPoints);
 
   storage_served_[team] |= from_storage(delivery.piece);
+  if (from_storage(delivery.piece)) state.owes_cap_since[team] = delivery.at;
   ++order_changes_;
   ++state.delivered[team];
   if (!state.delivered_at[team]) state.delivered_at[team] = delivery.at;
+  state.points[team] += delivery.points;
+}
+
+void GameReferee::credit_cap(OrderState& state, Delivery& delivery, SimTime now) {
+  const auto team = static_cast<std::size_t>(delivery.team);
+  std::optional<SimTime>& since = state.owes_cap_since[team];
+  const auto capped = capped_at_.find(delivery.piece);
+  if (!since || capped == capped_at_.end() || capped->second <= *since) return;
+  since.reset();
+  delivery.points = give(delivery.team, PointKind::kCap, kCapPoints, now, state.order.id);
   state.points[team] += delivery.points;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,6 +65,8 @@ struct OrderState {
   std::array<int, 2> delivered{};                        ///< accepted products
   std::array<std::optional<SimTime>, 2> delivered_at{};  ///< the first of them
   std::array<std::int64_t, 2> points{};
+  /// Since when the cap of the next surplus product counts: a stored product was accepted (RuleChoices).
+  std::array<std::optional<SimTime>, 2> owes_cap_since{};
 };
 
 /// Points taken off a delivery worth `points` that is `late_s` after a window of `window_s`. Referee box: a quarter of
@@ -84,6 +87,8 @@ class GameReferee {
   /// Judges one entry of a team's report of where its machines stand. What is wrong with one that names nothing that
   /// there is; else empty.
   std::string take_report(Team team, const MachineReport& entry, SimTime now);
+  /// A report on the team's channel that is not in its colour is denied; the reason.
+  std::string deny_report(Team team, const std::string& color, SimTime now);
   /// Takes points off (they are negative) as a penalty.
   void fine(Team team, std::int64_t points, SimTime now) { give(team, PointKind::kPenalty, points, now); }
   /// An instruction that a machine of the team has heard, and what it said.
@@ -130,6 +135,8 @@ class GameReferee {
   void judge_delivery(OrderState& state, const MachineEvent& event, Team team, std::optional<bool> correct,
                       SimTime now);
   void accept(OrderState& state, Delivery& delivery, SimTime now);
+  /// Gives the cap of a surplus product its points, where the referee box does.
+  void credit_cap(OrderState& state, Delivery& delivery, SimTime now);
   std::vector<OrderState>::iterator find_order(int id);
   std::int64_t give(Team team, PointKind kind, std::int64_t points, SimTime at, int order = 0);
   void put_holder(std::string_view key, sim::Holder holder, int index);
@@ -157,7 +164,8 @@ class GameReferee {
   bool from_storage(sim::PieceId piece) const { return std::ranges::find(from_storage_, piece) != from_storage_.end(); }
 
   std::vector<sim::PieceId> from_storage_, confiscated_;
-  std::array<bool, 2> storage_served_{};  ///< by team
+  std::map<sim::PieceId, SimTime> capped_at_;  ///< by a cap station
+  std::array<bool, 2> storage_served_{};       ///< by team
 };
 
 }  // namespace cxlab::rcll

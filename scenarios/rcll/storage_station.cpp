@@ -16,7 +16,7 @@ std::string text(const Storage::Slot& slot) {
 StorageStation::StorageStation(sim::StationId id, Team team, MachineContext& context, const sim::FloorPlan& plan)
     : Machine(id, team, context, plan), random_(context.seed, "storage/" + name()) {}
 
-Machine::Refusal StorageStation::check(const Instruction& instruction) const {
+Machine::Refusal StorageStation::check(const Instruction& instruction) {
   const auto refuse = [](std::string why) { return Refusal{InstructError::kInvalid, std::move(why), true}; };
   const std::string& operation = instruction.operation;
   if (operation != "STORE" && operation != "RETRIEVE" && operation != "CHANGE_INFO")
@@ -25,8 +25,10 @@ Machine::Refusal StorageStation::check(const Instruction& instruction) const {
   if (!Storage::exists(slot)) return refuse(text(slot) + ": shelves are 0 to 5, slots 0 to 7");
   const bool filled = storage_.at(slot).has_value();
   if (operation == "STORE" && filled) return refuse("STORE: " + text(slot) + " is filled");
-  if (operation != "STORE" && !filled) return refuse(operation + ": " + text(slot) + " is empty");
-  if (operation != "CHANGE_INFO" && storage_.blocker(slot) && storage_.free_slots(slot).empty())
+  if (operation == "CHANGE_INFO")
+    return filled ? Refusal{} : Refusal{InstructError::kInvalid, "CHANGE_INFO: " + text(slot) + " is empty"};
+  if (operation == "RETRIEVE" && !filled) return refuse("RETRIEVE: " + text(slot) + " is empty");
+  if (storage_.blocker(slot) && storage_.free_slots(slot).empty())
     return refuse(operation + ": a workpiece lies before " + text(slot) + ", and no other slot is free");
   return {};
 }

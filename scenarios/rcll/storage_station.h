@@ -14,7 +14,7 @@ class StorageStation final : public Machine {
   const Storage& storage() const { return storage_; }
 
  private:
-  Refusal check(const Instruction& instruction) const override;
+  Refusal check(const Instruction& instruction) override;
   bool done_at_once(const Instruction& instruction) override;
   void begin(SimTime now, sim::World& world) override;
   void proceed(SimTime now, sim::World& world) override;

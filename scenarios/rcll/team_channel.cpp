@@ -186,6 +186,11 @@ void TeamChannel::take_report(const bus::Delivery& delivery) {
 }
 
 void TeamChannel::judge_report(const bus::MessageView& report) {
+  const auto warn = [&](const std::string& why) {
+    if (warn_) warn_("a report of " + std::string(to_string(team_)) + " is ignored: " + why);
+  };
+  if (const std::string& color = report.text("team_color"); !color.empty() && color != to_string(team_))
+    return warn(referee_.deny_report(team_, color, world_.floor_time()));
   for (std::size_t i = 0; i < report.size("machines"); ++i) {
     const bus::MessageView entry = report.nested("machines", i);
     const auto rotation = static_cast<int>(entry.integer("rotation"));
@@ -193,7 +198,7 @@ void TeamChannel::judge_report(const bus::MessageView& report) {
                                                       {entry.text("name"), entry.text("type"), entry.text("zone"),
                                                        rotation < 0 ? std::nullopt : std::optional(rotation)},
                                                       world_.floor_time());
-    if (!nonsense.empty() && warn_) warn_("a report of " + std::string(to_string(team_)) + " is ignored: " + nonsense);
+    if (!nonsense.empty()) warn(nonsense);
   }
 }
 
@@ -212,7 +217,8 @@ void TeamChannel::publish_reports() {
     if (feedback.team != team_) continue;
     const bus::MessageView entry = message->append("reported_types");
     entry.set("type", feedback.type).set("zone", feedback.zone).set("name", feedback.name);
-    if (!feedback.name.empty()) entry.set("team_color", to_string(team_));
+    if (!feedback.name.empty())
+      entry.set("team_color", to_string(feedback.name.front() == letter(Team::kCyan) ? Team::kCyan : Team::kMagenta));
   }
   report_info_.publish(bus_, std::move(message));
 }

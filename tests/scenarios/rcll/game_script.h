@@ -17,8 +17,11 @@
 //   lies on that machine's belt hold PRODUCT | take SPOT | put SPOT | drop          by robot R1 down C-CS1 50 out of
 //   order for 50 s from now on
 //
-//   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report C-CS1 C_Z99 - | report - CS C_Z11
-//                                                       zone and rotation of a machine, or a type in a zone
+//   report C-CS1 RIGHT RIGHT | report C-CS1 WRONG - | report C-CS1 C_Z99 - | report - CS C_Z11 | report - CS C-CS2
+//                                                       zone and rotation of a machine, or a type in a zone, or there
+//                                                       where a machine stands; with `as MAGENTA` behind it in that
+//                                                       colour
+//   break C-RS1                                         it is BROKEN for a reason of its own
 //   maintenance 1 | maintenance 1 ends | maintenance 1 of MAGENTA      the team asks for it, or for its end
 //   robot 1 to 4.5 8.3                                   it stands there
 //   state PAUSED | state RUNNING                        somebody asks for it on /set_game_state
@@ -165,8 +168,13 @@ class GameScript {
     const bus::EndpointId reports = *story_->bus().advertise(story_->agent(), "/machine_report", type);
     bus::Message message(type);
     const bus::MessageView entry = message->append("machines");
+    if (words_.size() > 5 && word(4) == "as") message->set("team_color", word(5));
     if (word(1) == "-") {
-      entry.set("type", word(2)).set("zone", word(3) == "RIGHT" ? zone_of_first(word(2)) : word(3));
+      const auto there = story_->world().plan().find_station(word(3));
+      entry.set("type", word(2))
+          .set("zone", there                ? to_string(zone_of(story_->world().plan().station(*there)))
+                       : word(3) == "RIGHT" ? zone_of_first(word(2))
+                                            : word(3));
     } else {
       entry.set("name", word(1));
       const auto id = story_->world().plan().find_station(word(1));
@@ -226,6 +234,9 @@ class GameScript {
       const SimTime now = story_->world().floor_time();
       return machine(word(1)).add_down({now, now + from_seconds(number(word(2)))});
     }
+    if (verb == "break")
+      return expect_same(
+          machine(word(1)).fail(story_->world().floor_time(), story_->world(), "a fault") ? "" : "BROKEN", "");
     if (verb == "report") return report();
     if (verb == "maintenance") return ask_for_maintenance();
     if (verb == "robot") return use_robot();

@@ -79,11 +79,12 @@ class Script:
         draw = self.random
         machine = draw.choice(["BS", "CS1", "CS2", "RS1", "RS2", "DS", "SS"])
         right = draw.random() < 0.7
-        entry = {"name": f"{team}-{machine}" if draw.random() < 0.8 else "", "type": machine[:2],
-                 "zone": (team, machine) if right else draw.choice(["C_Z11", ""]),
+        whose, other = team if draw.random() < 0.8 else "MC"["CM".index(team)], "CYAN" if team == "M" else "MAGENTA"
+        entry = {"name": f"{whose}-{machine}" if draw.random() < 0.7 else "", "type": machine[:2],
+                 "zone": (whose, machine) if right else draw.choice(["C_Z11", ""]),
                  "rotation": -1 if draw.random() < 0.4 else 90}
         self.add(at, publish="/cyan/machine_report" if team == "C" else "/magenta/machine_report",
-                 type="rcll_interfaces/msg/MachineReport", data={"team_color": "", "machines": [entry]})
+                 type="rcll_interfaces/msg/MachineReport", data={"team_color": other if draw.random() < 0.1 else "", "machines": [entry]})
 
     def carry(self, robot, team):
         draw, at = self.random, self.random.uniform(5, 10)

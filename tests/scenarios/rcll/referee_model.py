@@ -21,8 +21,8 @@ BUSY = ("PREPARED", "PROCESSING", "PROCESSED")
 # Red, yellow, green: 0 off, 1 on, B blinks.
 LIGHTS = {"IDLE": "001", "PREPARED": "00B", "PROCESSING": "011", "PROCESSED": "011", "READY-AT-OUTPUT": "01B",
           "WAIT-IDLE": "0BB", "BROKEN": "BB0", "DOWN": "100"}
-# Of an idle machine while teams explore, by what was said of its zone and rotation.
-EXPLORED = {(None, None): "010", (True, None): "0B0", (False, None): "110", (True, False): "1B0", (True, True): "001"}
+# While teams explore, by what was said of a machine's zone and rotation; by the rulebook of an idle one.
+EXPLORED = {(None, None): "010", (True, None): "0B0", (False, None): "110", (True, False): "1B0"}
 # What a reason of the journal must contain, by that of the model.
 REASONS = {"stuck": "stuck for 20 s", "reset": "reset", "fault": "fault", "fourth": "fourth", "second": "instructed while"}
 ANSWERS = {"stuck": 202, "refused": 103, "piece": 103}
@@ -48,6 +48,8 @@ class Machine:
         self.belt = {"INPUT": None, "MIDDLE": None, "OUTPUT": None}
         self.downs, self.down_since, self.up = [], None, -1
         self.load = 0                      # unused payments, a buffered cap
+        self.paid = 0                      # payments so far
+        self.refused_at = None             # payments so far, and those unused, when a ring was not paid for last
         self.said = (None, None)           # of zone and rotation: right or wrong
         self.slots = {(shelf, 1): product.split() for shelf, product in enumerate(STORED)}
         self.first = set(self.slots)  # where those lie that were there at the beginning
@@ -92,7 +94,8 @@ class Machine:
             self.game.score(t, self.team, "penalty", -1)
         self.breaks.append((t, reason))
         if self.goal:
-            self.game.answer(self.goal, t, ANSWERS.get(reason, 1))
+            unpaid = reason == "stuck" and self.kind == "RS" and self.hidden == "PREPARED" and self.work is None
+            self.game.answer(self.goal, t, 103 if unpaid else ANSWERS.get(reason, 1))
         self.goal = self.work = None
         self.since, self.belt = t, dict.fromkeys(self.belt)
         self.seen.append((t, "BROKEN"))
@@ -112,10 +115,12 @@ class Machine:
             self.work = (self.work[0], NEVER)
 
     def pay(self, t):
-        if self.hidden == "BROKEN":
+        """The referee box looks at DOWN alone, and not at what that hides."""
+        if self.hidden == "BROKEN" and (self.game.book or self.state == "BROKEN" or self.load == 3):
             return
         if self.load == 3:
             return self.break_down(t, "fourth")
+        self.paid += 1
         self.take(t, self.load + 1)
         self.game.score(t, self.team, "payment", 2)
 
@@ -151,13 +156,15 @@ class Machine:
             if self.game.book and self.state not in ("BROKEN", "DOWN"):
                 self.break_down(t, "second")
             return 209
-        if self.refuses(goal):
+        if operation == "CHANGE_INFO" and (goal["shelf"], goal["slot"]) not in self.slots and goal["shelf"] < 6:
+            return 103
+        if self.refuses(goal) or self.refuses_unpaid(goal):
             self.break_down(t, "refused")
             return 103
         if operation == "CHANGE_INFO":
             return 0
         self.goal, self.side = goal, goal["side"] if self.kind == "BS" else "OUTPUT"
-        takes_in = self.kind in ("CS", "RS") or operation == "STORE"
+        takes_in = self.kind == "CS" or operation == "STORE" or self.kind == "RS" and self.is_paid()
         self.step(t, "PREPARED", "in" if takes_in else None, NEVER)
         self.look(t)
         return None
@@ -170,12 +177,22 @@ class Machine:
         if self.kind == "CS":
             return operation != ("RETRIEVE_CAP", "MOUNT_CAP")[self.load]
         if self.kind == "RS":
-            return goal["ring_color"] not in RINGS_OF[self.number] or self.load < self.game.price[goal["ring_color"]]
+            return goal["ring_color"] not in RINGS_OF[self.number]
         if self.kind == "DS":
             return goal["order_id"] != 0 and goal["order_id"] not in self.game.orders
         place = (goal["shelf"], goal["slot"])
         return (operation not in ("STORE", "RETRIEVE", "CHANGE_INFO") or place[0] > 5 or place[1] > 7
                 or (place in self.slots) == (operation == "STORE"))
+
+    def is_paid(self):
+        return self.load >= self.game.price[self.goal["ring_color"]]
+
+    def refuses_unpaid(self, goal):
+        """The referee box lets the second instruction in a row wait for payments."""
+        if self.kind != "RS" or self.load >= self.game.price[goal["ring_color"]]:
+            return False
+        again, self.refused_at = self.refused_at == (self.paid, self.load), (self.paid, self.load)
+        return self.game.book or not again
 
     # --- What follows by itself
 
@@ -290,6 +307,10 @@ class Machine:
                 self.step(t, "PROCESSING", "gate", NEVER)
         elif self.kind == "BS":
             self.step(t, "PROCESSING", "operate", DISPENSE)
+        elif self.kind == "RS" and self.work is None:
+            if self.is_paid():
+                self.work = ("in", NEVER)
+                self.run_hardware(t)
         elif done or self.goal["operation"] == "RETRIEVE":
             if self.kind == "RS":
                 self.take(t, self.load - self.game.price[self.goal["ring_color"]])
@@ -316,6 +337,8 @@ class Machine:
             self.take(t, 1)
             game.score(t, self.team, "buffer", 2)
         elif self.kind != "BS":
+            if self.kind == "CS":
+                game.capped[piece] = t
             game.parts[piece] = game.parts[piece] + [self.goal["ring_color"] if self.kind == "RS" else CAP_OF[self.number]]
             self.take(t, 0 if self.kind == "CS" else self.load)
         if self.kind == "DS" or operation == "STORE":
@@ -338,6 +361,8 @@ class Game:
         self.parts, self.from_storage, self.served = {}, set(), set()
         self.scores, self.verdicts, self.answers, self.problems = [], [], {}, []
         self.entries, self.types, self.cycles = (collections.Counter() for _ in range(3))
+        self.reported = collections.defaultdict(list)  # by team and type: machines, None for a wrong entry of the type
+        self.capped, self.owes_cap = {}, {}  # when pieces got their caps; since when the cap of a surplus product counts
         self.read_game((folder / "game.yaml").read_text())
         self.records = []
         for line in (folder / "journal.jsonl").open():
@@ -425,7 +450,13 @@ class Game:
             points += [("ring", (5, 10, 20)[self.price[ring]]) for ring in order["parts"][1:-1]]
             if order["competitive"] and not count:
                 points.append(("competitive", 10 if not others else -min(10, worth - less) if self.book else -10))
-            self.served |= {team} if piece in self.from_storage else set()
+            if piece in self.from_storage:
+                self.served.add(team)
+                self.owes_cap[team, number] = t
+        elif (not self.book and now >= max(begin, order["activate_at"]) - 1e-9 and self.parts[piece] == order["parts"]
+              and self.capped.get(piece, -1) > self.owes_cap.get((team, number), NEVER)):
+            del self.owes_cap[team, number]
+            points = [("cap", 10)]
         for kind, value in points:
             self.score(t, team, kind, value, number)
         self.verdicts.append((t, team, number, piece, correct, sum(value for _, value in points)))
@@ -463,7 +494,7 @@ class Game:
                 else:
                     self.hear(t, goal)
             elif d.get("op") == "publish" and d["name"].endswith("/machine_report"):
-                for entry in d["msg"]["machines"]:
+                for entry in d["msg"]["machines"] if d["msg"]["team_color"] in ("", self.told(d["name"])) else ():
                     self.report(t, self.told(d["name"]), entry)
             elif d.get("fault") == "machine_breaks" and d["acted"]:
                 self.machines[d["machine"]].break_down(t, "fault")
@@ -481,20 +512,34 @@ class Game:
         if code is not None:
             self.answer(goal, t, code)
 
+    def may_report(self, team, kind, machine):
+        """The referee box: as many machines of a type as the team has."""
+        of_type = self.reported[team, kind]
+        if machine is None or machine not in of_type:
+            if len(of_type) == sum((m.team, m.kind) == (team, kind) for m in self.machines.values()):
+                return False
+            of_type.append(machine)
+        return True
+
     def report(self, t, team, entry):
-        if not self.explores(t) or not self.production(t) or self.entries[team] == 14:
+        if not self.explores(t) or not self.production(t) or self.book and self.entries[team] == 14:
             return
         named, of_type, points = self.machines.get(entry["name"]), (team, entry["type"]), []
         mine = [m for m in self.machines.values() if (m.team, m.kind) == of_type]
-        if named and named.team == team:
-            sensible = not entry["zone"] or entry["zone"] in ZONES
+        if named:
+            if not self.book and not self.may_report(team, named.kind, named):
+                return
+            sensible = named.team == team and (not entry["zone"] or entry["zone"] in ZONES)
             points = named.report(t, entry["zone"], entry["rotation"]) if sensible else []
             self.entries[team] += bool(points)
-        elif (not entry["name"] and mine and entry["zone"] in ZONES and not self.types[of_type, entry["zone"]]
-              and self.types[of_type] < len(mine)):
+        elif not entry["name"] and mine and entry["zone"] in ZONES and not self.types[of_type, entry["zone"]]:
+            there = [m for m in self.machines.values() if m.kind == entry["type"] and m.zone == entry["zone"]
+                     and (m.team == team or not self.book)]
+            if self.types[of_type] == len(mine) if self.book else not self.may_report(*of_type, there[0] if there else None):
+                return
             self.entries[team] += 1
             self.types.update([of_type, (of_type, entry["zone"])])
-            points = [] if any(m.zone == entry["zone"] for m in mine) else [-1]
+            points = [] if there else [-1]
         for value in points:
             self.score(t, team, "exploration", value)
 
@@ -580,8 +625,8 @@ class Game:
         for said in machines:
             machine = self.machines[said["name"]]
             lights = {LIGHTS[said["state"]]}
-            if self.explored and said["state"] == "IDLE" and t - self.begin < 180.03:
-                found = {EXPLORED[x] for x in around(machine.findings)}
+            if self.explored and (said["state"] == "IDLE" or not self.book) and t - self.begin < 180.03:
+                found = {LIGHTS[said["state"]] if x == (True, True) else EXPLORED[x] for x in around(machine.findings)}
                 lights = found | lights if t - self.begin > 179.97 else found
             if t < self.begin + 0.03:
                 lights = {"111", "000"} | lights  # set-up, and before it

@@ -79,6 +79,161 @@ std::span<const Row> breaking_rows() {
         wait 31
         C-RS1 is IDLE
         loaded C-RS1 0)"},
+      {"breaking: a base on the slide of a station that is BROKEN and DOWN is paid and not taken back",
+       R"(hold BASE_RED
+        put C-RS1-SLIDE
+        wait 0.04
+        break C-RS1
+        wait 0.04
+        points
+        hold BASE_BLACK
+        put C-RS1-SLIDE
+        wait 0.04
+        points
+        down C-RS1 20
+        hold BASE_SILVER
+        wait 1
+        C-RS1 is DOWN
+        put C-RS1-SLIDE
+        wait 0.04
+        given payment 2 payment -2 payment 2
+        wait 20
+        C-RS1 is BROKEN
+        hold BASE_SILVER
+        put C-RS1-SLIDE
+        wait 10
+        C-RS1 is IDLE
+        loaded C-RS1 0
+        points payment 2)",
+       kBox},
+      {"breaking: a base for which a slide that is BROKEN and DOWN has no room counts nothing",
+       R"(hold BASE_RED
+        put C-RS2-SLIDE
+        hold BASE_RED
+        put C-RS2-SLIDE
+        hold BASE_RED
+        put C-RS2-SLIDE
+        wait 0.04
+        break C-RS2
+        down C-RS2 10
+        wait 1
+        hold BASE_RED
+        put C-RS2-SLIDE
+        wait 0.04
+        given payment 2 payment 2 payment 2 payment -6
+        C-RS2 is DOWN)",
+       kBox},
+      {"breaking: a base on the slide of a station that is BROKEN and DOWN counts nothing",
+       R"(break C-RS1
+        down C-RS1 20
+        hold BASE_SILVER
+        wait 1
+        C-RS1 is DOWN
+        put C-RS1-SLIDE
+        wait 35
+        loaded C-RS1 0
+        points)",
+       kBook},
+      {"breaking: a cap station that is BROKEN and DOWN keeps nothing, and its shelf is filled",
+       R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        break C-CS1
+        down C-CS1 40
+        take C-CS1-SHELF-LEFT
+        drop
+        take C-CS1-SHELF-MIDDLE
+        drop
+        take C-CS1-SHELF-RIGHT
+        drop
+        wait 25
+        C-CS1 is DOWN
+        at C-CS1-SHELF-LEFT BASE_CLEAR CAP_GREY
+        C-CS1 {operation: MOUNT_CAP} -> 209
+        C-CS1 {operation: RESET} -> 209
+        wait 16
+        C-CS1 is IDLE
+        C-CS1 {operation: MOUNT_CAP} -> 103)",
+       kBox},
+      {"breaking: an unpaid ring at once; the second time it waits for payments and works",
+       R"(lay BASE_RED at C-RS1-INPUT
+        C-RS1 {ring_color: RING_GREEN} -> 103
+        C-RS1 is BROKEN
+        wait 31
+        lay BASE_RED at C-RS1-INPUT
+        C-RS1 {ring_color: RING_GREEN}
+        wait 5
+        C-RS1 is PREPARED
+        at C-RS1-INPUT BASE_RED
+        lights C-RS1 OFF OFF BLINK
+        hold BASE_BLACK
+        put C-RS1-SLIDE
+        wait 5
+        C-RS1 is PREPARED
+        at C-RS1-INPUT BASE_RED
+        hold BASE_BLACK
+        put C-RS1-SLIDE
+        wait 2
+        C-RS1 is PROCESSING
+        loaded C-RS1 0
+        ends 0
+        at C-RS1-OUTPUT BASE_RED RING_GREEN
+        points payment 4)",
+       kBox},
+      {"breaking: an unpaid ring; the second time after 20 s, each time",
+       R"(C-RS2 {ring_color: RING_BLUE} -> 103
+        wait 31
+        C-RS2 {ring_color: RING_BLUE} -> 103 after 20.04
+        C-RS2 is BROKEN
+        told {"event": "broken", "reason": "stuck for 20 s in PREPARED: RING_BLUE costs 1 payments, 0 lie on the slide"}
+        wait 31
+        C-RS2 {ring_color: RING_BLUE} -> 103 after 20.04
+        points)",
+       kBox},
+      {"breaking: an unpaid ring with other counts than the last time at once",
+       R"(C-RS1 {ring_color: RING_GREEN} -> 103
+        wait 31
+        hold BASE_BLACK
+        put C-RS1-SLIDE
+        wait 1
+        C-RS1 {ring_color: RING_GREEN} -> 103 after 0.04
+        wait 31
+        C-RS1 {ring_color: RING_GREEN} -> 103 after 0.04
+        wait 31
+        C-RS1 {ring_color: RING_GREEN} -> 103 after 20.04
+        given payment 2 payment -2)",
+       kBox},
+      {"breaking: what a second unpaid instruction was paid is taken back",
+       R"(C-RS1 {ring_color: RING_GREEN} -> 103
+        wait 31
+        C-RS1 {ring_color: RING_GREEN}
+        hold BASE_BLACK
+        put C-RS1-SLIDE
+        ends 103
+        given payment 2 payment -2)",
+       kBox},
+      {"breaking: an unpaid ring each time at once",
+       R"(C-RS1 {ring_color: RING_GREEN} -> 103
+        wait 31
+        C-RS1 {ring_color: RING_GREEN} -> 103 after 0.04
+        C-RS1 is BROKEN)",
+       kBook},
+      {"breaking: other senseless instructions each time at once",
+       R"(C-CS1 {operation: MOUNT_CAP} -> 103
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 0} -> 103
+        C-DS {order_id: 99} -> 103
+        C-BS {side: OUTPUT} -> 103
+        C-RS1 {ring_color: RING_BLUE} -> 103
+        wait 31
+        C-CS1 {operation: MOUNT_CAP} -> 103 after 0.04
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 0} -> 103 after 0.04
+        C-DS {order_id: 99} -> 103 after 0.04
+        C-BS {side: OUTPUT} -> 103 after 0.04
+        C-RS1 {ring_color: RING_BLUE} -> 103 after 0.04
+        C-CS1 is BROKEN
+        C-SS is BROKEN
+        C-DS is BROKEN
+        C-BS is BROKEN
+        C-RS1 is BROKEN)"},
       {"breaking: a buffered cap is taken back",
        R"(lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
         C-CS1 {operation: RETRIEVE_CAP} -> 0

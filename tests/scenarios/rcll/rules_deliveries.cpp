@@ -60,6 +60,96 @@ std::span<const Row> delivery_rows() {
         C-DS {order_id: 1} -> 0
         verdict surplus
         points delivery 20 cap 10)"},
+      {"delivery: the cap of a surplus product counts that was made after a stored one was delivered, once",
+       R"(order C0 BASE_RED CAP_GREY
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict correct
+        lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        remove C-CS1
+        wait 6
+        lay BASE_RED at C-CS1-INPUT
+        C-CS1 {operation: MOUNT_CAP} -> 0
+        take C-CS1-OUTPUT
+        put C-DS-INPUT
+        given penalty -5 delivery 20 cap 10 buffer 2
+        C-DS {order_id: 1} -> 0
+        verdict surplus
+        given cap 10
+        told {"event": "delivery", "order": 1, "correct": false, "points": 10, "reason": "surplus"}
+        wait 6
+        lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        remove C-CS1
+        wait 6
+        lay BASE_RED at C-CS1-INPUT
+        C-CS1 {operation: MOUNT_CAP} -> 0
+        take C-CS1-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict surplus
+        given buffer 2)",
+       kBox},
+      {"delivery: no points for a surplus product that was made before a stored one was delivered",
+       R"(order C0 BASE_RED CAP_GREY
+        lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        remove C-CS1
+        wait 6
+        lay BASE_RED at C-CS1-INPUT
+        C-CS1 {operation: MOUNT_CAP} -> 0
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 6
+        take C-CS1-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict surplus
+        given buffer 2 penalty -5 delivery 20 cap 10)"},
+      {"delivery: no points for a surplus product that was not made, or another than the order asks for",
+       R"(order C0 BASE_RED CAP_GREY
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        wait 6
+        lay BASE_RED CAP_GREY at C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict surplus
+        lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        remove C-CS1
+        wait 6
+        lay BASE_BLACK at C-CS1-INPUT
+        C-CS1 {operation: MOUNT_CAP} -> 0
+        take C-CS1-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict wrong product
+        given penalty -5 delivery 20 cap 10 buffer 2)"},
+      {"delivery: no points for a surplus product after a stored one",
+       R"(order C0 BASE_RED CAP_GREY
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 1} -> 0
+        take C-SS-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        lay BASE_CLEAR CAP_GREY at C-CS1-INPUT
+        C-CS1 {operation: RETRIEVE_CAP} -> 0
+        remove C-CS1
+        wait 6
+        lay BASE_RED at C-CS1-INPUT
+        C-CS1 {operation: MOUNT_CAP} -> 0
+        take C-CS1-OUTPUT
+        put C-DS-INPUT
+        C-DS {order_id: 1} -> 0
+        verdict surplus
+        given penalty -5 delivery 20 cap 10 buffer 2)",
+       kBook},
       {"delivery: each product of the quantity counts",
        R"(order C0 BASE_RED CAP_GREY quantity 2
         lay BASE_RED CAP_GREY at C-DS-INPUT

@@ -89,6 +89,149 @@ std::span<const Row> exploration_rows() {
         given exploration -1
         report - BS C_Z61
         given)"},
+      {"exploration: each type, zone and rotation may be reported: fourteen points in 21 entries",
+       R"(exploration
+        report - BS C-BS
+        report - CS C-CS1
+        report - CS C-CS2
+        report - RS C-RS1
+        report - RS C-RS2
+        report - SS C-SS
+        report - DS C-DS
+        given
+        report C-BS RIGHT -
+        report C-CS1 RIGHT -
+        report C-CS2 RIGHT -
+        report C-RS1 RIGHT -
+        report C-RS2 RIGHT -
+        report C-SS RIGHT -
+        report C-DS RIGHT -
+        report C-BS - RIGHT
+        report C-CS1 - RIGHT
+        report C-CS2 - RIGHT
+        report C-RS1 - RIGHT
+        report C-RS2 - RIGHT
+        report C-SS - RIGHT
+        report C-DS - RIGHT
+        points exploration 14
+        C-DS {order_id: 1} -> 202)",
+       kBox},
+      {"exploration: fourteen entries of a team, also when they are of types",
+       R"(exploration
+        report - BS C-BS
+        report - CS C-CS1
+        report - CS C-CS2
+        report - RS C-RS1
+        report - RS C-RS2
+        report - SS C-SS
+        report - DS C-DS
+        report C-BS RIGHT -
+        report C-CS1 RIGHT -
+        report C-CS2 RIGHT -
+        report C-RS1 RIGHT -
+        report C-RS2 RIGHT -
+        report C-SS RIGHT -
+        report C-DS RIGHT -
+        points exploration 7
+        report C-DS - RIGHT
+        points exploration 7)",
+       kBook},
+      {"exploration: a wrong entry of a type uses up a machine of that type",
+       R"(exploration
+        report - BS C_Z51
+        report C-BS RIGHT RIGHT
+        given exploration -1
+        told {"event": "report", "machine": "C-BS", "judged": false}
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        report - CS C_Z51
+        report C-CS2 RIGHT RIGHT
+        report C-CS1 RIGHT RIGHT
+        given exploration -1 exploration 1 exploration 1
+        C-CS1 {operation: MOUNT_CAP} -> 209
+        C-CS2 {operation: MOUNT_CAP} -> 103
+        report C-DS RIGHT RIGHT
+        given exploration 1 exploration 1)",
+       kBox},
+      {"exploration: a wrong entry of a type leaves its machines",
+       R"(exploration
+        report - BS C_Z51
+        report C-BS RIGHT RIGHT
+        given exploration -1 exploration 1 exploration 1
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 0)",
+       kBook},
+      {"exploration: machines that were reported leave no entry of their type",
+       R"(exploration
+        report C-CS1 WRONG -
+        report C-CS2 RIGHT RIGHT
+        report - CS C_Z51
+        given exploration -1 exploration 1 exploration 1
+        told {"event": "report", "type": "CS", "judged": false}
+        report - CS C-CS2
+        told {"event": "report", "type": "CS", "judged": true}
+        given)",
+       kBox},
+      {"exploration: machines that were reported leave entries of their type",
+       R"(exploration
+        report C-BS WRONG -
+        report - BS C_Z51
+        given exploration -1 exploration -1)",
+       kBook},
+      {"exploration: a type where the other team has such a machine is right, and uses up one of its own",
+       R"(exploration
+        report - SS M-SS
+        given
+        told {"event": "report", "type": "SS", "judged": true}
+        wait 1.1
+        message /machine_report_info /reported_types/0/name "M-SS"
+        message /machine_report_info /reported_types/0/team_color "MAGENTA"
+        report C-SS RIGHT RIGHT
+        given
+        report - RS M-RS1
+        report C-RS1 RIGHT RIGHT
+        report C-RS2 RIGHT RIGHT
+        given exploration 1 exploration 1)",
+       kBox},
+      {"exploration: a type where the other team has such a machine is wrong",
+       R"(exploration
+        report - SS M-SS
+        given exploration -1
+        wait 1.1
+        message /machine_report_info /reported_types/0/name ""
+        message /machine_report_info /reported_types/0/team_color "")",
+       kBook},
+      {"exploration: a type where another machine stands is wrong",
+       R"(exploration
+        report - SS C-BS
+        report - CS M-RS1
+        given exploration -1 exploration -1)"},
+      {"exploration: naming the other team's machine uses up one's own of that type",
+       R"(exploration
+        report M-BS RIGHT RIGHT
+        told {"event": "report", "judged": false, "reason": "M-BS is not a machine of CYAN"}
+        report C-BS RIGHT RIGHT
+        given
+        C-BS {side: OUTPUT, base_color: BASE_RED} -> 209
+        report M-CS1 WRONG -
+        report M-CS1 RIGHT -
+        report C-CS1 RIGHT RIGHT
+        report C-CS2 RIGHT RIGHT
+        given exploration 1 exploration 1
+        C-CS1 {operation: MOUNT_CAP} -> 103)",
+       kBox},
+      {"exploration: naming the other team's machine is ignored",
+       R"(exploration
+        report M-BS RIGHT RIGHT
+        report C-BS RIGHT RIGHT
+        given exploration 1 exploration 1)",
+       kBook},
+      {"exploration: a report in the other team's colour is denied",
+       R"(exploration
+        report C-BS RIGHT RIGHT as MAGENTA
+        report - CS C_Z51 as MAGENTA
+        given
+        told {"event": "report", "judged": false, "reason": "found 'MAGENTA' as its team_color, expected CYAN"}
+        report C-BS RIGHT RIGHT as CYAN
+        given exploration 1 exploration 1)"},
       {"exploration: fourteen entries a team",
        R"(exploration
         report C-BS RIGHT -
@@ -108,7 +251,8 @@ std::span<const Row> exploration_rows() {
         report C-DS - WRONG
         given exploration -1 exploration -1 exploration -1 exploration -1 exploration -1 exploration -1 exploration -1
         report - CS C_Z51
-        given)"},
+        given)",
+       kBook},
       {"exploration: what is said again or makes no sense is none of the fourteen entries",
        R"(exploration
         report C-BS RIGHT -
@@ -170,6 +314,56 @@ std::span<const Row> exploration_rows() {
         until 180.1
         lights C-BS OFF OFF ON
         lights C-DS OFF OFF ON)"},
+      {"exploration: a machine that is BROKEN shows the lights of its report until it is reported",
+       R"(exploration
+        C-BS {operation: RESET} -> 0
+        C-BS is BROKEN
+        lights C-BS OFF ON OFF
+        report C-BS RIGHT -
+        lights C-BS OFF BLINK OFF
+        report C-BS - RIGHT
+        wait 0.04
+        lights C-BS BLINK BLINK OFF
+        report C-DS WRONG -
+        C-DS {operation: RESET} -> 0
+        lights C-DS ON ON OFF
+        until 31
+        lights C-BS OFF OFF ON
+        until 170
+        C-DS {operation: RESET} -> 0
+        lights C-DS ON ON OFF
+        until 180.1
+        lights C-DS BLINK BLINK OFF)",
+       kBox},
+      {"exploration: a machine that is DOWN shows the lights of its report until it is reported",
+       R"(exploration
+        down C-CS1 20
+        wait 1
+        C-CS1 is DOWN
+        lights C-CS1 OFF ON OFF
+        report C-CS1 RIGHT RIGHT
+        wait 0.04
+        lights C-CS1 ON OFF OFF)",
+       kBox},
+      {"exploration: a machine that is BROKEN shows that",
+       R"(exploration
+        C-BS {operation: RESET} -> 0
+        lights C-BS BLINK BLINK OFF
+        report C-BS RIGHT -
+        lights C-BS BLINK BLINK OFF
+        until 30.1
+        lights C-BS OFF BLINK OFF)",
+       kBook},
+      {"exploration: a machine that was reset shows that in later phases of the game",
+       R"(production 200
+        overtime 0
+        exploration
+        until 190
+        C-BS {operation: RESET} -> 0
+        wait 0.04
+        lights C-BS BLINK BLINK OFF
+        until 200.1
+        lights C-BS BLINK OFF OFF)"},
       {"exploration: payments count at once",
        R"(exploration
         hold BASE_RED

@@ -286,9 +286,27 @@ std::span<const Row> piece_rows() {
       {"storage: what the team says of a slot changes at once and costs nothing",
        R"(C-SS {operation: CHANGE_INFO, shelf: 0, slot: 1, description: ours} -> 0 after 0.04
         C-SS is IDLE
-        points
-        C-SS {operation: CHANGE_INFO, shelf: 0, slot: 0, description: ours} -> 103
+        points)"},
+      {"storage: what a team says of an empty slot is refused and breaks nothing",
+       R"(C-SS {operation: CHANGE_INFO, shelf: 0, slot: 0, description: ours} -> 103
+        C-SS is IDLE
+        lay BASE_RED at C-SS-INPUT
+        C-SS {operation: STORE, shelf: 0, slot: 0, description: red} -> 0
+        wait 7
+        message /machine_info /machines/5/status_ss/0 {"shelf": 0, "slot": 0, "is_filled": true, "description": "red"}
+        C-SS {operation: RETRIEVE, shelf: 0, slot: 0} -> 0
+        wait 2
+        message /machine_info /machines/5/status_ss/0/slot 1)"},
+      {"storage: what a team says of a slot that does not exist breaks it",
+       R"(C-SS {operation: CHANGE_INFO, shelf: 0, slot: 8, description: ours} -> 103
         C-SS is BROKEN)"},
+      {"storage: what a team says of a slot that another blocks is noted",
+       R"(lay BASE_RED at C-SS-INPUT
+        C-SS {operation: STORE, shelf: 0, slot: 0} -> 0
+        wait 6
+        C-SS {operation: CHANGE_INFO, shelf: 0, slot: 1, description: behind} -> 0
+        wait 2.1
+        message /machine_info /machines/5/status_ss/1/description "behind")"},
       {"storage: nothing to store, 20 s after the instruction it breaks",
        R"(C-SS {operation: STORE, shelf: 0, slot: 0} -> 202 after 20.04
         C-SS is BROKEN)"},

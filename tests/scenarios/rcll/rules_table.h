@@ -19,6 +19,7 @@ struct Row {
 // A referee box that scores as the league does, and the rulebook.
 inline constexpr const char* kBox = "league refbox";
 inline constexpr const char* kBook = "rulebook";
+// What the referee box does in rare cases is played so under `league`, too; the rulebook leaves them open.
 
 std::span<const Row> instruction_rows();
 std::span<const Row> work_rows();
