@@ -73,10 +73,10 @@
   (slot phase (type SYMBOL) (allowed-values EMPTY BUFFERING CLEARING LOADED) (default EMPTY)))
 
 (deftemplate shelf
-  "One of the three slots of a cap station's shelf."
+  "One of the three slots of a cap station's shelf. BARRED: it has a carrier, and there is no way to it."
   (slot machine (type STRING))
   (slot spot (type STRING))
-  (slot state (type SYMBOL) (allowed-values FULL TAKEN) (default FULL)))
+  (slot state (type SYMBOL) (allowed-values FULL TAKEN BARRED) (default FULL)))
 
 (deftemplate shelf-refill
   "A shelf that we emptied: the crew fills it again."
@@ -113,9 +113,9 @@
 (deftemplate trouble
   "Trying the step again does not help (recovery.clp).
    HELD: there is a piece in the gripper, ours. FULL: one, not ours. UNABLE: the piece cannot be fetched. MISSING: it is
-   not there. GONE: its machine broke down with it. OCCUPIED: something lies where it should go. LOST: it fell. STUCK: it cannot be put down."
+   not there. BARRED: there is no way to it. GONE: its machine broke down with it. OCCUPIED: something lies where it should go. LOST: it fell. STUCK: it cannot be put down."
   (slot job (type INTEGER))
-  (slot kind (type SYMBOL) (allowed-values HELD FULL UNABLE MISSING GONE OCCUPIED LOST STUCK)))
+  (slot kind (type SYMBOL) (allowed-values HELD FULL UNABLE MISSING BARRED GONE OCCUPIED LOST STUCK)))
 
 (deftemplate held-up
   "This step of a job must wait; the rule that sees its reason gone retracts it."

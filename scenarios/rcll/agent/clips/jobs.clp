@@ -42,7 +42,7 @@
 (deffunction trouble-of (?step ?code ?tries ?target)
   "What it means that this step failed with that code, after so many failures before; NONE: worth another try."
   (if (and (= ?code 300) (str-index "SLIDE" ?target)) then (return OCCUPIED))
-  (if (and (= ?code 300) (str-index "SHELF" ?target)) then (return MISSING))
+  (if (and (= ?code 300) (str-index "SHELF" ?target)) then (return BARRED))
   (bind ?fetches (or (eq ?step GO-FETCH) (eq ?step FETCH)))
   (if (and ?fetches (= ?code 207)) then (return (if (> ?tries 0) then HELD else FULL)))
   (if (and (not ?fetches) (= ?code 208)) then (return LOST))

@@ -6,6 +6,13 @@
       (any-factp ((?j job)) (and (eq ?j:purpose CLEAR) (eq ?j:station ?station) (neq ?j:robot "")
                                  (or (eq ?j:step GO-FETCH) (eq ?j:step FETCH))))))
 
+(deffunction is-left (?cap)
+  "Whether a cap is left for one more product: of a shelf that nobody fills again each product takes one."
+  (do-for-fact ((?s cap-station)) (and (eq ?s:cap ?cap) (has-no-way ?s:name))
+    (return (< (length$ (find-all-facts ((?p product)) (member$ ?cap ?p:todo)))
+               (+ (carriers-left ?s:name) (if (eq ?s:phase EMPTY) then 0 else 1)))))
+  TRUE)
+
 (deffunction can-begin (?via)
   "Whether the first of these machines could take a base now, and no product is about to go there."
   (bind ?first (nth$ 1 ?via))
@@ -17,7 +24,7 @@
   "The open order with the highest worth at this time of the game of those that can begin; 0: none."
   (bind ?best 0)
   (bind ?most 0.0)
-  (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (can-begin (machines-for (works-for ?o:rings ?o:cap))))
+  (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (is-left ?o:cap) (can-begin (machines-for (works-for ?o:rings ?o:cap))))
     (bind ?worth (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end ?time))
     (if (> ?worth ?most) then (bind ?most ?worth) (bind ?best ?o:id)))
   ?best)

@@ -55,20 +55,52 @@
   (decide (str-cat "pay no more at " ?name) "its slide is blocked")
   (modify ?slide (coming (+ ?coming 3)))
   (do-for-all-facts ((?d does)) (and (eq ?d:machine ?name) (> ?d:price 0))
-    (assert (unpayable ?d:work))
+    (assert (undoable ?d:work))
     (retract ?d))
   (modify ?job (purpose DISCARD) (to (input-of ?delivery)) (step GO-PUT) (tries 0))
   (assert (held-up (job ?id) (step GO-PUT))))
 
-(defrule recover-product-without-ring
-  "It needs a ring that nobody can pay any more: have it taken away."
-  (unpayable ?work)
+(defrule recover-shelf-used-up
+  "What is left on the shelf is out of reach, and its last cap is used: no more caps of this station."
+  (shelf (machine ?name) (state BARRED))
+  (not (shelf (machine ?name) (state FULL)))
+  (cap-station (name ?name) (phase EMPTY))
+  (not (job (purpose BUFFER) (station ?name)))
+  ?does <- (does (machine ?name) (work ?cap))
+  =>
+  (decide (str-cat "do without caps of " ?name) "there is no way to what is left on its shelf")
+  (assert (undoable ?cap))
+  (retract ?does))
+
+(defrule recover-undoable
+  "A product needs a ring that nobody can pay any more, or a cap that nobody can fetch: have it taken away."
+  (undoable ?work)
   (product (order ?id) (todo $? ?work $?) (at ?name) (state ~MOVING))
   (machine (name ?name) (kind ~BS))
   =>
-  (decide (str-cat "reset " ?name) (str-cat "the product of order " ?id " needs a ring that nobody can pay"))
+  (decide (str-cat "reset " ?name) (str-cat "the product of order " ?id " needs " ?work ", which cannot be had"))
   (assert (lost ?id))
   (reset-machine ?name))
+
+(defrule recover-undoable-before-begin
+  "Nothing is made of it yet."
+  (undoable ?work)
+  (product (order ?id) (todo $? ?work $?) (at ?name) (job 0) (state READY))
+  (machine (name ?name) (kind BS))
+  =>
+  (assert (lost ?id)))
+
+(defrule recover-undoable-in-hand
+  "The robot would wait with it before the cap station for ever: away with it."
+  (undoable ?cap)
+  (product (order ?order) (todo ?cap $?) (job ?id) (state MOVING))
+  ?job <- (job (purpose MOVE) (id ?id) (step PUT) (moving NO) (robot ?robot&~""))
+  (cap-station (cap ?cap))
+  (machine (name ?delivery) (kind DS))
+  =>
+  (decide (str-cat "give up " (text-of-job ?job)) (str-cat "order " ?order " needs " ?cap ", which cannot be had"))
+  (modify ?job (step GIVEN-UP) (robot ""))
+  (discard ?robot ?delivery))
 
 (defrule recover-lost-carrier
   ?trouble <- (trouble (job ?id) (kind LOST))

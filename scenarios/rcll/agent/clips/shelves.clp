@@ -2,10 +2,28 @@
 
 (defglobal ?*REFILL* = 25.0)  ; s until an empty shelf is full again
 
+(deffunction has-no-way (?station)
+  "Whether a slot of the shelf is out of reach: it keeps its carrier, so that the crew never fills the others."
+  (any-factp ((?s shelf)) (and (eq ?s:machine ?station) (eq ?s:state BARRED))))
+
+(deffunction carriers-left (?station)
+  "How many can still be fetched from a shelf that nobody fills again."
+  (length$ (find-all-facts ((?s shelf)) (and (eq ?s:machine ?station) (eq ?s:state FULL)))))
+
+(defrule shelf-slot-barred
+  "There is no way to a slot, wherever the robots are: nobody goes there again."
+  ?trouble <- (trouble (job ?id) (kind BARRED))
+  (job (id ?id) (from ?spot))
+  ?shelf <- (shelf (spot ?spot))
+  =>
+  (decide (str-cat "leave out " ?spot) "there is no way to it")
+  (modify ?shelf (state BARRED))
+  (modify ?trouble (kind MISSING)))
+
 (defrule shelf-wait-for-refill
   "All three slots are empty: the crew fills them."
   (shelf (machine ?name) (state TAKEN))
-  (not (shelf (machine ?name) (state FULL)))
+  (not (shelf (machine ?name) (state FULL|BARRED)))
   (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))
   (not (shelf-refill (machine ?name)))
   (time ?now)

@@ -21,11 +21,17 @@
   "Of the world as it is."
   (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
 
+(deffunction gets-cap (?station)
+  "Whether a cap is in, or a carrier is under way or inside."
+  (or (is-true cap-loaded ?station)
+      (is-true carrier-at-input ?station)
+      (any-factp ((?s step)) (and (eq ?s:state RUNNING) (member$ ?s:action (create$ fetch-carrier retrieve-cap))
+                                  (eq ?s:params (create$ ?station))))))
+
 (deffunction without-cap (?order)
   "Whether the cap of an order cannot be had any more."
   (any-factp ((?o order) (?d does) (?b bare-shelf))
-    (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine))
-         (not (is-true cap-loaded ?b:station)))))
+    (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine)) (not (gets-cap ?b:station)))))
 
 (deffunction lost-machine (?order)
   "One that the order needs and that is out of order for long; FALSE: there is none."

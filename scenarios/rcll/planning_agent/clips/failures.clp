@@ -92,9 +92,22 @@
   (assert (bare-shelf (station ?cs) (since (game-time))) (replan (reason (str-cat "the shelf of " ?cs " is bare"))))
   (no-fluent production shelf-stocked ?cs))
 
+(defrule failure-shelf-used-up
+  "There is no way to what is left on the shelf, so nobody fills it again."
+  (in-problem production ?name)
+  (shelf (machine ?name) (state BARRED))
+  (not (shelf (machine ?name) (state FULL)))
+  (not (bare-shelf (station =(pddl-name ?name))))
+  =>
+  (bind ?cs (pddl-name ?name))
+  (decide (str-cat "do without caps of " ?cs) "there is no way to what is left on its shelf")
+  (assert (bare-shelf (station ?cs) (since (game-time))) (replan (reason (str-cat "the shelf of " ?cs " is used up"))))
+  (no-fluent production shelf-stocked ?cs))
+
 (defrule failure-shelf-again
   "Meanwhile carriers may be there, or a way to them: one try, which shows it."
   ?bare <- (bare-shelf (station ?cs) (since ?since))
+  (not (shelf (machine =(machine-named ?cs)) (state BARRED)))
   (game (begin ?zero))
   (time ?now&:(> ?now (+ ?zero ?since ?*BARE*)))
   =>
@@ -109,6 +122,7 @@
   "What is begun of it is given up: its machine is free for others."
   (bare-shelf)
   ?order <- (order (id ?id) (state STARTED))
+  (time ?)
   (test (without-cap ?id))
   (not (and (pddl-fluent (instance production) (name at-step) (params =(product-of ?id) ?s))
             (pddl-fluent (instance production) (name work-at) (params =(product-of ?id) ?s ?m&:(eq (sub-string 1 1 ?m) "d")))))

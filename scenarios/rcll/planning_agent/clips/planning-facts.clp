@@ -78,7 +78,7 @@
   (slot in-plan (type SYMBOL) (default FALSE)))
 
 (deftemplate bare-shelf
-  "A cap station to which no robot can fetch carriers: slots of its shelf are empty, or there is no way to them."
+  "A cap station for which no robot can fetch carriers: slots of its shelf are empty, or there is no way to them."
   (slot station (type SYMBOL))
   (slot since (type FLOAT)))   ; s of the game
 
