@@ -211,7 +211,6 @@ Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
                                                   missing_values(task, *made)});
   PlanningContext context(task, options, budget, *std::move(made), began);
   Conclusion conclusion = Portfolio(context).run();
-  if (context.best.unsupported() && !context.best.exists()) return *context.best.unsupported();
   context.bound.report(context.best, answer);
   std::move(context.best).report(answer);
   return conclude(std::move(conclusion));

@@ -102,9 +102,4 @@ class BudgetSlice {
   const std::int64_t outer_;
 };
 
-/// Failure::kOutOfBudget.
-inline Error out_of_budget(const char* what) {
-  return resource_error(std::string("the budget ended ") + what).with_code(word_of(Failure::kOutOfBudget));
-}
-
 }  // namespace cxlab::planner

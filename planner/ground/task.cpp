@@ -8,14 +8,14 @@
 #include <map>
 #include <span>
 
-#include "planner/state/state.h"
-#include "planner/state/tolerance.h"
+#include "planner/pddl/syntax.h"
+#include "planner/state/number.h"
 
 namespace cxlab::planner {
 
 namespace {
 
-constexpr std::size_t kDeepest = 64;  ///< operands that wait in one expression
+constexpr std::size_t kDeepest = kDeepestNesting + 56;  ///< operands that wait in one expression
 
 LinearForm times(LinearForm form, double factor) {
   for (auto& [number, weight] : form.weights) weight *= factor;
@@ -56,10 +56,10 @@ std::size_t evaluate_steps(std::span<const GroundExpression::Step> steps, const 
       default: {
         const double right = stack[--top];
         double& left = stack[top - 1];
-        if (step.kind == Kind::kAdd) left += right;
-        if (step.kind == Kind::kSubtract) left -= right;
-        if (step.kind == Kind::kMultiply) left *= right;
-        if (step.kind == Kind::kDivide) left /= right;
+        if (step.kind == Kind::kAdd) left = sum(left, right);
+        if (step.kind == Kind::kSubtract) left = difference(left, right);
+        if (step.kind == Kind::kMultiply) left = product(left, right);
+        if (step.kind == Kind::kDivide) left = quotient(left, right);
       }
     }
     if (!std::isfinite(stack[top - 1])) stack[top - 1] = std::numeric_limits<double>::quiet_NaN();
@@ -105,12 +105,12 @@ double GroundComparison::gap(const double* numbers, double duration_s) const {
       value += term;
       largest = std::max(largest, std::abs(term));
     }
-    if (std::abs(value) <= kEqualWithin) return 0;
-    // No side is larger than all terms together: what is far above the tolerance needs no look at the sides.
-    if (std::abs(value) > 1e-6 * largest * static_cast<double>(linear.weights.size() + 2)) return value;
+    // No side is larger than all terms together: what is far above all rounding errors needs no look at the sides.
+    constexpr double kSure = 1e-12;
+    if (std::abs(value) > kSure * largest * static_cast<double>(linear.weights.size() + 2)) return value;
   }
   const auto [left, right] = expression.sides(numbers, duration_s);
-  return compare(left, Comparison::kEqual, right) ? 0 : left - right;
+  return is_same(left, right) ? 0 : left - right;
 }
 
 void GroundExpression::append_key(std::string& key) const {

@@ -95,7 +95,7 @@ struct GroundComparison {
 
   static GroundComparison of(Kind kind, GroundExpression left, const GroundExpression& right);
 
-  /// Value of the expression; 0 if its two sides count as equal, which is as the validator compares them. Not-a-number
+  /// Value of the expression; 0 if its two sides are the same, which is as the validator compares them. Not-a-number
   /// where a side is none.
   double gap(const double* numbers, double duration_s = 0) const;
   bool accepts(double a_gap) const {
@@ -112,10 +112,10 @@ struct GroundCondition {
 };
 
 struct NumericEffect {
-  enum class Kind : std::uint8_t { kAssign, kIncrease, kScale };
+  enum class Kind : std::uint8_t { kAssign, kIncrease, kScale, kDivide };
   Kind kind = Kind::kIncrease;
   int number = -1;
-  GroundExpression value;  ///< a decrease is an increase by the negated value, a division a scaling by the inverse
+  GroundExpression value;  ///< a decrease is an increase by the negated value
 };
 
 /// What one happening changes. Facts that are deleted and added are true afterwards.

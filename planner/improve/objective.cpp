@@ -8,6 +8,8 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr double kRounding = 1e-14;  ///< of sums of doubles
+
 LinearForm form_of(GroundExpression metric) {
   for (auto& step : metric.steps)
     if (step.kind == GroundExpression::Kind::kTotalTime) step.kind = GroundExpression::Kind::kDuration;
@@ -82,7 +84,7 @@ std::optional<double> Objective::bound(Micros least_makespan) const {
 std::optional<GroundComparison> Objective::better_than(double metric, Micros least_makespan) const {
   if (is_makespan_ || !linear_.is_linear || linear_.weights.empty() || time_weight_ < 0 || !std::isfinite(metric))
     return std::nullopt;
-  const auto bound = GroundExpression::constant(metric - std::max(1 / kMillion, 2e-9 * std::abs(metric)));
+  const auto bound = GroundExpression::constant(metric - std::max(1 / kMillion, kRounding * std::abs(metric)));
   GroundExpression best;
   for (const auto& step : task_.metric.steps) {
     if (step.kind == GroundExpression::Kind::kTotalTime)

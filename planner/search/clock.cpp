@@ -7,6 +7,7 @@
 #include "planner/ground/sorted.h"
 #include "planner/search/bucket_queue.h"
 #include "planner/search/split.h"
+#include "planner/state/number.h"
 
 namespace cxlab::planner {
 
@@ -84,8 +85,8 @@ ById<double> ClockSearch::rates(const Moment& moment) const {
   ById<double> rates(task_.numbers.size(), 0);
   for (const Running& running : moment.running)
     for (const ContinuousEffect& effect : task_.actions[running.action].continuous)
-      rates[effect.number] +=
-          effect.rate.evaluate(simulator_.numbers(moment.state.data()), in_seconds(running.range.least));
+      rates[effect.number] = sum(rates[effect.number], effect.rate.evaluate(simulator_.numbers(moment.state.data()),
+                                                                            in_seconds(running.range.least)));
   return rates;
 }
 
@@ -110,7 +111,7 @@ bool ClockSearch::advance(Moment& moment, Micros to) const {
   bool changed = false;
   for (std::size_t n = 0; n < rates.size(); ++n)
     if (rates[n] != 0) {
-      numbers[n] += rates[n] * in_seconds(to - moment.time);
+      numbers[n] = sum(numbers[n], product(rates[n], in_seconds(to - moment.time)));
       changed = true;
     }
   moment.time = to;

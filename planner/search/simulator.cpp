@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planner/ground/sorted.h"
+#include "planner/state/number.h"
 
 namespace cxlab::planner {
 
@@ -34,8 +35,9 @@ bool have_values(const std::vector<NumericEffect>& effects, const double* number
 void apply_continuous(const std::vector<ContinuousEffect>& effects, double* numbers, double duration_s) {
   std::vector<double> changes;
   for (const ContinuousEffect& effect : effects)
-    changes.push_back(effect.rate.evaluate(numbers, duration_s) * duration_s);
-  for (std::size_t i = 0; i < changes.size(); ++i) numbers[effects[i].number] += changes[i];
+    changes.push_back(product(effect.rate.evaluate(numbers, duration_s), duration_s));
+  for (std::size_t i = 0; i < changes.size(); ++i)
+    numbers[effects[i].number] = sum(numbers[effects[i].number], changes[i]);
 }
 
 }  // namespace
@@ -43,8 +45,9 @@ void apply_continuous(const std::vector<ContinuousEffect>& effects, double* numb
 void change(double& number, NumericEffect::Kind kind, double value) {
   switch (kind) {
     case NumericEffect::Kind::kAssign: number = value; break;
-    case NumericEffect::Kind::kIncrease: number += value; break;
-    case NumericEffect::Kind::kScale: number *= value; break;
+    case NumericEffect::Kind::kIncrease: number = sum(number, value); break;
+    case NumericEffect::Kind::kScale: number = product(number, value); break;
+    case NumericEffect::Kind::kDivide: number = quotient(number, value); break;
   }
   number += 0.0;  // no negative zero: equal states have equal bits
 }

@@ -1,13 +1,12 @@
 #include <cmath>
 
+#include "planner/state/number.h"
 #include "planner/state/state.h"
-#include "planner/state/tolerance.h"
 
 namespace cxlab::planner {
 
 bool compare(double left, Comparison comparison, double right) {
-  const double scale = std::max({1.0, std::abs(left), std::abs(right)});
-  const bool equal = std::abs(left - right) <= kEqualWithin * scale;
+  const bool equal = is_same(left, right);
   switch (comparison) {
     case Comparison::kLess: return !equal && left < right;
     case Comparison::kLessEqual: return equal || left < right;
@@ -45,10 +44,10 @@ std::optional<double> Evaluator::number(const Expression& expression, const Fram
     const auto next = number(expression.operands[i], frame, state, duration);
     if (!next) return std::nullopt;
     switch (expression.kind) {
-      case Kind::kAdd: result += *next; break;
-      case Kind::kSubtract: result -= *next; break;
-      case Kind::kMultiply: result *= *next; break;
-      default: result /= *next;
+      case Kind::kAdd: result = sum(result, *next); break;
+      case Kind::kSubtract: result = difference(result, *next); break;
+      case Kind::kMultiply: result = product(result, *next); break;
+      default: result = quotient(result, *next);
     }
     if (!std::isfinite(result)) return std::nullopt;
   }
@@ -56,42 +55,17 @@ std::optional<double> Evaluator::number(const Expression& expression, const Fram
 }
 
 bool Evaluator::holds(const Condition& condition, Frame& frame, const State& state, double duration) const {
-  using Kind = Condition::Kind;
-  switch (condition.kind) {
-    case Kind::kAtom: return state.holds(condition.predicate, Objects(condition.terms, frame));
-    case Kind::kSame: {
-      const Objects both(condition.terms, frame);
-      return both.begin()[0] == both.begin()[1];
-    }
-    case Kind::kCompare: {
-      const auto left = number(condition.sides[0], frame, state, duration);
-      const auto right = number(condition.sides[1], frame, state, duration);
-      return left && right && compare(*left, condition.comparison, *right);
-    }
-    case Kind::kNot: return !holds(condition.operands[0], frame, state, duration);
-    case Kind::kImply:
-      return !holds(condition.operands[0], frame, state, duration) ||
-             holds(condition.operands[1], frame, state, duration);
-    case Kind::kAnd:
-      for (const Condition& operand : condition.operands)
-        if (!holds(operand, frame, state, duration)) return false;
-      return true;
-    case Kind::kOr:
-      for (const Condition& operand : condition.operands)
-        if (holds(operand, frame, state, duration)) return true;
-      return false;
-    case Kind::kForall:
-      return each_binding(condition.variables, frame,
-                          [&] { return holds(condition.operands[0], frame, state, duration); });
-    case Kind::kExists:
-      return !each_binding(condition.variables, frame,
-                           [&] { return !holds(condition.operands[0], frame, state, duration); });
-  }
-  return false;
+  return judge(condition, frame, state, [&](const Condition& comparison, const Frame& bound) {
+    const auto left = number(comparison.sides[0], bound, state, duration);
+    const auto right = number(comparison.sides[1], bound, state, duration);
+    return left && right && compare(*left, comparison.comparison, *right);
+  });
 }
 
 bool Evaluator::ground(const Effect& effect, const Frame& frame, const State& state, double duration,
                        std::vector<Change>& out) const {
+  constexpr std::int64_t kOfAChange = 20;  // it stays in memory
+  if (!spend(kOfAChange)) return false;
   const Objects objects(effect.terms, frame);
   Change change{effect.kind,
                 effect.is_numeric() ? effect.function : effect.predicate,
@@ -114,7 +88,7 @@ void Evaluator::derive(State& state) const {
   for (const Predicate& predicate : domain_.predicates)
     if (predicate.derived) highest = std::max(highest, predicate.stratum);
   for (int stratum = 0; stratum <= highest; ++stratum) {
-    for (bool changed = true; changed;) {
+    for (bool changed = true; changed && !is_over();) {
       changed = false;
       for (const Derivation& rule : domain_.derivations) {
         if (domain_.predicates[rule.predicate].stratum != stratum) continue;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/state/number.h"
+
 namespace cxlab::planner {
 
 State::State(const Domain& domain) {
@@ -38,7 +40,7 @@ void State::clear_derived() {
 std::optional<double> State::value(FunctionId function, std::span<const ObjectId> objects) const {
   const int found = functions_.find(function, objects);
   if (found < 0) return std::nullopt;
-  return numbers_[found].value + numbers_[found].rate * ahead_;
+  return numbers_[found].after(ahead_);
 }
 
 void State::set_value(FunctionId function, std::span<const ObjectId> objects, double value) {
@@ -57,7 +59,7 @@ double State::rate(FunctionId function, std::span<const ObjectId> objects) const
 void State::add_rate(FunctionId function, std::span<const ObjectId> objects, double rate) {
   const int found = functions_.find(function, objects);
   if (found < 0) return;
-  numbers_[found].rate += rate;
+  numbers_[found].rate = sum(numbers_[found].rate, rate);
   if (std::ranges::find(changing_, found) == changing_.end()) changing_.push_back(found);
 }
 
@@ -66,8 +68,10 @@ void State::clear_rates() {
   changing_.clear();
 }
 
+double State::Number::after(double seconds) const { return seconds == 0 ? value : sum(value, product(rate, seconds)); }
+
 void State::advance(double seconds) {
-  for (const int changing : changing_) numbers_[changing].value += numbers_[changing].rate * seconds;
+  for (const int changing : changing_) numbers_[changing].value = numbers_[changing].after(seconds);
 }
 
 std::vector<Fact> State::facts() const {
@@ -88,7 +92,7 @@ std::vector<Assignment> State::values() const {
   for (int each = 0; each < functions_.size(); ++each) {
     const std::span<const ObjectId> objects = functions_.objects(each);
     const Number& number = numbers_[each];
-    all.push_back({functions_.predicate(each), {objects.begin(), objects.end()}, number.value + number.rate * ahead_});
+    all.push_back({functions_.predicate(each), {objects.begin(), objects.end()}, number.after(ahead_)});
   }
   return all;
 }
@@ -104,10 +108,10 @@ bool apply_changes(const std::vector<Change>& changes, State& state) {
     if (change.kind != Effect::Kind::kAssign) {
       const auto before = state.value(change.id, change.objects);
       if (!before) return false;
-      if (change.kind == Effect::Kind::kIncrease) value = *before + change.value;
-      if (change.kind == Effect::Kind::kDecrease) value = *before - change.value;
-      if (change.kind == Effect::Kind::kScaleUp) value = *before * change.value;
-      if (change.kind == Effect::Kind::kScaleDown) value = *before / change.value;
+      if (change.kind == Effect::Kind::kIncrease) value = sum(*before, change.value);
+      if (change.kind == Effect::Kind::kDecrease) value = difference(*before, change.value);
+      if (change.kind == Effect::Kind::kScaleUp) value = product(*before, change.value);
+      if (change.kind == Effect::Kind::kScaleDown) value = quotient(*before, change.value);
     }
     if (!std::isfinite(value)) return false;
     state.set_value(change.id, change.objects, value);

@@ -10,6 +10,7 @@
 
 #include "planner/pddl/model.h"
 #include "planner/state/atom_table.h"
+#include "planner/state/meter.h"
 
 namespace cxlab::planner {
 
@@ -48,6 +49,8 @@ class State {
   struct Number {
     double value = 0;
     double rate = 0;
+
+    double after(double seconds) const;
   };
 
   AtomTable atoms_;            // all that has ever been true
@@ -61,7 +64,7 @@ class State {
   double ahead_ = 0;
 };
 
-/// Compares as the validator does: numbers that differ by less than 1e-9 (relative, above 1) are equal.
+/// Compares exactly, up to the rounding errors of what has no decimal (planner/state/number.h).
 bool compare(double left, Comparison comparison, double right);
 
 /// One ground effect. `value` is the right-hand side of the numeric kinds.
@@ -76,23 +79,46 @@ struct Change {
 /// Evaluates parts of a task. Outlived by domain and problem; made anew when objects are added or removed.
 class Evaluator {
  public:
-  Evaluator(const Domain& domain, const Problem& problem) : domain_(domain), problem_(problem) {}
+  /// `meter`, which may be none, outlives this; when it is over, every answer is meaningless.
+  Evaluator(const Domain& domain, const Problem& problem, Meter* meter = nullptr)
+      : domain_(domain), problem_(problem), meter_(meter) {}
 
   /// Whether `condition` holds. A comparison that reads an undefined value does not hold. `frame` has one entry a
   /// slot; those of quantifiers are overwritten. `duration` is that of the action, where there is one.
   bool holds(const Condition& condition, Frame& frame, const State& state, double duration = 0) const;
 
+  /// The same, where `compare(condition, frame)` judges comparisons of numbers.
+  template <class Compare>
+  bool judge(const Condition& condition, Frame& frame, const State& state, const Compare& compare) const {
+    using Kind = Condition::Kind;
+    const auto each = [&](const Condition& operand) { return judge(operand, frame, state, compare); };
+    switch (condition.kind) {
+      case Kind::kAtom: return state.holds(condition.predicate, Objects(condition.terms, frame));
+      case Kind::kSame: return condition.terms[0].in(frame) == condition.terms[1].in(frame);
+      case Kind::kCompare: return compare(condition, frame);
+      case Kind::kNot: return !each(condition.operands[0]);
+      case Kind::kImply: return !each(condition.operands[0]) || each(condition.operands[1]);
+      case Kind::kAnd: return std::ranges::all_of(condition.operands, each);
+      case Kind::kOr: return std::ranges::any_of(condition.operands, each);
+      case Kind::kForall: return each_binding(condition.variables, frame, [&] { return each(condition.operands[0]); });
+      case Kind::kExists:
+        return !each_binding(condition.variables, frame, [&] { return !each(condition.operands[0]); });
+    }
+    return false;
+  }
+
   /// A number; none if an undefined value is read, or something is divided by 0.
   std::optional<double> number(const Expression& expression, const Frame& frame, const State& state,
                                double duration = 0) const;
 
-  /// Calls `visit` for every binding of `variables` in `frame`; stops when it returns false, and then gives false.
+  /// Calls `visit` for every binding of `variables` in `frame`; stops when it returns false, or the meter is over, and
+  /// then gives false.
   template <class Visit>
   bool each_binding(const std::vector<Variable>& variables, Frame& frame, Visit visit, std::size_t from = 0) const {
     if (from == variables.size()) return visit();
     for (const ObjectId object : candidates(variables[from])) {
       frame[variables[from].slot] = object;
-      if (!each_binding(variables, frame, visit, from + 1)) return false;
+      if (!spend(1) || !each_binding(variables, frame, visit, from + 1)) return false;
     }
     return true;
   }
@@ -119,10 +145,14 @@ class Evaluator {
 
   const Domain& domain() const { return domain_; }
   const Problem& problem() const { return problem_; }
+  bool is_over() const { return meter_ != nullptr && meter_->over(); }
+  /// False when the meter is over.
+  bool spend(std::int64_t combinations) const { return meter_ == nullptr || meter_->spend(combinations); }
 
  private:
   const Domain& domain_;
   const Problem& problem_;
+  Meter* meter_;
   mutable std::map<std::vector<TypeId>, std::vector<ObjectId>> by_types_;  // found before, found again
 };
 

@@ -36,7 +36,7 @@ class PlanningContext {
   BestPossible bound{ground, objective, budget};
 
   bool has_events() const { return !ground.events.empty(); }
-  bool is_over() const { return budget.over() || best.unsupported(); }
+  bool is_over() const { return budget.over(); }
 
   /// Offers a plan as a list of whole actions, or of parts. True if it is the best now; improvement continues from it.
   bool offer(const SplitSpace& space, const Sequence& list);

@@ -9,6 +9,7 @@ namespace cxlab::planner {
 
 namespace {
 
+constexpr std::int64_t kPortion = 1000;     ///< combinations of objects between two looks at the budget
 constexpr std::int64_t kStatesOfStep = 10;  ///< work of judging a step of a plan, in pieces of Work::kNode
 
 /// By point: the latest time that keeps the makespan.
@@ -42,7 +43,11 @@ Incumbent::Incumbent(const Task& task, const GroundTask& ground, const Touches& 
       budget_(budget),
       on_plan_(on_plan),
       began_(began),
-      validator_(task.domain, task.problem) {}
+      meter_([&budget]() -> std::int64_t {
+        budget.spend(Work::kGround, kPortion);
+        return budget.over() ? 0 : kPortion;
+      }),
+      validator_(task.domain, task.problem, &meter_) {}
 
 double Incumbent::cost() const {
   return plan_ && plan_->metric ? signed_metric(*plan_->metric) : std::numeric_limits<double>::quiet_NaN();
@@ -93,7 +98,6 @@ bool Incumbent::offer(TimedPlan plan, Micros makespan) {
   plan.latest = latest_times(plan, makespan);
   const Expected<Verdict> verdict = validator_.check(plan.steps);
   budget_.spend(Work::kNode, kStatesOfStep * static_cast<std::int64_t>(plan.steps.size()));
-  if (!verdict && is(verdict.error(), Failure::kUnsupported)) unsupported_ = verdict.error();
   if (!verdict || !verdict->valid) {
     ++refused_;
     refusal_ = verdict ? verdict->violation->message : verdict.error().text();

@@ -38,8 +38,6 @@ class Incumbent {
   /// The metric decides which plan is better, not the makespan alone.
   bool by_metric() const { return !objective_.is_makespan(); }
 
-  /// What the validator cannot judge.
-  const std::optional<Error>& unsupported() const { return unsupported_; }
   /// Fills in the plan, and how many were refused.
   void report(PlanAnswer& answer) &&;
 
@@ -53,6 +51,7 @@ class Incumbent {
   Budget& budget_;
   const decltype(PlanOptions::on_plan)& on_plan_;
   const Clock::time_point began_;
+  Meter meter_;  ///< of the validator
   const Validator validator_;
   std::optional<TimedPlan> plan_;
   double value_ = std::numeric_limits<double>::infinity();
@@ -60,7 +59,6 @@ class Incumbent {
   double first_plan_s_ = 0;
   int refused_ = 0;
   std::string refusal_;
-  std::optional<Error> unsupported_;
 };
 
 }  // namespace cxlab::planner

@@ -37,40 +37,94 @@ double at(const Polynomial& polynomial, double t) {
   return value;
 }
 
-class Sampler {
+/// 1, -1, or 0 where the value is not above the rounding errors of its terms.
+int sign_at(const Polynomial& polynomial, double t) {
+  constexpr double kRounding = 0x1p-46;
+  double largest = 0;
+  for (std::size_t i = polynomial.size(); i-- > 0;) largest = largest * t + std::abs(polynomial[i]);
+  const double value = at(polynomial, t);
+  if (std::abs(value) <= kRounding * largest) return 0;
+  return value > 0 ? 1 : -1;
+}
+
+class Follower {
  public:
-  Sampler(const Evaluator& evaluator, const State& state, double duration, double length)
+  Follower(const Evaluator& evaluator, const State& state, double duration, double length)
       : evaluator_(evaluator), state_(state), duration_(duration), length_(length) {}
 
-  void visit(const Condition& condition, Frame& frame) {
+  std::optional<double> first_break(const Condition& condition, Frame& frame) {
+    if (state_.has_rates()) {
+      find_crossings(condition, frame);
+      for_each_part(condition, [this](const Condition& part, bool) {
+        follows_rules_ |= part.kind == Condition::Kind::kAtom && evaluator_.domain().predicates[part.predicate].derived;
+      });
+      if (follows_rules_) find_crossings_of_rules();
+    }
+    std::ranges::sort(crossings_);
+    double before = 0;
+    for (const double crossing : crossings_) {
+      for (const double ahead : {(before + crossing) / 2, crossing})
+        if (!holds(condition, frame, ahead)) return ahead;
+      before = crossing;
+    }
+    const double last = (before + length_) / 2;
+    return holds(condition, frame, last) ? std::nullopt : std::optional(last);
+  }
+
+ private:
+  void find_crossings(const Condition& condition, Frame& frame) {
     if (condition.kind == Condition::Kind::kCompare) {
-      const auto left = ratio(condition.sides[0], frame), right = ratio(condition.sides[1], frame);
-      if (!left || !right) return;
-      const Ratio gap = sum(*left, *right, -1);
-      for (const Polynomial* part : {&gap.above, &gap.below})
-        std::ranges::copy(roots(*part, length_), std::back_inserter(crossings_));
+      if (const auto gap = this->gap(condition, frame))
+        for (const Polynomial* part : {&gap->above, &gap->below})
+          std::ranges::copy(roots(*part, length_), std::back_inserter(crossings_));
       return;
     }
     for (const Condition& operand : condition.operands)
       evaluator_.each_binding(condition.variables, frame, [&] {
-        visit(operand, frame);
+        find_crossings(operand, frame);
         return true;
       });
   }
 
-  std::vector<double> points() {
-    std::ranges::sort(crossings_);
-    std::vector<double> points;
-    double before = 0;
-    for (const double crossing : crossings_) {
-      points.insert(points.end(), {(before + crossing) / 2, crossing});
-      before = crossing;
+  void find_crossings_of_rules() {
+    for (const Derivation& rule : evaluator_.domain().derivations) {
+      Frame frame(static_cast<std::size_t>(rule.slots), 0);
+      evaluator_.each_binding(rule.parameters, frame, [&] {
+        find_crossings(rule.condition, frame);
+        return true;
+      });
     }
-    points.push_back((before + length_) / 2);
-    return points;
   }
 
- private:
+  bool holds(const Condition& condition, Frame& frame, double ahead) const {
+    if (!follows_rules_) return holds_in(state_, condition, frame, ahead);
+    State then = state_;
+    then.advance(ahead);
+    evaluator_.derive(then);
+    return holds_in(then, condition, frame, ahead);
+  }
+
+  /// `facts`: whose facts count; the numbers are those of now, `ahead` later.
+  bool holds_in(const State& facts, const Condition& condition, Frame& frame, double ahead) const {
+    return evaluator_.judge(condition, frame, facts, [&](const Condition& comparison, const Frame& bound) {
+      const auto left = evaluator_.number(comparison.sides[0], bound, state_, duration_);
+      const auto right = evaluator_.number(comparison.sides[1], bound, state_, duration_);
+      const auto gap = this->gap(comparison, bound);
+      if (gap && gap->above.size() == 1 && gap->below.size() == 1)  // nothing in it changes
+        return left && right && compare(*left, comparison.comparison, *right);
+      if (!gap) return false;
+      const int below = sign_at(gap->below, ahead);
+      return below != 0 && compare(sign_at(gap->above, ahead) * below, comparison.comparison, 0);
+    });
+  }
+
+  /// The left side less the right one; none if a value is undefined.
+  std::optional<Ratio> gap(const Condition& comparison, const Frame& frame) const {
+    const auto left = ratio(comparison.sides[0], frame), right = ratio(comparison.sides[1], frame);
+    if (!left || !right) return std::nullopt;
+    return sum(*left, *right, -1);
+  }
+
   /// None if a value is undefined.
   std::optional<Ratio> ratio(const Expression& expression, const Frame& frame) const {
     using Kind = Expression::Kind;
@@ -102,6 +156,7 @@ class Sampler {
   const State& state_;
   double duration_;
   double length_;
+  bool follows_rules_ = false;  ///< the condition reads derived facts
   std::vector<double> crossings_;
 };
 
@@ -147,11 +202,9 @@ std::vector<double> roots(Polynomial polynomial, double length) {
   return found;
 }
 
-std::vector<double> sample_points(const Evaluator& evaluator, const Condition& condition, Frame& frame,
+std::optional<double> first_break(const Evaluator& evaluator, const Condition& condition, Frame& frame,
                                   const State& state, double duration, double length) {
-  Sampler sampler(evaluator, state, duration, length);
-  if (state.has_rates()) sampler.visit(condition, frame);
-  return sampler.points();
+  return Follower(evaluator, state, duration, length).first_break(condition, frame);
 }
 
 }  // namespace cxlab::planner

@@ -3,23 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 #include "planner/validator/crossing.h"
 
 namespace cxlab::planner {
 namespace {
 
-/// Plans end within thirty years.
-constexpr double kLatest = 1e9;
-
-bool reads_changing(const Expression& expression, const Frame& frame, const State& state) {
-  if (expression.kind == Expression::Kind::kFunction &&
-      state.rate(expression.function, Objects(expression.terms, frame)) != 0)
-    return true;
-  return std::any_of(expression.operands.begin(), expression.operands.end(),
-                     [&](const Expression& operand) { return reads_changing(operand, frame, state); });
-}
+constexpr std::int64_t kOfAFrame = 50;  ///< combinations that cost as much as one that stays in memory
 
 }  // namespace
 
@@ -38,7 +28,7 @@ Expected<Verdict> Execution::run() {
   if (!lay_out()) return std::move(verdict_);
   Nanos now = 0;
   bool right = true;
-  for (std::size_t first = 0; right && first < happenings_.size();) {
+  for (std::size_t first = 0; right && first < happenings_.size() && !evaluator_.is_over();) {
     std::size_t last = first;
     while (last < happenings_.size() && happenings_[last].time == happenings_[first].time) ++last;
     current_ = first;
@@ -48,7 +38,6 @@ Expected<Verdict> Execution::run() {
   }
   current_ = happenings_.size();
   right = right && check_goal();
-  if (unsupported_) return *unsupported_;
   verdict_.valid = right;
   if (right && problem_.metric)
     verdict_.metric = evaluator_.number(problem_.metric->value, Frame{}, state_, verdict_.makespan);
@@ -65,9 +54,9 @@ bool Execution::lay_out() {
     const auto fail_at_start = [&](Violation::Kind kind, const std::string& what, std::string advice) {
       return fail({kind, planned.start, step, -1, {}, {}, describe_step(step) + what, std::move(advice)});
     };
-    if (!(std::abs(planned.start) < kLatest) || !(std::abs(end) < kLatest))
-      return fail_at_start(Violation::Kind::kTime, ": found a time that is not below " + number_text(kLatest) + " s",
-                           {});
+    if (!(std::abs(planned.start) < kLatestTime) || !(std::abs(end) < kLatestTime))
+      return fail_at_start(Violation::Kind::kTime,
+                           ": found a time that is not below " + number_text(kLatestTime) + " s", {});
     starts_.push_back(to_nanos(planned.start));
     ends_.push_back(action.durative ? to_nanos(end) : starts_.back());
     if (starts_.back() < 0)
@@ -98,18 +87,17 @@ bool Execution::pass(Nanos from, Nanos to) {
     if (!hold_over_all(step, length)) return false;
     drop_pending(step, length);
   }
+  if (!state_.has_rates()) return true;
   state_.advance(length);
+  evaluator_.derive(state_);
   return true;
 }
 
 /// Looks ahead to where a condition over all is first broken; none if it holds until then.
 std::optional<double> Execution::look_to_break(const Condition& condition, Frame& frame, int step, double length) {
-  for (const double ahead : sample_points(evaluator_, condition, frame, state_, duration_of_step(step), length)) {
-    state_.look_ahead(ahead);
-    if (!evaluator_.holds(condition, frame, state_, duration_of_step(step))) return ahead;
-  }
-  state_.look_ahead(0);
-  return std::nullopt;
+  const auto broken = first_break(evaluator_, condition, frame, state_, duration_of_step(step), length);
+  if (broken) state_.look_ahead(*broken);  // for the explanation
+  return broken;
 }
 
 bool Execution::hold_over_all(int step, double length) {
@@ -213,6 +201,7 @@ void Execution::enable_pending(int step) {
     if (effect.time != Effect::Time::kEnd) continue;
     Pending& pending = running.pending.emplace_back(Pending{&effect, {}});
     evaluator_.each_binding(effect.variables, running.frame, [&] {
+      if (!effect.variables.empty() && !evaluator_.spend(kOfAFrame)) return false;
       if (holds(effect.condition.start, step)) pending.frames.push_back(running.frame);
       return true;
     });
@@ -243,32 +232,21 @@ bool Execution::collect(const Happening& happening, std::vector<Change>& changes
 /// Rates of change of all running steps.
 bool Execution::set_rates() {
   state_.clear_rates();
-  const auto each_rate = [&](auto visit) {
-    for (const int step : active_)
-      for (const Effect& effect : action_of(step).effects) {
-        if (effect.time != Effect::Time::kContinuous) continue;
-        Frame& frame = running_[step].frame;
-        if (!evaluator_.each_binding(effect.variables, frame, [&] { return visit(step, effect, frame); })) return false;
-      }
-    return true;
-  };
-  const bool right = each_rate([&](int step, const Effect& effect, Frame& frame) {
-    const Objects objects(effect.terms, frame);
-    const auto rate = evaluator_.number(effect.value, frame, state_, duration_of_step(step));
-    if (!rate || !state_.value(effect.function, objects))
-      return fail_effect(step, effect, to_seconds(happenings_[current_].time));
-    state_.add_rate(effect.function, objects, effect.kind == Effect::Kind::kIncrease ? *rate : -*rate);
-    return true;
-  });
-  return right && each_rate([&](int step, const Effect& effect, Frame& frame) {
-           if (!reads_changing(effect.value, frame, state_)) return true;
-           unsupported_ =
-               input_error("the rate of " + describe_step(step) +
-                               " reads a number that changes continuously itself: only linear change is supported",
-                           domain_.file, effect.source.line)
-                   .with_code(word_of(Failure::kUnsupported));
-           return false;
-         });
+  for (const int step : active_)
+    for (const Effect& effect : action_of(step).effects) {
+      if (effect.time != Effect::Time::kContinuous) continue;
+      Frame& frame = running_[step].frame;
+      const bool right = evaluator_.each_binding(effect.variables, frame, [&] {
+        const Objects objects(effect.terms, frame);
+        const auto rate = evaluator_.number(effect.value, frame, state_, duration_of_step(step));
+        if (!rate || !state_.value(effect.function, objects))
+          return fail_effect(step, effect, to_seconds(happenings_[current_].time));
+        state_.add_rate(effect.function, objects, effect.kind == Effect::Kind::kIncrease ? *rate : -*rate);
+        return true;
+      });
+      if (!right) return false;
+    }
+  return true;
 }
 
 Footprint Execution::footprint_of(const Happening& happening, const std::vector<Change>& changes) {
@@ -302,6 +280,7 @@ bool Execution::check_interference(std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     Recent fresh{happenings_[i], footprint_of(happenings_[i], records_[records_.size() - (last - i)].changes())};
     for (const Recent& earlier : recent_) {
+      if (earlier.happening.event && fresh.happening.event) continue;  // no plan can move them
       const std::string what = Footprint::interference(earlier.footprint, fresh.footprint);
       if (!what.empty()) return fail_interference(earlier.happening, fresh.happening, what);
     }

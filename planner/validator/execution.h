@@ -100,7 +100,6 @@ class Execution {
   std::vector<Record> records_;
   Nanos end_ = 0;
   Verdict verdict_;
-  std::optional<Error> unsupported_;
 };
 
 }  // namespace cxlab::planner

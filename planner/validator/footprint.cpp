@@ -7,6 +7,8 @@
 namespace cxlab::planner {
 namespace {
 
+constexpr std::int64_t kOfAFact = 50;  ///< combinations that cost as much as one that stays in memory
+
 const Fact* common(const std::vector<Fact>& a, const std::vector<Fact>& b) {
   for (const Fact& fact : a)
     if (std::ranges::find(b, fact) != b.end()) return &fact;
@@ -25,9 +27,10 @@ const Fact* Footprint::derived_from(ById<char> Symbols::* kind, const std::vecto
 void Footprint::read(const Condition& condition, Frame& frame) {
   if (condition.kind == Condition::Kind::kAtom) gather_atom(condition, frame);
   for (const Expression& side : condition.sides) read(side, frame);
-  validator_->evaluator().each_binding(condition.variables, frame, [&] {
+  const Evaluator& evaluator = validator_->evaluator();
+  evaluator.each_binding(condition.variables, frame, [&] {
     for (const Condition& operand : condition.operands) read(operand, frame);
-    return true;
+    return condition.variables.empty() || evaluator.spend(kOfAFact);
   });
 }
 
@@ -64,7 +67,7 @@ Footprint::Known Footprint::gather_many(const Condition& condition, Frame& frame
       if (known == any) return false;
       open = open || !known;
     }
-    return true;
+    return condition.variables.empty() || validator_->evaluator().spend(kOfAFact);
   });
   if (!undecided) return any;
   return open ? Known() : !any;

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "planner/pddl/failure.h"
 #include "planner/validator/execution.h"
 
 namespace cxlab::planner {
@@ -27,8 +28,8 @@ std::vector<OutsideEvent> outside_events(const Problem& problem) {
 
 }  // namespace
 
-Validator::Validator(const Domain& domain, const Problem& problem)
-    : evaluator_(domain, problem),
+Validator::Validator(const Domain& domain, const Problem& problem, Meter* meter)
+    : evaluator_(domain, problem, meter),
       initial_(domain, problem),
       outside_(outside_events(problem)),
       fluents_(changing(domain, problem)),
@@ -37,7 +38,10 @@ Validator::Validator(const Domain& domain, const Problem& problem)
 }
 
 Expected<Verdict> Validator::check(const Plan& plan, const ValidateOptions& options) const {
-  return Execution(*this, plan, options).run();
+  if (evaluator_.is_over()) return out_of_budget("before the plan was judged");
+  auto verdict = Execution(*this, plan, options).run();
+  if (evaluator_.is_over()) return out_of_budget("while the plan was judged");
+  return verdict;
 }
 
 std::string to_text(const Violation& violation) {

@@ -23,7 +23,10 @@ namespace cxlab::planner {
 
 /// Times as whole nanoseconds, so that equal is equal.
 using Nanos = std::int64_t;
-inline Nanos to_nanos(double seconds) { return static_cast<Nanos>(std::llround(seconds * 1e9)); }
+/// Large times, as Unix times are, to the microsecond: a double does not hold more.
+inline Nanos to_nanos(double seconds) {
+  return static_cast<Nanos>(std::abs(seconds) < 1e6 ? std::llround(seconds * 1e9) : std::llround(seconds * 1e6) * 1000);
+}
 inline double to_seconds(Nanos time) { return cxlab::to_seconds(SimTime{time}); }
 
 /// What changes at a time without an action: timed facts, then timed values.
@@ -70,9 +73,10 @@ struct Verdict {
 /// Checks plans of one problem. Outlived by domain and problem.
 class Validator {
  public:
-  Validator(const Domain& domain, const Problem& problem);
+  /// `meter`, which may be none, outlives this: it limits what is tried for quantifiers.
+  Validator(const Domain& domain, const Problem& problem, Meter* meter = nullptr);
 
-  /// An error (Failure::kUnsupported) only if numbers change in a way that is not linear.
+  /// An error only if the meter is over (Failure::kOutOfBudget).
   Expected<Verdict> check(const Plan& plan, const ValidateOptions& options = {}) const;
 
   const Evaluator& evaluator() const { return evaluator_; }

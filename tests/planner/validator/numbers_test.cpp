@@ -7,6 +7,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
+std::string objects(int count) {
+  std::string names;
+  for (int i = 0; i < count; ++i) names += " o" + std::to_string(i);
+  return names;
+}
+
 const char* kBattery =
     R"((:types robot) (:predicates (rested ?r - robot)) (:functions (battery ?r - robot) (work-time) (spent))
   (:durative-action work :parameters (?r - robot) :duration (= ?duration (work-time))
@@ -79,7 +85,6 @@ const char* kTank = R"((:predicates (full) (checked)) (:functions (level) (flow)
   (:durative-action guard :parameters () :duration (= ?duration 4) :condition (over all (<= (level) 6)) :effect (at end (checked)))
   (:durative-action area :parameters () :duration (= ?duration 4) :condition (over all (<= (* (level) (other)) 4)) :effect (at end (checked)))
   (:durative-action swap :parameters () :duration (= ?duration 4) :effect (and (increase (level) #t) (decrease (other) #t)))
-  (:durative-action wild :parameters () :duration (= ?duration 4) :effect (increase (other) (* #t (level))))
   (:action faster :effect (increase (flow) 1)))";
 
 TEST(ValidatorContinuous, LinearChangeIsFollowedThroughHappenings) {
@@ -118,16 +123,6 @@ TEST(ValidatorContinuous, AnEffectThatIsDroppedInTheMiddleLeavesTheNumbersOfTheE
   EXPECT_EQ(checker.verdict("0: (fill) [4]"), "valid");
 }
 
-TEST(ValidatorContinuous, RateThatChangesItselfIsNotSupported) {
-  const Checker checker(kTank, "(:init (= (level) 0) (= (flow) 1) (= (other) 0)) (:goal (and))");
-  EXPECT_EQ(checker.verdict("0: (wild) [4]"), "valid");
-  const auto verdict = checker.check("0: (wild) [4]\n1: (fill) [2]");
-  ASSERT_FALSE(verdict);
-  EXPECT_TRUE(is(verdict.error(), Failure::kUnsupported));
-  EXPECT_THAT(verdict.error().message,
-              HasSubstr("the rate of 0.000: (wild) (line 1) reads a number that changes continuously itself"));
-}
-
 TEST(ValidatorContinuous, TimedValuesInterfereWithConditions) {
   const char* world =
       R"((:predicates (done)) (:functions (price)) (:action buy :precondition (<= (price) 5) :effect (done)))";
@@ -135,6 +130,101 @@ TEST(ValidatorContinuous, TimedValuesInterfereWithConditions) {
   EXPECT_EQ(checker.verdict("5: (buy)"), "valid");
   EXPECT_THAT(checker.verdict("3: (buy)"), HasSubstr("its sides are 9 and 5"));
   EXPECT_THAT(checker.verdict("8: (buy)"), HasSubstr("the initial state's event at 8.000"));
+}
+
+TEST(ValidatorContinuous, ManyPiecesAddUpExactly) {
+  const Checker checker(R"((:predicates (done)) (:functions (level))
+    (:durative-action drain :parameters () :duration (= ?duration 1) :condition (over all (>= (level) 0))
+      :effect (decrease (level) (* #t 0.1)))
+    (:action look :precondition (= (level) 0) :effect (done)))",
+                        "(:init (= (level) 1)) (:goal (done))");
+  std::string plan;
+  for (int i = 0; i < 10; ++i) plan += std::to_string(i) + ".0" + std::to_string(i) + ": (drain) [1]\n";
+  EXPECT_EQ(checker.verdict(plan + "11: (look)"), "valid") << "ten tenths of 1";
+}
+
+TEST(ValidatorContinuous, AConditionThatNothingChangesIsExactBesideOthersThatChange) {
+  const char* world = R"((:predicates (done)) (:functions (level) (now) (due))
+    (:durative-action fill :parameters () :duration (= ?duration 4) :effect (increase (level) (* #t 1)))
+    (:durative-action work :parameters () :duration (= ?duration 4)
+      :condition (over all (and (< (now) (due)) (or (<= (level) 2) (< (now) (due))))) :effect (at end (done))))";
+  const Checker open(world, "(:init (= (level) 0) (= (now) 1700000000) (= (due) 1700000001)) (:goal (done))");
+  EXPECT_EQ(open.verdict("0: (fill) [4]\n0: (work) [4]"), "valid");
+  const Checker shut(world, "(:init (= (level) 0) (= (now) 1700000001) (= (due) 1700000001)) (:goal (done))");
+  EXPECT_THAT(shut.verdict("0: (fill) [4]\n0: (work) [4]"), HasSubstr("a condition over all does not hold"));
+}
+
+TEST(ValidatorContinuous, LargeNumbersCrossWhereTheyCross) {
+  const char* world = R"((:predicates (done)) (:functions (clock) (due))
+    (:durative-action tick :parameters () :duration (= ?duration 4) :effect (increase (clock) (* #t 1)))
+    (:durative-action work :parameters () :duration (= ?duration 2) :condition (over all (< (clock) (due)))
+      :effect (at end (done))))";
+  const auto verdict = [&](const std::string& due) {
+    return Checker(world, "(:init (= (clock) 1700000000) (= (due) " + due + ")) (:goal (done))")
+        .verdict("0: (tick) [4]\n0: (work) [2]");
+  };
+  EXPECT_EQ(verdict("1700000002"), "valid") << "reached at the end, which is not in the open interval";
+  EXPECT_THAT(verdict("1700000001.999"), HasSubstr("a condition over all does not hold at 1.999"));
+}
+
+TEST(ValidatorContinuous, DerivedFactsFollowTheNumbers) {
+  const char* world = R"((:predicates (hot) (done)) (:functions (heat)) (:derived (hot) (> (heat) 3))
+    (:durative-action warm :parameters () :duration (= ?duration 5) :effect (increase (heat) (* #t 1)))
+    (:action touch :precondition (hot) :effect (done))
+    (:durative-action stay :parameters () :duration (= ?duration 2) :condition (over all (not (hot))) :effect (at end (done))))";
+  const Checker checker(world, "(:init (= (heat) 0)) (:goal (done))");
+  EXPECT_EQ(checker.verdict("0: (warm) [5]\n4: (touch)"), "valid");
+  EXPECT_THAT(checker.verdict("0: (warm) [5]\n2.5: (touch)"), HasSubstr("a condition does not hold at 2.500: (hot)"));
+  EXPECT_EQ(checker.verdict("0: (warm) [5]\n1: (stay) [2]"), "valid");
+  EXPECT_THAT(checker.verdict("0: (warm) [5]\n2: (stay) [2]"), HasSubstr("a condition over all does not hold"));
+}
+
+TEST(ValidatorTimes, UnixTimesAreTimes) {
+  const Checker checker("(:predicates (open) (done)) (:action go :precondition (open) :effect (done))",
+                        "(:init (at 1700000000 (open)) (at 1700000010 (not (open)))) (:goal (done))");
+  EXPECT_EQ(checker.verdict("1700000000.001: (go)"), "valid");
+  EXPECT_EQ(checker.verdict("1700000009.999: (go)"), "valid");
+  EXPECT_THAT(checker.verdict("1700000000.0009: (go)"), HasSubstr("0.0009 s apart"));
+  EXPECT_THAT(checker.verdict("9000000000: (go)"), HasSubstr("found a time that is not below 9000000000 s"));
+}
+
+TEST(ValidatorTimes, NothingIsAskedOverAllOfWhatTakesNoTime) {
+  const Checker checker(R"((:predicates (p) (done))
+    (:durative-action z :parameters () :duration (>= ?duration 0) :condition (over all (p)) :effect (at end (done))))",
+                        "(:init) (:goal (done))");
+  EXPECT_EQ(checker.verdict("0: (z) [0]"), "valid");
+  EXPECT_THAT(checker.verdict("0: (z) [0.001]"), HasSubstr("a condition over all does not hold"));
+}
+
+TEST(ValidatorQuantifiers, AreMetered) {
+  const Task task = Checker(
+                        "(:predicates (p ?a ?b ?c ?d ?e ?f) (done)) (:action go"
+                        " :precondition (not (exists (?a ?b ?c ?d ?e ?f) (p ?a ?b ?c ?d ?e ?f))) :effect (done))",
+                        "(:objects" + objects(60) + ") (:init) (:goal (done))")
+                        .task();
+  const Plan plan = *parse_plan("0: (go)", "plan", task.domain, task.problem);
+  Meter meter(100'000);
+  const auto verdict = Validator(task.domain, task.problem, &meter).check(plan);
+  ASSERT_FALSE(verdict);
+  EXPECT_TRUE(is(verdict.error(), Failure::kOutOfBudget));
+  EXPECT_TRUE(meter.over());
+}
+
+TEST(ValidatorTimes, WhatHappensAt0IsAnEvent) {
+  const Checker checker(
+      "(:predicates (p) (done)) (:functions (x)) (:action go :precondition (p) :effect (done))"
+      " (:action buy :precondition (<= (x) 3) :effect (done))",
+      "(:init (= (x) 9) (at 0 (p)) (at 0 (= (x) 3))) (:goal (done))");
+  EXPECT_THAT(checker.verdict("0: (go)"), HasSubstr("a condition does not hold at 0.000: (p)"));
+  EXPECT_EQ(checker.verdict("0.001: (go)"), "valid");
+  EXPECT_THAT(checker.verdict("0: (buy)"), HasSubstr("its sides are 9 and 3"));
+  EXPECT_EQ(checker.verdict("0.001: (buy)"), "valid");
+}
+
+TEST(ValidatorTimes, EventsNeedNoDistanceFromEachOther) {
+  const Checker checker("(:predicates (p) (q) (done)) (:action go :precondition (q) :effect (done))",
+                        "(:init (at 1 (p)) (at 1.0002 (not (p))) (at 1.0004 (p)) (at 1 (q))) (:goal (and (done) (p)))");
+  EXPECT_EQ(checker.verdict("2: (go)"), "valid");
 }
 
 }  // namespace
