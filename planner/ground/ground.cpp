@@ -241,8 +241,6 @@ class Grounder {
     std::ranges::copy(binding.arguments, frame.begin());
     const std::vector<GroundCondition> starts = alternatives(formula(schema.condition.start, frame, false));
     if (starts.empty()) return;
-    std::optional<GroundCondition> over_all = conjunction(formula(schema.condition.over_all, frame, false));
-    if (!over_all) return;
     const std::vector<GroundCondition> ends = alternatives(formula(schema.condition.end, frame, false));
     if (ends.empty()) return;
     GroundAction action;
@@ -251,20 +249,52 @@ class Grounder {
     action.durative = schema.durative;
     for (const DurationConstraint& constraint : schema.duration)
       action.duration.push_back({constraint.comparison, expression(constraint.bound, frame), constraint.at_end});
-    action.over_all = std::move(*over_all);
-    for (const Effect& effect : schema.effects)
-      for_each_assignment(task_, effect.variables, frame, budget_, [&] { add_effect(effect, frame, action); });
-    for_each_effects(action, tidy);
-    for (const GroundCondition& start : starts)
-      for (const GroundCondition& end : ends) {
-        budget_.spend(Work::kGround, kActionWork);
-        action.start = start;
-        action.end = end;
-        out_.actions.push_back(action);
+    const auto add = [&](const GroundAction& with, bool instant) {
+      GroundAction made = with;
+      for (const Effect& effect : schema.effects)
+        for_each_assignment(task_, effect.variables, frame, budget_, [&] { add_effect(effect, frame, instant, made); });
+      for_each_effects(made, tidy);
+      for (const GroundCondition& start : starts)
+        for (const GroundCondition& end : ends) {
+          if (instant && !may_be_instant(made, start)) continue;
+          budget_.spend(Work::kGround, kActionWork);
+          made.start = start;
+          made.end = end;
+          out_.actions.push_back(made);
+        }
+    };
+    const bool takes_time = !schema.durative || constant_durations(action).most > 0;
+    bool asks_over_all = false;
+    if (takes_time) {
+      std::optional<GroundCondition> over_all = conjunction(formula(schema.condition.over_all, frame, false));
+      asks_over_all = !over_all || !std::ranges::all_of(starts, [&](const GroundCondition& start) {
+        return over_all->comparisons.empty() && std::ranges::includes(start.facts, over_all->facts);
+      });
+      if (over_all) {
+        action.over_all = std::move(*over_all);
+        add(action, false);
+        action.over_all = {};
       }
+    }
+    // Over all means nothing where an action takes no time: such an action is another one.
+    for (const Effect& effect : schema.effects) {
+      const bool ends_what_lasts = effect.kind == Effect::Kind::kDelete && effect.time == Effect::Time::kStart;
+      asks_over_all |=
+          !effect.condition.over_all.is_true() || (ends_what_lasts && !schema.condition.over_all.is_true());
+    }
+    if (!schema.durative || (takes_time && !asks_over_all)) return;
+    action.duration.push_back({Comparison::kEqual, GroundExpression::constant(0), false});
+    add(action, true);
   }
 
-  void add_effect(const Effect& effect, ById<ObjectId>& frame, GroundAction& action) {
+  bool may_be_instant(const GroundAction& action, const GroundCondition& start) const {
+    return std::ranges::none_of(action.duration, [&](const GroundDuration& duration) {
+      return duration.comparison != Comparison::kLessEqual && is_surely_positive(out_, duration.bound, start);
+    });
+  }
+
+  /// `instant`: what is asked over all counts as true.
+  void add_effect(const Effect& effect, ById<ObjectId>& frame, bool instant, GroundAction& action) {
     using Kind = Effect::Kind;
     const Objects arguments(effect.terms, frame);
     if (effect.time == Effect::Time::kContinuous) {
@@ -283,6 +313,7 @@ class Grounder {
       for (auto [from, to] : {std::pair{&effect.condition.start, &made.start},
                               {&effect.condition.over_all, &made.over_all},
                               {&effect.condition.end, &made.end}}) {
+        if (instant && from == &effect.condition.over_all) continue;
         std::optional<GroundCondition> condition = conjunction(formula(*from, frame, false));
         if (!condition) return;
         *to = std::move(*condition);
@@ -304,11 +335,8 @@ class Grounder {
                             expression(effect.value, frame)};
       if (effect.kind == Kind::kAssign) numeric.kind = NumericEffect::Kind::kAssign;
       if (effect.kind == Kind::kDecrease) negate(numeric.value);
-      if (effect.kind == Kind::kScaleUp || effect.kind == Kind::kScaleDown) numeric.kind = NumericEffect::Kind::kScale;
-      if (effect.kind == Kind::kScaleDown) {
-        numeric.value.steps.insert(numeric.value.steps.begin(), {GroundExpression::Kind::kConstant, -1, 1.0});
-        numeric.value.steps.push_back({GroundExpression::Kind::kDivide, -1, 0});
-      }
+      if (effect.kind == Kind::kScaleUp) numeric.kind = NumericEffect::Kind::kScale;
+      if (effect.kind == Kind::kScaleDown) numeric.kind = NumericEffect::Kind::kDivide;
       target->numbers.push_back(std::move(numeric));
     }
   }
@@ -347,10 +375,10 @@ class Grounder {
     std::map<Micros, GroundEffects> events;
     for (const TimedFact& timed : task_.problem.timed_facts) {
       GroundEffects& effects = events[in_micros(timed.time)];
-      if (timed.value)
-        effects.add.push_back(fact(timed.fact.predicate, timed.fact.objects));
-      else if (reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) >= 0)
-        effects.remove.push_back(fact(timed.fact.predicate, timed.fact.objects));
+      if (!timed.value && reachable_.atoms.find(timed.fact.predicate, timed.fact.objects) < 0) continue;
+      const int id = fact(timed.fact.predicate, timed.fact.objects);
+      std::erase(timed.value ? effects.remove : effects.add, id);  // of less than a microsecond before
+      (timed.value ? effects.add : effects.remove).push_back(id);
     }
     for (const TimedAssignment& timed : task_.problem.timed_values)
       events[in_micros(timed.time)].numbers.push_back({NumericEffect::Kind::kAssign,
@@ -466,6 +494,7 @@ Expected<GroundTask> ground(const Task& task, Budget& budget) {
   Expected<Reachable> reachable = find_reachable(task, kMostActions, budget);
   if (!reachable) return reachable.error();
   GroundTask out = Grounder(task, std::move(*reachable), budget).run();
+  merge_instants(out);
   if (!budget.over()) ask_for_values(out);
   if (!budget.over()) prune(out, budget);
   if (!budget.over()) find_idle(task, out, budget);

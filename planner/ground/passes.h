@@ -27,6 +27,13 @@ struct Possible {
 /// everything. All is possible if there are derived facts or more than 1,500 facts, or the budget ends.
 Possible possible_by_pairs(const GroundTask& task, Budget& budget);
 
+/// Whether the bound of a duration is above 0 wherever the condition holds.
+bool is_surely_positive(const GroundTask& task, const GroundExpression& bound, const GroundCondition& condition);
+
+/// Turns the actions that last no longer than 0 into instantaneous ones, and drops those whose beginning and end
+/// interfere. Nothing is asked over all: the open interval between is empty.
+void merge_instants(GroundTask& task);
+
 /// Copies each action whose effects depend on a duration that may be chosen, once for each of several durations.
 /// Incomplete if the budget ends.
 void offer_durations(GroundTask& task, Budget& budget);

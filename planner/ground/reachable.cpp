@@ -83,6 +83,31 @@ class Join {
       result_.fluent[p] |= static_cast<char>(task_.domain.predicates[p].derived);
   }
 
+  /// Whether the action may take no time, so that nothing is asked over all.
+  bool may_be_instant(const Action& action) const {
+    return std::ranges::none_of(action.duration, [this](const DurationConstraint& constraint) {
+      return constraint.comparison != Comparison::kLessEqual && is_positive(constraint.bound);
+    });
+  }
+
+  /// Whether a number is above 0 with any arguments; unknown is no.
+  bool is_positive(const Expression& expression) const {
+    using Kind = Expression::Kind;
+    switch (expression.kind) {
+      case Kind::kConstant: return expression.value > 0;
+      case Kind::kFunction:
+        return !result_.changing[expression.function] &&
+               std::ranges::all_of(task_.problem.values, [&](const Assignment& value) {
+                 return value.function != expression.function || value.value > 0;
+               });
+      case Kind::kAdd:
+      case Kind::kMultiply:
+      case Kind::kDivide:
+        return std::ranges::all_of(expression.operands, [this](const Expression& part) { return is_positive(part); });
+      default: return false;
+    }
+  }
+
   Pattern make_pattern(const Action& action) const {
     Pattern pattern;
     // What must hold later may be brought about by the action itself or by others that overlap it, so that only facts
@@ -97,7 +122,7 @@ class Join {
             !other.condition.over_all.is_true())
           at_once[effect.predicate] = 1;
     collect(action.condition.start, nullptr, pattern);
-    collect(action.condition.over_all, &at_once, pattern);
+    if (!may_be_instant(action)) collect(action.condition.over_all, &at_once, pattern);
     collect(action.condition.end, &later, pattern);
     ById<char> used(static_cast<std::size_t>(action.slots), 0);
     const auto use = [&used](const auto& part) {

@@ -255,7 +255,8 @@ TEST(FindPlan, AnActionWithoutDurationIsOneHappening) {
       "(:predicates (a) (b)) (:durative-action x :parameters () :duration (= ?duration 0) :effect (and (at start (a)) "
       "(at end (b))) :condition ";
   EXPECT_TRUE(answer(parse(start_and_end + "())", "(:init) (:goal (and (a) (b)))")).plan);
-  EXPECT_EQ(answer(parse(start_and_end + "(at end (a)))", "(:init) (:goal (and (a) (b)))")).status, PlanStatus::kEnded);
+  EXPECT_EQ(answer(parse(start_and_end + "(at end (a)))", "(:init) (:goal (and (a) (b)))")).status,
+            PlanStatus::kUnsolvable);
 }
 
 TEST(FindPlan, SeveralActionsInTurnKeepAnExistentialConditionTrue) {

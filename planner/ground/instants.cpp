@@ -1,0 +1,155 @@
+// Durative actions that take no time.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planner/ground/passes.h"
+#include "planner/ground/sorted.h"
+
+namespace cxlab::planner {
+
+namespace {
+
+bool meet(const std::vector<int>& a, const std::vector<int>& b) {
+  return std::ranges::any_of(a, [&b](int item) { return std::ranges::find(b, item) != b.end(); });
+}
+
+void append(const std::vector<int>& more, std::vector<int>& to) { to.insert(to.end(), more.begin(), more.end()); }
+
+void append(const GroundCondition& more, GroundCondition& to) {
+  append(more.facts, to.facts);
+  append(more.comparisons, to.comparisons);
+  sort_unique(to.facts);
+  sort_unique(to.comparisons);
+}
+
+void append(const GroundEffects& more, GroundEffects& to) {
+  append(more.add, to.add);
+  append(more.remove, to.remove);
+  to.numbers.insert(to.numbers.end(), more.numbers.begin(), more.numbers.end());
+  sort_unique(to.add);
+  sort_unique(to.remove);
+}
+
+/// What the beginning or the end of an action reads and writes.
+struct Use {
+  std::vector<int> reads, adds, removes, number_reads, assigned, increased;
+
+  void read(const GroundTask& task, const GroundCondition& condition) {
+    append(condition.facts, reads);
+    for (const int c : condition.comparisons) read(task.comparisons[c].expression);
+  }
+  void read(const GroundExpression& expression) {
+    expression.for_each_number([this](int number) { number_reads.push_back(number); });
+  }
+  void write(const GroundEffects& effects) {
+    append(effects.add, adds);
+    append(effects.remove, removes);
+    for (const NumericEffect& effect : effects.numbers) {
+      (effect.kind == NumericEffect::Kind::kIncrease ? increased : assigned).push_back(effect.number);
+      read(effect.value);
+    }
+  }
+
+  bool is_disturbed_by(const Use& other) const {
+    return meet(reads, other.adds) || meet(reads, other.removes) || meet(adds, other.removes) ||
+           meet(number_reads, other.assigned) || meet(number_reads, other.increased) ||
+           meet(assigned, other.assigned) || meet(assigned, other.increased);
+  }
+};
+
+/// Whether beginning and end can be one happening.
+bool can_coincide(const GroundTask& task, const GroundAction& action) {
+  Use begin, end;
+  begin.read(task, action.start);
+  end.read(task, action.end);
+  begin.write(action.at_start);
+  end.write(action.at_end);
+  for (const ConditionalEffects& conditional : action.conditional) {
+    begin.read(task, conditional.start);
+    end.read(task, conditional.end);
+    begin.write(conditional.at_start);
+    end.write(conditional.at_end);
+  }
+  for (const GroundDuration& duration : action.duration) (duration.at_end ? end : begin).read(duration.bound);
+  return !begin.is_disturbed_by(end) && !end.is_disturbed_by(begin);
+}
+
+/// Adds to the condition that the constraint allows a duration of 0; false if it never does.
+bool ask_for_zero(GroundTask& task, const GroundDuration& duration, GroundCondition& condition) {
+  if (duration.bound.is_constant()) {
+    const Micros bound = in_micros(duration.bound.steps[0].value);
+    return duration.comparison == Comparison::kLessEqual      ? bound >= 0
+           : duration.comparison == Comparison::kGreaterEqual ? bound <= 0
+                                                              : bound == 0;
+  }
+  using Kind = GroundComparison::Kind;
+  const GroundExpression zero = GroundExpression::constant(0);
+  condition.comparisons.push_back(static_cast<int>(task.comparisons.size()));
+  task.comparisons.push_back(duration.comparison == Comparison::kLessEqual
+                                 ? GroundComparison::of(Kind::kNotNegative, duration.bound, zero)
+                             : duration.comparison == Comparison::kGreaterEqual
+                                 ? GroundComparison::of(Kind::kNotNegative, zero, duration.bound)
+                                 : GroundComparison::of(Kind::kZero, duration.bound, zero));
+  return true;
+}
+
+/// The action that takes no time as an instantaneous one; false if there is none.
+bool merge(GroundTask& task, GroundAction& action) {
+  if (!can_coincide(task, action)) return false;
+  for (const GroundDuration& duration : action.duration)
+    if (!ask_for_zero(task, duration, action.start)) return false;
+  append(action.end, action.start);
+  append(action.at_end, action.at_start);
+  std::vector<ConditionalEffects> conditional;
+  for (ConditionalEffects& from : action.conditional) {
+    if (!from.at_start.empty()) conditional.push_back({from.start, {}, {}, std::move(from.at_start), {}});
+    if (from.at_end.empty()) continue;
+    append(from.end, from.start);
+    conditional.push_back({std::move(from.start), {}, {}, std::move(from.at_end), {}});
+  }
+  action.conditional = std::move(conditional);
+  action.end = {};
+  action.at_end = {};
+  action.duration.clear();
+  action.continuous.clear();
+  action.durative = false;
+  return true;
+}
+
+}  // namespace
+
+bool is_surely_positive(const GroundTask& task, const GroundExpression& bound, const GroundCondition& condition) {
+  if (bound.is_constant()) return in_micros(bound.steps[0].value) > 0;
+  const LinearForm form = linear_form(bound);
+  if (!form.is_linear || form.weights.empty() || form.duration_weight != 0) return false;
+  // At least a positive multiple of what the condition says is positive.
+  return std::ranges::any_of(condition.comparisons, [&](int c) {
+    const GroundComparison& comparison = task.comparisons[c];
+    const LinearForm& positive = comparison.linear;
+    if (comparison.kind != GroundComparison::Kind::kPositive || !positive.is_linear || positive.duration_weight != 0 ||
+        positive.weights.size() != form.weights.size())
+      return false;
+    const double share = form.weights[0].second / positive.weights[0].second;
+    constexpr double kRounding = 1e-9;
+    const auto is_share = [&](double of, double value) {
+      return std::abs(of * share - value) <= kRounding * std::max(std::abs(of * share), std::abs(value));
+    };
+    for (std::size_t i = 0; i < form.weights.size(); ++i)
+      if (form.weights[i].first != positive.weights[i].first ||
+          !is_share(positive.weights[i].second, form.weights[i].second))
+        return false;
+    return share > 0 && (form.constant >= positive.constant * share || is_share(positive.constant, form.constant));
+  });
+}
+
+void merge_instants(GroundTask& task) {
+  ById<GroundAction> kept;
+  for (GroundAction& action : task.actions)
+    if (!action.durative || constant_durations(action).most > 0 || merge(task, action))
+      kept.push_back(std::move(action));
+  task.actions = std::move(kept);
+}
+
+}  // namespace cxlab::planner
