@@ -31,7 +31,7 @@ using planner::PlanStatus;
 constexpr double kLongestTimeout = 1e9;  ///< s; clocks end some time after it
 
 struct PlanCommand {
-  std::string domain, problem, out, svg;
+  std::string domain, problem, data, out, svg;
   std::optional<double> timeout_s;
   std::int64_t budget = planner::PlanOptions{}.budget;
   std::optional<std::int64_t> patience;
@@ -190,7 +190,9 @@ int run(const PlanCommand& command) {
   if (command.timeout_s)
     deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                   std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
-  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline);
+  const Expected<std::string> data = read_template_data(command.data, command.domain, command.problem);
+  if (!data) return fail_planning(data.error());
+  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline, *data);
   if (!task && is(task.error(), planner::Failure::kLate)) {
     planner::PlanAnswer answer;
     answer.status = PlanStatus::kBudget;
@@ -226,6 +228,7 @@ void add_plan(CLI::App& app, Action& action) {
   CLI::App* plan = app.add_subcommand("plan", "Find a plan for a PDDL problem with time, numbers and events");
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
+  plan->add_option("--data", options->data, "JSON object for domain and problem that are templates");
   plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
   whole_number(plan->add_option("--budget", options->budget,
                                 "work units; one is about a microsecond. The same budget gives the same plan"),

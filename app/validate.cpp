@@ -10,8 +10,10 @@
 #include "app/planning.h"
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
+#include "planner/ground/budget.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
+#include "planner/planner.h"
 #include "planner/validator/robustness.h"
 
 namespace cxlab::app {
@@ -22,10 +24,11 @@ using planner::time_text;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string domain, problem, plan;
+  std::string domain, problem, plan, data;
   planner::ValidateOptions rules;
   bool robust = false;
   double limit = 0;  ///< s; 0 = the makespan
+  std::int64_t budget = planner::PlanOptions{}.budget;
   bool json = false;
 };
 
@@ -74,13 +77,21 @@ void print_json(const planner::Verdict& verdict, const std::optional<planner::Ro
 }
 
 int validate(const Options& options) {
-  const auto task = planner::load_task(options.domain, options.problem);
+  const auto data = read_template_data(options.data, options.domain, options.problem);
+  if (!data) return fail_planning(data.error());
+  const auto task = planner::load_task(options.domain, options.problem, {}, *data);
   if (!task) return fail_planning(task.error());
   const auto text = read_file(options.plan);
   if (!text) return fail_planning(text.error());
   const auto plan = planner::parse_plan(*text, options.plan, task->domain, task->problem);
   if (!plan) return fail_planning(plan.error());
-  const planner::Validator validator(task->domain, task->problem);
+  planner::Budget budget(options.budget, {});
+  planner::Meter meter([&budget]() -> std::int64_t {
+    constexpr std::int64_t kPortion = 1000;
+    budget.spend(planner::Work::kGround, kPortion);
+    return budget.over() ? 0 : kPortion;
+  });
+  const planner::Validator validator(task->domain, task->problem, &meter);
   const auto verdict = validator.check(*plan, options.rules);
   if (!verdict) return fail_planning(verdict.error());
   std::optional<planner::Robustness> robust;
@@ -105,6 +116,20 @@ int fail_planning(const Error& error) {
   return planner::exit_code(error);
 }
 
+Expected<std::string> read_template_data(const std::string& file, const std::string& domain,
+                                         const std::string& problem) {
+  if (file.empty()) return std::string("{}");
+  auto text = read_file(file);
+  if (!text) return text.error();
+  const Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return input_error("found no JSON, expected an object such as {\"robots\": 2}", file);
+  if (!json.is_object())
+    return input_error(std::string("found ") + json.type_name() + ", expected an object such as {\"robots\": 2}", file);
+  for (const std::string& source : {domain, problem})
+    if (const auto read = read_file(source); !read || planner::is_template(*read)) return text;
+  return input_error("these data are not used: neither " + domain + " nor " + problem + " is a template", file);
+}
+
 double rounded_metric(double metric) {
   constexpr double kMillion = 1e6, kMost = 1e9;  // doubles beyond have no millionths to round to
   return std::abs(metric) < kMost ? std::round(metric * kMillion) / kMillion + 0.0 : metric;  // + 0.0: no -0
@@ -117,18 +142,26 @@ void add_validate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("validate", "Says whether a plan is right, and what is wrong first");
   command->add_option("domain", options->domain, "PDDL file of the domain")->required();
   command->add_option("problem", options->problem, "PDDL file of the problem")->required();
-  command->add_option("plan", options->plan, "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]")->required();
+  command
+      ->add_option("plan", options->plan,
+                   "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]; or what a planner printed")
+      ->required();
+  command->add_option("--data", options->data, "JSON object for domain and problem that are templates");
   command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")
       ->check(not_negative())
       ->capture_default_str();
   command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
       ->check(not_negative())
       ->capture_default_str();
+  whole_number(command->add_option("--budget", options->budget, "work units that may be spent on quantifiers"), 1)
+      ->capture_default_str();
   command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
   command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")
       ->check(positive());
   command->add_flag("--json", options->json, "The answer as JSON");
-  command->footer("Exit codes: 0 valid; 1 not valid; 31 a file cannot be used; 34 something in it is not supported.");
+  command->footer(
+      "Exit codes: 0 valid; 1 not valid; 23 budget ended; 31 a file cannot be used; 34 something in it is not "
+      "supported.");
   command->callback([options, &action] { action = [options] { return validate(*options); }; });
 }
 

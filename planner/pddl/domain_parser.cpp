@@ -28,7 +28,13 @@ constexpr std::array kSupported = {":strips",
                                    ":timed-initial-fluents",
                                    ":timed-effects",
                                    ":action-costs",
-                                   ":time"};
+                                   ":time",
+                                   ":timed-initial-effects",  // as the Unified Planning Framework writes it
+                                   ":true-negation",          // of PDDL 1.2
+                                   ":domain-axioms",
+                                   ":expression-evaluation",
+                                   ":multi-agent",  // of planning for several agents, where agents are objects
+                                   ":unfactored-privacy"};
 
 constexpr std::array kReserved = {"and",      "or",         "not",      "imply",     "forall", "exists",
                                   "when",     "preference", "=",        "<",         "<=",     ">",
@@ -56,10 +62,10 @@ class DomainParser {
     domain_.name = resolver_.define(
         root_, {"domain",
                 "problem",
-                {":requirements", ":types", ":constants", ":predicates", ":functions", ":derived", ":action",
-                 ":durative-action"},
+                {":requirements", ":types", ":constants", ":predicates", ":functions", ":timeless", ":derived",
+                 ":axiom", ":action", ":durative-action"},
                 {},
-                {":constraints", ":process", ":event", ":task", ":method", ":axiom"},
+                {":constraints", ":process", ":event", ":task", ":method", ":extends", ":domain-variables", ":safety"},
                 ":requirements, :types, :constants, :predicates, :functions, :derived, :action or :durative-action"});
     for (const Node& section : sections(root_, ":requirements")) requirements(section);
     types();
@@ -68,10 +74,15 @@ class DomainParser {
     for (const Node& section : sections(root_, ":functions")) functions(section);
     // A rule may read predicates that later rules derive, so heads come first.
     for (const Node& section : sections(root_, ":derived")) derived_name(section);
+    for (const Node& section : sections(root_, ":axiom")) axiom_name(section);
     for (const Node& section : sections(root_, ":derived")) derived_rule(section);
+    for (const Node& section : sections(root_, ":axiom")) axiom(section);
+    for (const Node& section : sections(root_, ":timeless"))
+      for (const Node& fact : section.rest()) timeless(fact);
     for (const Node& section : root_.items)
       if (section.head() == ":action" || section.head() == ":durative-action") action(section);
     stratify();
+    reject_change_that_is_not_linear();
     return std::move(domain_);
   }
 
@@ -180,12 +191,12 @@ class DomainParser {
     if (name.starts_with('?')) resolver_.fail(node, "found the variable ", name, ", expected the name of ", what);
     if (std::ranges::find(kReserved, name) != kReserved.end())
       resolver_.fail(node, "found '", name, "' as the name of ", what, ", which is a word of the language");
-    resolver_.begin_frame(false);
-    return resolver_.variables(node.rest());
+    return resolver_.signature(node.rest());
   }
 
   void predicates(const Node& section) {
-    for (const Node& node : section.rest()) {
+    for (const Node& node : Resolver::without_owners(section)) {
+      if (node.head() == "=") continue;  // some files declare what is built in
       std::vector<Variable> parameters = signature(node, "a predicate");
       declare(node, "predicate", node.head(), domain_.predicates, domain_.predicate_names).parameters =
           std::move(parameters);
@@ -208,21 +219,104 @@ class DomainParser {
     }
   }
 
+  void timeless(const Node& node) {
+    resolver_.begin_frame(false);
+    Fact fact = resolver_.ground_fact(node);
+    if (domain_.predicates[fact.predicate].derived)
+      resolver_.fail(node, "found ", node, ", which is derived by a rule, expected a predicate without one");
+    domain_.timeless.push_back(std::move(fact));
+  }
+
+  /// (:axiom :vars (?x ...) :context CONDITION :implies (PREDICATE ?x ...)), the rule of PDDL 1.2.
+  struct Axiom {
+    const Node* variables = nullptr;
+    const Node* context = nullptr;
+    const Node* implies = nullptr;
+  };
+  Axiom axiom_parts(const Node& section) {
+    Axiom found;
+    for (std::size_t i = 1; i + 1 < section.items.size(); i += 2) {
+      const Node& key = section.items[i];
+      if (key.is_word(":vars"))
+        found.variables = &section.items[i + 1];
+      else if (key.is_word(":context"))
+        found.context = &section.items[i + 1];
+      else if (key.is_word(":implies"))
+        found.implies = &section.items[i + 1];
+    }
+    if (!found.implies || found.implies->head().empty())
+      resolver_.fail(section, "found ", section,
+                     ", expected (:axiom :vars (?x - TYPE ...) :context CONDITION :implies (PREDICATE ?x ...))");
+    return found;
+  }
+
+  void axiom_name(const Node& section) { mark_derived(*axiom_parts(section).implies); }
+
+  /// Every parameter of the predicate is the argument of the head, and all variables of the rule that are no parameters
+  /// exist.
+  void axiom(const Node& section) {
+    const Axiom from = axiom_parts(section);
+    const Node& head = *from.implies;
+    Derivation rule;
+    rule.source = resolver_.source(section);
+    rule.predicate = find(domain_.predicate_names, head.head());
+    const Predicate& predicate = domain_.predicates[rule.predicate];
+    resolver_.begin_frame(false);
+    std::vector<Variable> declared;
+    if (from.variables) declared = resolver_.variables(*from.variables);
+    if (head.rest().size() != predicate.parameters.size())
+      resolver_.fail(head, "found ", head.rest().size(), " arguments of '", predicate.name, "', expected ",
+                     predicate.parameters.size(), resolver_.declared(predicate.source));
+    std::vector<std::string_view> arguments;
+    for (const Node& argument : head.rest()) {
+      const auto variable = std::ranges::find(declared, argument.word, &Variable::name);
+      if (variable == declared.end() || std::ranges::find(arguments, argument.word) != arguments.end())
+        resolver_.fail_unsupported(head, "found ", argument,
+                                   " in :implies: only different variables of :vars are supported");
+      arguments.push_back(argument.word);
+    }
+    resolver_.begin_frame(false);
+    Condition exists;
+    exists.kind = Condition::Kind::kExists;
+    exists.source = rule.source;
+    for (const bool in_head : {true, false})
+      for (const Variable& variable : declared)
+        if ((std::ranges::find(arguments, variable.name) != arguments.end()) == in_head)
+          (in_head ? rule.parameters : exists.variables).push_back(variable);
+    std::ranges::sort(rule.parameters, {}, [&](const Variable& variable) {
+      return std::ranges::find(arguments, variable.name) - arguments.begin();
+    });
+    resolver_.declare(rule.parameters);
+    resolver_.declare(exists.variables);
+    Condition context = from.context ? resolver_.condition(*from.context) : Condition();
+    if (exists.variables.empty()) {
+      rule.condition = std::move(context);
+    } else {
+      exists.operands.push_back(std::move(context));
+      rule.condition = std::move(exists);
+    }
+    rule.slots = resolver_.slots();
+    domain_.derivations.push_back(std::move(rule));
+  }
+
+  void mark_derived(const Node& head) {
+    const int id = find(domain_.predicate_names, head.head());
+    if (id < 0) resolver_.fail(head, "found '", head.head(), "', expected a predicate that is declared in :predicates");
+    domain_.predicates[id].derived = true;
+  }
+
   void derived_name(const Node& section) {
     if (section.items.size() != 3 || section.items[1].head().empty())
       resolver_.fail(section, "found ", section, ", expected (:derived (PREDICATE ?x - TYPE ...) CONDITION)");
-    const int id = find(domain_.predicate_names, section.items[1].head());
-    if (id < 0)
-      resolver_.fail(section.items[1], "found '", section.items[1].head(),
-                     "', expected a predicate that is declared in :predicates");
-    domain_.predicates[id].derived = true;
+    mark_derived(section.items[1]);
   }
 
   void derived_rule(const Node& section) {
     const Node& head = section.items[1];
     Derivation rule;
     rule.source = resolver_.source(section);
-    rule.parameters = signature(head, "a predicate");
+    resolver_.begin_frame(false);
+    rule.parameters = resolver_.variables(head.rest());
     rule.predicate = find(domain_.predicate_names, head.head());
     const Predicate& predicate = domain_.predicates[rule.predicate];
     if (rule.parameters.size() != predicate.parameters.size())
@@ -247,10 +341,20 @@ class DomainParser {
     action.durative = durative;
     const std::string_view condition = durative ? ":condition" : ":precondition";
     std::map<std::string_view, const Node*> parts = {
-        {":parameters", nullptr}, {condition, nullptr}, {":effect", nullptr}};
+        {":parameters", nullptr}, {":vars", nullptr}, {condition, nullptr}, {":effect", nullptr}};
+    std::span<const Node> agent;
     if (durative) parts[":duration"] = nullptr;
     for (std::size_t i = 2; i < section.items.size(); i += 2) {
       const Node& key = section.items[i];
+      if (key.is_word(":agent")) {  // `?a - TYPE` without parentheses
+        std::size_t end = i + 1;
+        while (end < section.items.size() && !section.items[end].word.starts_with(':')) ++end;
+        agent = std::span(section.items).subspan(i + 1, end - i - 1);
+        i = end - 2;
+        continue;
+      }
+      if (key.is_word(":only-in-expansions") || key.is_word(":expansion") || key.is_word(":maintain"))
+        resolver_.fail_unsupported(key, "found ", key, ": not supported");
       const auto part = parts.find(key.word);
       if (part == parts.end())
         resolver_.fail(key, "found ", key, ", expected :parameters, ",
@@ -263,11 +367,41 @@ class DomainParser {
     if (durative && !parts[":duration"])
       resolver_.fail(section, "the durative action has no :duration, expected (= ?duration NUMBER)");
     resolver_.begin_frame(durative);
-    if (const Node* part = parts[":parameters"]) action.parameters = resolver_.variables(*part);
+    // The agent comes before the parameters, and what PDDL 1.2 declares by :vars comes behind them.
+    std::vector<Node> parameters(agent.begin(), agent.end());
+    for (const Node* part : {parts[":parameters"], parts[":vars"]}) {
+      if (!part) continue;
+      if (!part->is_list)
+        resolver_.fail(*part, "found '", part->word, "', expected a list of variables: (?x ?y - TYPE ...)");
+      parameters.insert(parameters.end(), part->items.begin(), part->items.end());
+    }
+    action.parameters = resolver_.variables(parameters);
     if (const Node* part = parts[":duration"]) action.duration = resolver_.duration(*part);
     if (const Node* part = parts[condition]) action.condition = resolver_.conditions(*part);
     if (const Node* part = parts[":effect"]) action.effects = resolver_.effects(*part);
     action.slots = resolver_.slots();
+  }
+
+  /// A rate that reads what changes continuously bends the change. Judged by functions, so that planner, validator and
+  /// manager refuse the same domains.
+  void reject_change_that_is_not_linear() const {
+    ById<char> changes(domain_.functions.size(), 0);
+    const auto each_rate = [this](const auto& visit) {
+      for (const Action& action : domain_.actions)
+        for (const Effect& effect : action.effects)
+          if (effect.time == Effect::Time::kContinuous) visit(action, effect);
+    };
+    each_rate([&](const Action&, const Effect& effect) { changes[effect.function] = 1; });
+    each_rate([&](const Action& action, const Effect& effect) {
+      for_each_part(effect.value, [&](const Expression& part) {
+        if (part.kind != Expression::Kind::kFunction || !changes[part.function]) return;
+        Node at;
+        at.line = effect.source.line;
+        resolver_.fail_unsupported(at, "the rate of ", domain_.functions[effect.function].name, " in ", action.name,
+                                   " reads ", domain_.functions[part.function].name,
+                                   ", which changes continuously itself: only linear change is supported");
+      });
+    });
   }
 
   /// Sets the strata of derived predicates.

@@ -2,6 +2,8 @@
 // Failures that callers distinguish, and the exit codes of programs that plan or judge plans: each is defined here
 // only.
 
+#include <string>
+
 #include "cx/base/expected.h"
 
 namespace cxlab::planner {
@@ -25,6 +27,11 @@ inline const char* word_of(Failure failure) {
 }
 
 inline bool is(const Error& error, Failure failure) { return error.code == word_of(failure); }
+
+/// Failure::kOutOfBudget.
+inline Error out_of_budget(const char* what) {
+  return resource_error(std::string("the budget ended ") + what).with_code(word_of(Failure::kOutOfBudget));
+}
 
 /// How planning ended. The numbers are the exit codes of `cxlab plan`; the scripts for other planners use them, too.
 enum class PlanStatus : int {

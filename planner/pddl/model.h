@@ -207,28 +207,6 @@ struct Object {
 /// Names to indices. Only for look-up: nothing depends on the order of the table.
 using NameTable = std::unordered_map<std::string, int>;
 
-struct Domain {
-  static constexpr TypeId kObjectType = 0;
-
-  std::string name;
-  std::string file;
-  std::vector<std::string> requirements;  ///< as declared, with the colon
-  ById<Type> types;                       ///< [0] is object
-  ById<Object> constants;
-  ById<Predicate> predicates;
-  ById<Function> functions;
-  ById<Action> actions;
-  std::vector<Derivation> derivations;
-
-  NameTable type_names, predicate_names, function_names, action_names;  ///< kept by the parser
-
-  /// Whether `type` is `ancestor` or below it.
-  bool is_a(TypeId type, TypeId ancestor) const {
-    return ancestors[type * static_cast<int>(types.size()) + ancestor] != 0;
-  }
-  ById<char> ancestors;  ///< matrix of is_a, row = type
-};
-
 /// A ground atom or ground numeric fluent of the initial state.
 struct Fact {
   PredicateId predicate = -1;
@@ -241,7 +219,33 @@ struct Assignment {
   double value = 0;
 };
 
-/// What happens from outside at `time` (s, > 0): a timed initial literal, or a timed numeric value.
+/// Times and plans end before (s): 285 years, so that Unix times fit and nanoseconds are whole numbers of 64 bits.
+inline constexpr double kLatestTime = 9e9;
+
+struct Domain {
+  static constexpr TypeId kObjectType = 0;
+
+  std::string name;
+  std::string file;
+  std::vector<std::string> requirements;  ///< as declared, with the colon
+  ById<Type> types;                       ///< [0] is object
+  ById<Object> constants;
+  ById<Predicate> predicates;
+  ById<Function> functions;
+  ById<Action> actions;
+  std::vector<Derivation> derivations;
+  std::vector<Fact> timeless;  ///< true in the initial state of every problem
+
+  NameTable type_names, predicate_names, function_names, action_names;  ///< kept by the parser
+
+  /// Whether `type` is `ancestor` or below it.
+  bool is_a(TypeId type, TypeId ancestor) const {
+    return ancestors[type * static_cast<int>(types.size()) + ancestor] != 0;
+  }
+  ById<char> ancestors;  ///< matrix of is_a, row = type
+};
+
+/// What happens from outside at `time` (s, 0 to kLatestTime): a timed initial literal, or a timed numeric value.
 struct TimedFact {
   double time = 0;
   Fact fact;
@@ -267,6 +271,7 @@ struct Problem {
   std::vector<Assignment> values;
   std::vector<TimedFact> timed_facts;         ///< by time
   std::vector<TimedAssignment> timed_values;  ///< by time
+  bool has_goal = false;                      ///< a goal was given; otherwise `goal` always holds
   Condition goal;
   int goal_slots = 0;            ///< frame of the goal: variables of its quantifiers
   std::optional<Metric> metric;  ///< none = shortest makespan

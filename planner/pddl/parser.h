@@ -24,8 +24,9 @@ bool is_template(std::string_view text);
 inline constexpr const char* kRendered = " (rendered)";
 
 /// Reads and parses both files. A template is rendered first, with its folder as the place of all that it names, and
-/// errors then count the lines of what came out, as `FILE (rendered)`.
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file,
-                         const Deadline& deadline = {});
+/// errors then count the lines of what came out, as `FILE (rendered)`. `data` is a JSON object: what the templates see
+/// by name. Fails if the problem has no goal.
+Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline = {},
+                         const std::string& data = "{}");
 
 }  // namespace cxlab::planner

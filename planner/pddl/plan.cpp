@@ -1,7 +1,10 @@
 #include "planner/pddl/plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <ranges>
+#include <span>
+#include <utility>
 
 #include "planner/pddl/syntax.h"
 #include "planner/pddl/text.h"
@@ -29,6 +32,75 @@ std::string_view without_comment(std::string_view line) {
   return line;
 }
 
+/// How a planner announces a plan, and how it writes steps.
+enum class Style {
+  kTimed,      ///< 0.000: (move a b) [5.000]
+  kNumbered,   ///< step    0: MOVE A B
+  kWithCost,   ///< move a b (1)
+  kAsFunction  ///< 0.0: move(a, b) [5.0]
+};
+struct Announcement {
+  std::string_view begins;  ///< of a line, or
+  std::string_view holds;   ///< what it has anywhere
+  Style style;
+};
+constexpr Announcement kAnnouncements[] = {
+    {{}, ";;;; solution found", Style::kTimed},             // POPF, OPTIC: behind what they printed last
+    {{}, "; plan found with metric", Style::kTimed},        // OPTIC
+    {"plan computed:", {}, Style::kTimed},                  // LPG
+    {"found plan:", {}, Style::kTimed},                     // ENHSP
+    {"found new plan:", {}, Style::kTimed},                 // TFD
+    {"rescheduled plan:", {}, Style::kTimed},               // TFD
+    {{}, "found legal plan as follows", Style::kNumbered},  // FF, Metric-FF
+    {{}, "solution found!", Style::kWithCost},              // Fast Downward, LAMA
+    {"sequentialplan:", {}, Style::kAsFunction},            // Unified Planning Framework
+    {"timetriggeredplan:", {}, Style::kAsFunction},         // Unified Planning Framework
+};
+
+std::optional<Style> announced(std::string_view line) {
+  for (const auto& [begins, holds, style] : kAnnouncements)
+    if (begins.empty() ? line.find(holds) != line.npos : line.starts_with(begins)) return style;
+  return std::nullopt;
+}
+
+/// `number:` at the beginning of a line, and what stands behind it.
+std::optional<std::pair<double, std::string_view>> after_number(std::string_view line) {
+  const std::size_t colon = line.find(':');
+  double number = 0;
+  if (colon == line.npos || !to_number(trimmed(line.substr(0, colon)), number)) return std::nullopt;
+  return std::pair(number, trimmed(line.substr(colon + 1)));
+}
+
+/// A step as `TIME: (ACTION OBJECT...) [DURATION]`; none if the line is no step in that style.
+std::optional<std::string> step_in(Style style, std::string_view line) {
+  switch (style) {
+    case Style::kTimed:
+      return line.starts_with('(') || after_number(line) ? std::optional<std::string>(line) : std::nullopt;
+    case Style::kNumbered: {
+      if (line.starts_with("step")) line = trimmed(line.substr(4));
+      const auto step = after_number(line);
+      return step ? std::optional("(" + std::string(step->second) + ")") : std::nullopt;
+    }
+    case Style::kWithCost: {
+      const std::size_t open = line.rfind(" (");
+      double cost = 0;
+      if (open == line.npos || !line.ends_with(')') || !to_number(line.substr(open + 2, line.size() - open - 3), cost))
+        return std::nullopt;
+      return "(" + std::string(line.substr(0, open)) + ")";
+    }
+    case Style::kAsFunction: {
+      const auto timed = after_number(line);
+      if (timed) line = timed->second;
+      const std::size_t bracket = std::min(line.find('['), line.size());
+      std::string call(trimmed(line.substr(0, bracket)));
+      if (call.empty()) return std::nullopt;
+      std::ranges::replace_if(call, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+      return (timed ? number_text(timed->first) + ": (" : "(") + call + ") " + std::string(line.substr(bracket));
+    }
+  }
+  return std::nullopt;
+}
+
 class PlanReader {
  public:
   PlanReader(const std::string& file, const Domain& domain, const Problem& problem)
@@ -37,15 +109,42 @@ class PlanReader {
   Plan read(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // the mark of UTF-8 files
     const std::string lower = lower_case(text);
-    for (const auto& part : lower | std::views::split('\n')) {
+    std::vector<std::string_view> lines;
+    for (const auto& part : lower | std::views::split('\n')) lines.push_back(trimmed({part.begin(), part.end()}));
+    const auto last = std::ranges::find_if(lines.rbegin(), lines.rend(),
+                                           [](std::string_view line) { return announced(line).has_value(); });
+    if (last != lines.rend()) {
+      read_announced(*announced(*last), std::span(lines).subspan(static_cast<std::size_t>(last.base() - lines.begin())),
+                     static_cast<int>(last.base() - lines.begin()));
+      return std::move(plan_);
+    }
+    for (const std::string_view raw : lines) {
       ++line_;
-      const std::string_view line = trimmed(without_comment({part.begin(), part.end()}));
+      const std::string_view line = trimmed(without_comment(raw));
       if (!line.empty()) step(line);
     }
     return std::move(plan_);
   }
 
  private:
+  /// The steps behind an announcement, up to what is no step.
+  void read_announced(Style style, std::span<const std::string_view> lines, int before) {
+    line_ = before;
+    for (const std::string_view raw : lines) {
+      ++line_;
+      std::string_view line = trimmed(without_comment(raw));
+      if (line.starts_with("time: (action)")) continue;        // the heading of LPG
+      if (line.starts_with("[t=") && plan_.empty()) continue;  // Fast Downward's clock
+      if (line.starts_with("actual search time") && plan_.empty()) continue;
+      if (line.empty() && plan_.empty()) continue;
+      const auto found = step_in(style, line);
+      if (!found) return;
+      if (style == Style::kNumbered && *found == "(reach-goal)" && find(domain_.action_names, "reach-goal") < 0)
+        continue;
+      step(*found);
+    }
+  }
+
   template <class... Parts>
   [[noreturn]] void fail(const Parts&... parts) const {
     throw Rejected{input_error(message(parts...), file_, line_)};

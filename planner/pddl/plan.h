@@ -22,8 +22,9 @@ struct PlanStep {
 using Plan = ById<PlanStep>;
 
 /// Reads a plan. Accepted beside the format: comments, blank lines, `[D:5.0; C:1.0]` for the duration, no space where
-/// none is needed. Lines without a time are steps of a sequential plan, at 0, 1, 2 ... Errors: names that are not
-/// known, wrong number or type of arguments, a durative action without a duration.
+/// none is needed. Lines without a time are steps of a sequential plan, at 0, 1, 2 ... Where the text is all that a
+/// planner printed (POPF, OPTIC, FF, LPG, Fast Downward, TFD, ENHSP, the Unified Planning Framework), its last plan is
+/// read. Errors: names that are not known, wrong number or type of arguments, a durative action without a duration.
 Expected<Plan> parse_plan(std::string_view text, const std::string& file, const Domain& domain, const Problem& problem);
 
 /// One line a step, by start.

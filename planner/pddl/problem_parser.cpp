@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/resolver.h"
+#include "planner/pddl/text.h"
 
 namespace cxlab::planner {
 namespace {
@@ -14,6 +17,9 @@ std::string plain_name(std::string name) {
   return name;
 }
 
+/// Validators tell nanoseconds apart.
+std::int64_t in_nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
 class ProblemParser {
  public:
   ProblemParser(const Node& root, const std::string& file, const Domain& domain, const Deadline& deadline)
@@ -23,6 +29,8 @@ class ProblemParser {
         resolver_(domain, problem_.objects, problem_.object_names, problem_.file, Source::File::kProblem) {
     problem_.file = file;
     problem_.objects = domain.constants;
+    for (const Fact& fact : domain.timeless)
+      if (true_.emplace(fact.predicate, fact.objects).second) problem_.init.push_back(fact);
     for (std::size_t i = 0; i < problem_.objects.size(); ++i)
       problem_.object_names[problem_.objects[i].name] = static_cast<int>(i);
   }
@@ -32,7 +40,7 @@ class ProblemParser {
                                              "domain",
                                              {":domain", ":requirements", ":objects", ":init", ":length"},
                                              {":goal", ":metric"},
-                                             {":constraints", ":htn"},
+                                             {":constraints", ":htn", ":situation"},
                                              ":domain, :objects, :init, :goal or :metric"});
     for (const Node& section : sections(root_, ":domain")) domain_name(section);
     for (const Node& section : sections(root_, ":objects")) resolver_.declare_objects(section, "an object");
@@ -61,20 +69,28 @@ class ProblemParser {
       for (const Node& part : node.rest()) element(part);
     } else if (head == "at" && node.items.size() == 3 && node.items[2].is_list && to_number(node.items[1].word, time)) {
       if (time < 0) resolver_.fail(node, "found time ", node.items[1].word, ", expected a time that is not negative");
+      if (time >= kLatestTime)
+        resolver_.fail_unsupported(node, "found time ", node.items[1].word, ": only times below ",
+                                   number_text(kLatestTime), " s are supported");
       fact_or_value(node.items[2], time);
     } else {
-      fact_or_value(node, 0);
+      fact_or_value(node, {});
     }
   }
 
-  void fact_or_value(const Node& node, double time) {
-    if (node.head() == "=")
+  /// `time`: of what happens from outside.
+  void fact_or_value(const Node& node, std::optional<double> time) {
+    if (node.head() == "=" || (time && node.head() == "assign"))
       value(node, time);
+    else if (time &&
+             (kind_of<Effect::Kind>(kEffectWords, node.head()) || node.head() == "forall" || node.head() == "when"))
+      resolver_.fail_unsupported(node, "found the timed effect (", node.head(),
+                                 " ...): only literals and (= (FUNCTION OBJECT...) NUMBER) are supported");
     else
       literal(node, time);
   }
 
-  void literal(const Node& node, double time) {
+  void literal(const Node& node, std::optional<double> time) {
     const bool negative = node.head() == "not";
     if (negative && node.items.size() != 2)
       resolver_.fail(node, "found ", node, ", expected (not (PREDICATE OBJECT...))");
@@ -83,8 +99,13 @@ class ProblemParser {
     if (const Predicate& predicate = domain_.predicates[fact.predicate]; predicate.derived)
       resolver_.fail(node, "found '", predicate.name, "', which is derived by a rule, expected a predicate without one",
                      resolver_.declared(predicate.source));
-    if (time > 0) {
-      problem_.timed_facts.push_back({time, std::move(fact), !negative, resolver_.source(node)});
+    if (time) {
+      const auto [known, fresh] = timed_facts_.try_emplace({in_nanoseconds(*time), fact.predicate, fact.objects},
+                                                           !negative, resolver_.source(node));
+      if (known->second.first != !negative)
+        resolver_.fail(node, "found ", node, " and its opposite at one time, expected one of them",
+                       resolver_.declared(known->second.second));
+      if (fresh) problem_.timed_facts.push_back({*time, std::move(fact), !negative, resolver_.source(node)});
     } else if (negative) {
       if (true_.contains({fact.predicate, fact.objects}))
         resolver_.fail(node, "found ", node, ", but ", positive, " was true before");
@@ -93,13 +114,19 @@ class ProblemParser {
     }
   }
 
-  void value(const Node& node, double time) {
+  void value(const Node& node, std::optional<double> time) {
     double number = 0;
     if (node.items.size() != 3 || !to_number(node.items[2].word, number))
       resolver_.fail(node, "found ", node, ", expected (= (FUNCTION OBJECT...) NUMBER)");
+    resolver_.expect_exact(node.items[2], number);
     const Fact fluent = resolver_.ground_function(node.items[1]);
-    if (time > 0) {
-      problem_.timed_values.push_back({time, {fluent.predicate, fluent.objects, number}, resolver_.source(node)});
+    if (time) {
+      const auto [known, fresh] =
+          timed_values_.try_emplace({in_nanoseconds(*time), fluent.predicate, fluent.objects}, number);
+      if (known->second != number)
+        resolver_.fail(node, "found a second value for ", node.items[1], " at one time, expected one");
+      if (fresh)
+        problem_.timed_values.push_back({*time, {fluent.predicate, fluent.objects, number}, resolver_.source(node)});
       return;
     }
     const auto [known, fresh] = values_.emplace(Key{fluent.predicate, fluent.objects}, number);
@@ -110,6 +137,7 @@ class ProblemParser {
   }
 
   void goal(const Node& section) {
+    problem_.has_goal = true;
     if (section.items.size() != 2)
       resolver_.fail(section, "found ", section.rest().size(),
                      " conditions in :goal, expected one; several are joined by (and ...)");
@@ -144,6 +172,9 @@ class ProblemParser {
   using Key = std::pair<int, std::vector<ObjectId>>;
   std::set<Key> true_;
   std::map<Key, double> values_;
+  using TimedKey = std::tuple<std::int64_t, int, std::vector<ObjectId>>;
+  std::map<TimedKey, std::pair<bool, Source>> timed_facts_;
+  std::map<TimedKey, double> timed_values_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "planner/pddl/resolver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "planner/pddl/text.h"
@@ -119,8 +120,26 @@ std::vector<Resolver::TypedName> Resolver::typed_list(std::span<const Node> item
   return names;
 }
 
+std::vector<Node> Resolver::without_owners(const Node& section) {
+  std::vector<Node> items;
+  for (const Node& item : section.rest()) {
+    if (item.head() != ":private") {
+      items.push_back(item);
+      continue;
+    }
+    std::span<const Node> inner = item.rest();
+    if (section.head() == ":predicates")  // of an agent, a variable with its type
+      while (!inner.empty() && !(inner.front().is_list && inner.front().head() != "either")) inner = inner.subspan(1);
+    else if (!inner.empty())  // of an agent, an object
+      inner = inner.subspan(1);
+    items.insert(items.end(), inner.begin(), inner.end());
+  }
+  return items;
+}
+
 void Resolver::declare_objects(const Node& section, std::string_view what) {
-  for (TypedName& entry : typed_list(section.rest(), what)) {
+  const std::vector<Node> items = without_owners(section);
+  for (TypedName& entry : typed_list(items, what)) {
     const auto [known, fresh] = object_names_.emplace(entry.name->word, static_cast<int>(objects_.size()));
     if (fresh) objects_.push_back({std::string(entry.name->word), {}, source(*entry.name)});
     std::vector<TypeId>& types = objects_[known->second].types;
@@ -134,18 +153,31 @@ std::vector<Variable> Resolver::variables(const Node& list) {
   return variables(list.items);
 }
 
-std::vector<Variable> Resolver::variables(std::span<const Node> items) {
+std::vector<Variable> Resolver::signature(std::span<const Node> items) {
   std::vector<Variable> out;
+  int slot = 0;
   for (TypedName& entry : typed_list(items, "a variable")) {
     const std::string name(entry.name->word);
     if (name.size() < 2 || name[0] != '?')
       fail(*entry.name, "found '", name, "', expected a variable such as ?", name == "?" ? "x" : name);
-    if (std::ranges::find(out, name, &Variable::name) != out.end())
-      fail(*entry.name, "found variable ", name, " twice in one list");
-    out.push_back({name, std::move(entry.types), slots_++});
+    out.push_back({name, std::move(entry.types), slot++});
   }
-  scope_.insert(scope_.end(), out.begin(), out.end());
   return out;
+}
+
+std::vector<Variable> Resolver::variables(std::span<const Node> items) {
+  std::vector<Variable> out = signature(items);
+  for (Variable& variable : out) {
+    const auto first = std::ranges::find(out, variable.name, &Variable::name);
+    if (&*first != &variable) fail(items.front(), "found variable ", variable.name, " twice in one list");
+  }
+  declare(out);
+  return out;
+}
+
+void Resolver::declare(std::vector<Variable>& variables) {
+  for (Variable& variable : variables) variable.slot = slots_++;
+  scope_.insert(scope_.end(), variables.begin(), variables.end());
 }
 
 Term Resolver::term(const Node& node) {
@@ -199,6 +231,8 @@ Resolver::Call Resolver::atom(const Node& node, Words words) {
   if (predicate >= 0) return {predicate, arguments(node, domain_.predicates[predicate])};
   if (name == "preference" || std::ranges::find(kTrajectoryWords, name) != std::end(kTrajectoryWords))
     fail_unsupported(node, "found (", name, " ...): preferences and trajectory constraints are not supported");
+  if (name == "oneof" || name == "probabilistic" || name == "unknown")
+    fail_unsupported(node, "found (", name, " ...): actions with several outcomes are not supported");
   if (const int function = find(domain_.function_names, name); function >= 0)
     fail(node, "found the numeric fluent '", name, "', expected a predicate",
          declared(domain_.functions[function].source));
@@ -223,11 +257,24 @@ Resolver::Call Resolver::function_term(const Node& node, Words words) {
   return {function, arguments(node, declaration)};
 }
 
+void Resolver::expect_exact(const Node& number, double value) const {
+  std::string_view digits = number.word;
+  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
+  const bool is_whole = digits.find_first_not_of("0123456789") == digits.npos;
+  if (is_whole && !digits.empty() && number_text(std::abs(value)) != digits)
+    fail_unsupported(number, "found the number ", number.word, ": whole numbers beyond 9007199254740992 are read as ",
+                     number_text(value), ", which is another one");
+}
+
 Expression Resolver::expression(const Node& node, Place place) {
   using Kind = Expression::Kind;
   Expression out;
   if (!node.is_list) {
-    if (to_number(node.word, out.value)) return out;
+    if (to_number(node.word, out.value)) {
+      expect_exact(node, out.value);
+      return out;
+    }
     if (node.word == "?duration" && in_durative_ && (place == Place::kCondition || place == Place::kEffect)) {
       out.kind = Kind::kDuration;
       return out;

@@ -45,6 +45,8 @@ class Resolver {
   std::vector<TypedName> typed_list(std::span<const Node> items, std::string_view what) const;
   /// Adds the objects of a section. One that is declared twice belongs to the types of both.
   void declare_objects(const Node& section, std::string_view what);
+  /// `(:private a b - t)` within a section, also `(:private ?owner - t (p ?x))`: what stands behind the owner.
+  static std::vector<Node> without_owners(const Node& section);
 
   // Frames: the variables of one action, rule or goal.
 
@@ -55,6 +57,10 @@ class Resolver {
   /// Parses `?a ?b - type` and pushes the variables on the scope.
   std::vector<Variable> variables(std::span<const Node> items);
   std::vector<Variable> variables(const Node& list);
+  /// Gives variables slots and pushes them on the scope.
+  void declare(std::vector<Variable>& variables);
+  /// The parameters of a declaration, where names mean nothing and may stand twice.
+  std::vector<Variable> signature(std::span<const Node> items);
 
   Condition condition(const Node& node);
   /// Conditions and effects of an action.
@@ -62,6 +68,9 @@ class Resolver {
   std::vector<Effect> effects(const Node& node);
   std::vector<DurationConstraint> duration(const Node& node);
   Expression metric(const Node& node) { return expression(node, Place::kMetric); }
+
+  /// Refuses a whole number that a double does not hold: 9007199254740993.
+  void expect_exact(const Node& number, double value) const;
 
   // Parts of problems.
 

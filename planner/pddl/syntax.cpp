@@ -11,6 +11,7 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 bool ends_word(char c) { return is_space(c) || c == '(' || c == ')' || c == ';'; }
+bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_control(char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }
 
 class FormReader {
@@ -47,9 +48,11 @@ class FormReader {
     }
   }
 
+  /// No name begins with `-` or has a `?` inside: `?b -farm` is `?b - farm`, and `?v?a` are two variables.
   std::string_view word_at(std::size_t begin) const {
+    if (text_[begin] == '-' && begin + 1 < text_.size() && is_letter(text_[begin + 1])) return text_.substr(begin, 1);
     std::size_t end = begin;
-    while (end < text_.size() && !ends_word(text_[end])) ++end;
+    while (end < text_.size() && !ends_word(text_[end]) && (text_[end] != '?' || end == begin)) ++end;
     return text_.substr(begin, end - begin);
   }
   /// Where to look for the parenthesis: sections before the last were closed in order.
@@ -61,12 +64,18 @@ class FormReader {
   /// `(:action` and its like stand directly in (define ...): inside another section, that one was not closed.
   void begin_section(const Node& outer, int depth) {
     const std::string_view name = word_at(position_ + 1).substr(0, 60);
-    if (depth > 0)
+    if (depth > 0 && !stands_inside(outer.head(), name))
       fail(section_line_ > 0 ? section_line_ : outer.line, "found (", name, " in line ", line_,
            ", expected a ')' before it for ", section_line_ > 0 ? message("the section ", section_) : "the list",
            " that begins here");
+    if (depth > 0) return;
     section_ = name;
     section_line_ = line_;
+  }
+
+  static bool stands_inside(std::string_view section, std::string_view name) {
+    if (section == ":length") return name == ":serial" || name == ":parallel";
+    return name == ":private" && (section == ":predicates" || section == ":objects" || section == ":constants");
   }
 
   Node read_list(int depth) {

@@ -95,6 +95,9 @@ std::string to_pddl(const Domain& domain) {
     text += "  (:derived " + signature(names, domain.predicates[rule.predicate].name, rule.parameters) + "\n    " +
             names.condition(rule.condition) + ")\n";
   }
+  add(":timeless", domain.timeless, [&](const Fact& fact) {
+    return ground_text(domain.predicates[fact.predicate].name, fact.objects, domain.constants);
+  });
   for (const Action& action : domain.actions) text += action_text(domain, action);
   return text + ")\n";
 }

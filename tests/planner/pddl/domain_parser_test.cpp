@@ -19,10 +19,10 @@ std::string error_of(const std::string& sections) {
 }
 
 constexpr const char* kWorld =
-    "(:types robot place - object depot - place)\n"                          // line 2
-    "(:constants base - depot)\n"                                            // 3
-    "(:predicates (at ?r - robot ?p - place) (open ?p - place) (done))\n"    // 4
-    "(:functions (battery ?r - robot) (way ?a ?b - place) (total-cost))\n";  // 5
+    "(:types robot place - object depot - place)\n"                                             // line 2
+    "(:constants base - depot)\n"                                                               // 3
+    "(:predicates (at ?r - robot ?p - place) (open ?p - place) (done))\n"                       // 4
+    "(:functions (battery ?r - robot) (limit ?r - robot) (way ?a ?b - place) (total-cost))\n";  // 5
 
 std::string with_world(const std::string& sections) { return kWorld + sections; }
 
@@ -138,7 +138,7 @@ TEST(DomainParser, RatesMayHoldHashTAnywhereOnce) {
   EXPECT_EQ(rate("#t").value, 1);
   EXPECT_EQ(rate("(* 2 #t)").value, 2);
   EXPECT_EQ(rate("(- (* #t 2))").kind, Expression::Kind::kNegate);
-  EXPECT_EQ(rate("(/ #t (battery ?r))").kind, Expression::Kind::kDivide);
+  EXPECT_EQ(rate("(/ #t (limit ?r))").kind, Expression::Kind::kDivide);
   EXPECT_EQ(rate("(+ #t (* 2 (* #t 3)))").operands.at(1).kind, Expression::Kind::kMultiply);
 }
 
@@ -197,6 +197,79 @@ TEST(DomainParser, ErrorsNameWhereSymbolsWereDeclared) {
             "are set by (assign F NUMBER)");
   EXPECT_EQ(error_of("(:types a - b b - c c - a)"),
             "d.pddl:2: type 'a' is its own supertype, expected types without a cycle");
+}
+
+TEST(DomainParser, ChangeThatIsNotLinearIsNotSupported) {
+  const auto domain = parse_domain(
+      "(define (domain d) (:functions (level) (other) (speed))\n"
+      "(:durative-action fill :parameters () :duration () :effect (increase (level) (* #t (speed))))\n"
+      "(:durative-action wild :parameters () :duration ()\n :effect (decrease (other) (* #t (+ 1 (level))))))",
+      "d.pddl");
+  ASSERT_FALSE(domain);
+  EXPECT_TRUE(is(domain.error(), Failure::kUnsupported));
+  EXPECT_EQ(domain.error().text(),
+            "d.pddl:4: the rate of other in wild reads level, which changes continuously itself: only linear change is "
+            "supported");
+}
+
+TEST(DomainParser, NamesNeedNoBlankBeforeADashOrAQuestionMark) {
+  const Domain domain = parsed(
+      "(:types place -object depot market -place truck)\n(:constants base -depot)\n"
+      "(:predicates (at?t -truck ?p -(either depot market)) (= ?x ?y) (near ?p?q -place))\n"
+      "(:functions (price ?g -truck) -number)\n"
+      "(:action go :parameters (?a?b -place) :precondition (and (near ?a?b) (>= 1 -1)) :effect ())");
+  EXPECT_EQ(domain.types.size(), 5u) << "object, place, depot, market, truck";
+  const TypeId place = find(domain.type_names, "place"), market = find(domain.type_names, "market");
+  EXPECT_TRUE(domain.is_a(market, place));
+  EXPECT_EQ(domain.predicates.size(), 2u) << "= is built in";
+  EXPECT_EQ(domain.predicates[0].parameters.at(1).types.size(), 2u);
+  EXPECT_EQ(domain.predicates[1].parameters.size(), 2u);
+  EXPECT_EQ(domain.actions.at(0).parameters.at(1).types.at(0), place);
+  EXPECT_EQ(domain.actions[0].condition.start.operands.at(1).sides.at(1).value, -1);
+}
+
+TEST(DomainParser, NamesOfVariablesInDeclarationsMeanNothing) {
+  const Domain domain = parsed("(:predicates (in ?obj ?obj)) (:functions (way ?a ?a))");
+  EXPECT_EQ(domain.predicates.at(0).parameters.size(), 2u);
+  EXPECT_EQ(domain.functions.at(0).parameters.size(), 2u);
+  EXPECT_EQ(error_of("(:predicates (p)) (:action a :parameters (?x ?x) :effect (p))"),
+            "d.pddl:2: found variable ?x twice in one list");
+  EXPECT_EQ(error_of("(:predicates (p ?a)) (:action a :precondition (forall (?x ?x) (p ?x)) :effect (p))"),
+            "d.pddl:2: found variable ?x twice in one list");
+}
+
+TEST(DomainParser, OlderDialectsAreRead) {
+  const Domain domain = parsed(
+      "(:requirements :strips :domain-axioms :true-negation :multi-agent :unfactored-privacy :strips)\n"
+      "(:types driver place) (:constants base - place)\n"
+      "(:predicates (on ?a ?b) (above ?a ?b) (free) (:private ?d - driver (licence ?d - driver) (tired ?d - driver)))\n"
+      "(:timeless (on base base))\n"
+      "(:axiom :vars (?a ?b ?c) :context (and (on ?a ?c) (above ?c ?b)) :implies (above ?a ?b))\n"
+      "(:axiom :vars (?b ?a) :context (on ?a ?b) :implies (above ?a ?b))\n"
+      "(:action drive :agent ?d - driver :parameters (?p - place) :vars (?q - place)\n"
+      "  :precondition (and (licence ?d) (on ?p ?q)) :effect (not (free)))");
+  ASSERT_EQ(domain.actions.at(0).parameters.size(), 3u);
+  EXPECT_EQ(domain.actions[0].parameters[0].name, "?d");
+  EXPECT_EQ(domain.actions[0].parameters[2].name, "?q");
+  EXPECT_EQ(domain.predicates.size(), 5u);
+  EXPECT_EQ(domain.timeless.size(), 1u);
+  ASSERT_EQ(domain.derivations.size(), 2u);
+  EXPECT_EQ(domain.derivations[0].parameters.size(), 2u);
+  EXPECT_EQ(domain.derivations[0].condition.kind, Condition::Kind::kExists);
+  EXPECT_EQ(domain.derivations[1].parameters[0].name, "?a") << "in the order of the head";
+  EXPECT_EQ(domain.derivations[1].condition.terms[0].index, 0);
+}
+
+TEST(DomainParser, WholeNumbersThatADoubleDoesNotHoldAreRefused) {
+  const auto number = [](const std::string& text) {
+    return error_of("(:predicates (p)) (:functions (x)) (:action a :precondition (> (x) " + text + ") :effect (p))");
+  };
+  for (const char* exact : {"9007199254740991", "9007199254740992", "-9007199254740992", "18014398509481984", ".5",
+                            "+3", "5.", "1e3", "1E3", "-.25", "007", "0", "12345678901234567.5"})
+    EXPECT_EQ(number(exact), "no error") << exact;
+  EXPECT_EQ(number("9007199254740993"),
+            "d.pddl:2: found the number 9007199254740993: whole numbers beyond 9007199254740992 are read as "
+            "9007199254740992, which is another one");
 }
 
 TEST(DomainParser, RejectsAProblemInPlaceOfADomain) {

@@ -41,6 +41,122 @@ TEST_F(PlanFormat, LinesWithoutTimeAreSteps) {
   EXPECT_EQ(plan->at(1).start, 1);
 }
 
+/// What planners print on a day at work, cut down: each holds one jump and one step to the hall, at the times given.
+struct Printed {
+  const char* planner;
+  const char* text;
+  const char* plan;
+};
+constexpr const char* kTimedPlan = "0.000: (jump r1)\n1.001: (go r1 hall) [5.000]\n";
+constexpr Printed kPrinted[] = {
+    {"POPF", R"(Number of literals: 4
+Constructing lookup tables: [10%] [100%]
+b (2.000 | 5.000)b (1.000 | 5.001);;;; Solution Found
+; States evaluated: 3
+; Cost: 6.001
+; Time 0.00
+0.000: (jump r1)  [0.001]
+1.001: (go r1 hall)  [5.000]
+
+ * All goal deadlines now no later than 6.001
+)",
+     kTimedPlan},
+    {"OPTIC, with a better plan behind the first", R"(Initial heuristic = 2.000
+; Plan found with metric 9.000
+; States evaluated so far: 3
+; Time 0.02
+0.000: (go r1 hall)  [5.000]
+4.000: (jump r1)  [0.001]
+
+Resorting to best-first search
+;;;; Solution Found
+; States evaluated: 9
+; Cost: 6.001
+0.000: (jump r1)  [0.001]
+1.001: (go r1 hall)  [5.000]
+)",
+     kTimedPlan},
+    {"LPG", R"(NUMERIC_THREATS_MODE: 0
+; Command line: lpg -o d -f p -n 1
+Plan computed:
+   Time: (ACTION) [action Duration; action Cost]
+ 0.0000: (JUMP R1) [D:0.0000; C:1.0000]
+ 1.0010: (GO R1 HALL) [D:5.0000; C:1.0000]
+
+Solution number: 1
+Total time:      0.03
+Actions:         2
+)",
+     kTimedPlan},
+    {"TFD", R"(Found new plan:
+0.00000000: (jump r1) [0.00000000]
+1.00100000: (go r1 hall) [5.00000000]
+Plan length: 2 step(s).
+Makespan   : 6.001
+)",
+     kTimedPlan},
+    {"ENHSP", R"(Domain parsed
+Problem Solved
+
+Found Plan:
+0.0: (jump r1)
+1.0: (jump r1)
+
+Plan-Length:2
+Metric (Search):2.0
+)",
+     "0.000: (jump r1)\n1.000: (jump r1)\n"},
+    {"FF", R"(
+ff: parsing domain file
+domain 'D' defined
+ ... done.
+
+ff: found legal plan as follows
+
+step    0: JUMP R1
+        1: JUMP R1
+        2: REACH-GOAL
+
+time spent:    0.00 seconds instantiating 2 easy, 0 hard action templates
+)",
+     "0.000: (jump r1)\n1.000: (jump r1)\n"},
+    {"Fast Downward", R"([t=0.001s, 9904 KB] Solution found!
+[t=0.001s, 9904 KB] Actual search time: 0.001s
+jump r1 (1)
+jump r1 (1)
+[t=0.001s, 9904 KB] Plan length: 2 step(s).
+[t=0.001s, 9904 KB] Plan cost: 2
+)",
+     "0.000: (jump r1)\n1.000: (jump r1)\n"},
+    {"sas_plan", "(jump r1 )\n(jump r1 )\n; cost = 2 (unit cost)\n", "0.000: (jump r1)\n1.000: (jump r1)\n"},
+    {"UPF, sequential", "SequentialPlan:\n    jump(r1)\n    jump(r1)\n", "0.000: (jump r1)\n1.000: (jump r1)\n"},
+    {"UPF, timed", "TimeTriggeredPlan:\n    0.0: jump(r1)\n    1.001: go(r1, hall) [5.0]\n", kTimedPlan},
+    {"UPF's writer", "0.0: (jump r1)\n1.001: (go r1 hall)[5.0]\n", kTimedPlan},
+};
+
+TEST_F(PlanFormat, WhatOtherPlannersPrintIsRead) {
+  for (const Printed& printed : kPrinted) {
+    const auto plan = parse_plan(printed.text, "plan", domain_, problem_);
+    ASSERT_TRUE(plan) << printed.planner << ": " << plan.error().text();
+    EXPECT_EQ(to_text(*plan, domain_, problem_), printed.plan) << printed.planner;
+  }
+}
+
+TEST_F(PlanFormat, StepsOfOtherPlannersAreChecked) {
+  EXPECT_EQ(error_of("ff: found legal plan as follows\n\nstep    0: JMP R1\n"),
+            "plan:3: found 'jmp', expected an action of d.pddl; did you mean 'jump'?");
+  EXPECT_EQ(error_of(";;;; Solution Found\n; Cost: 1\n0.000: (jump r1)\n1: (jump\n"),
+            "plan:4: found '1: (jump', expected TIME: (ACTION OBJECT...) [DURATION]");
+  EXPECT_EQ(error_of("TimeTriggeredPlan:\n  0.0: go(r1, hall)\n"),
+            "plan:2: found no duration of the durative action go, expected TIME: (ACTION OBJECT...) [DURATION]");
+}
+
+TEST_F(PlanFormat, APlannerThatFoundTheEmptyPlanFoundAPlan) {
+  const auto plan = parse_plan(";;;; Solution Found\n; Cost: 0.000\n; Time 0.00\n", "plan", domain_, problem_);
+  ASSERT_TRUE(plan);
+  EXPECT_TRUE(plan->empty());
+}
+
 TEST_F(PlanFormat, ErrorsNameLineAndDeclaration) {
   EXPECT_EQ(error_of("\n0: (jmp r1)"), "plan:2: found 'jmp', expected an action of d.pddl; did you mean 'jump'?");
   EXPECT_EQ(error_of("0: (jump)"), "plan:1: found 0 arguments of jump, expected 1; declared at d.pddl:4");

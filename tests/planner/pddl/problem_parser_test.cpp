@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -48,10 +49,11 @@ TEST(ProblemParser, InitHoldsFactsValuesAndLaterEvents) {
       " (at 9 (not (open hall))) (at 5 (open hall)) (at 7.5 (= (battery r1) 1)) (at 0 (open base)))"
       " (:goal (and (open hall) (exists (?r - robot) (at ?r hall)))) (:metric minimize (+ (total-time) (* 2 "
       "(total-cost))))");
-  EXPECT_EQ(problem.init.size(), 2u) << "one fact twice, one at time 0";
-  ASSERT_EQ(problem.timed_facts.size(), 2u);
-  EXPECT_EQ(problem.timed_facts[0].time, 5);
-  EXPECT_FALSE(problem.timed_facts[1].value);
+  EXPECT_EQ(problem.init.size(), 1u) << "one fact twice";
+  ASSERT_EQ(problem.timed_facts.size(), 3u);
+  EXPECT_EQ(problem.timed_facts[0].time, 0) << "an event, too";
+  EXPECT_EQ(problem.timed_facts[1].time, 5);
+  EXPECT_FALSE(problem.timed_facts[2].value);
   EXPECT_EQ(problem.timed_values.at(0).assignment.value, 1);
   EXPECT_EQ(problem.goal_slots, 1);
   EXPECT_FALSE(problem.metric->maximize);
@@ -104,6 +106,58 @@ TEST(ProblemParser, StopsWhenTheDeadlineHasPassed) {
   EXPECT_TRUE(is(late.error(), Failure::kLate));
 }
 
+TEST(ProblemParser, LengthIsAdvice) {
+  for (const char* length : {"(:length (:serial 5) (:parallel 3))", "(:length)", "(:length (:parallel 2))"})
+    EXPECT_EQ(error_of(length + std::string(" (:init (open hall)) (:goal (open hall))")), "no error");
+}
+
+TEST(ProblemParser, EventsThatContradictEachOtherAreRefused) {
+  EXPECT_EQ(
+      error_of("(:init (at 5 (open hall))\n (at 5.0 (not (open hall))))"),
+      "p.pddl:3: found (not (open hall)) and its opposite at one time, expected one of them; declared at p.pddl:2");
+  EXPECT_EQ(error_of("(:init (at 5 (= (battery r1) 3)) (at 5 (= (battery r1) 4)))"),
+            "p.pddl:2: found a second value for (battery r1) at one time, expected one");
+  EXPECT_EQ(error_of("(:init (at 5 (open hall)) (at 5 (open hall)) (at 5 (= (battery r1) 3)) (at 5 (= (battery r1) 3))"
+                     " (at 6 (not (open hall))) (open hall) (at 0 (not (open hall))))"),
+            "no error");
+}
+
+TEST(ProblemParser, TimedAssignmentsMayBeWrittenAsEffects) {
+  const Problem problem = parsed("(:init (at 1.0 (assign (battery r1) 2)))");
+  ASSERT_EQ(problem.timed_values.size(), 1u);
+  EXPECT_EQ(problem.timed_values[0].assignment.value, 2);
+  for (const char* effect :
+       {"(increase (battery r1) 2)", "(forall (?p - place) (open ?p))", "(when (open hall) (open base))"})
+    EXPECT_THAT(error_of("(:init (at 1.0 " + std::string(effect) + "))"),
+                testing::HasSubstr("found the timed effect ("));
+}
+
+TEST(ProblemParser, TimesHaveALimit) {
+  EXPECT_EQ(error_of("(:init (at 1700000000 (open hall)))"), "no error");
+  EXPECT_EQ(error_of("(:init (at 9000000000 (open hall)))"),
+            "p.pddl:2: found time 9000000000: only times below 9000000000 s are supported");
+}
+
+TEST(LoadTask, AProblemNeedsAGoal) {
+  const auto domain = testing::TempDir() + "goal-domain.pddl", problem = testing::TempDir() + "goal-problem.pddl";
+  std::ofstream(domain) << "(define (domain d) (:predicates (p)))";
+  std::ofstream(problem) << "(define (problem p) (:domain d) (:init (p)))";
+  EXPECT_EQ(load_task(domain, problem).error().text(),
+            problem + ": found no :goal, expected (:goal CONDITION); (:goal (and)) always holds");
+  std::ofstream(problem) << "(define (problem p) (:domain d) (:init (p)) (:goal ()))";
+  EXPECT_TRUE(load_task(domain, problem));
+}
+
+TEST(LoadTask, TemplatesSeeTheData) {
+  const auto domain = testing::TempDir() + "data-domain.pddl", problem = testing::TempDir() + "data-problem.pddl";
+  std::ofstream(domain) << "(define (domain d) (:predicates {% for r in robots %}({{ r.name }}) {% endfor %}))";
+  std::ofstream(problem) << "(define (problem p) (:domain d) (:goal ({{ robots[1].name }})))";
+  const auto task = load_task(domain, problem, {}, R"({"robots": [{"name": "a"}, {"name": "b"}]})");
+  ASSERT_TRUE(task) << task.error().text();
+  EXPECT_EQ(task->domain.predicates.size(), 2u);
+  EXPECT_EQ(task->problem.goal.predicate, 1);
+}
+
 TEST(LoadTask, ExampleOfTheDocsMakesADomain) {
   const std::string folder = std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/docs/examples/planning/";
   const auto problem = testing::TempDir() + "stations-problem.pddl";
@@ -126,7 +180,7 @@ TEST(LoadTask, TemplatesAreRenderedFirst) {
   EXPECT_EQ(
       task.error().text(),
       (folder / "p").string() + " (rendered):3: found 'p9', expected a predicate of the domain; did you mean 'p0'?");
-  std::ofstream(folder / "p") << "(define (problem p) (:domain d) (:init (p2)))";
+  std::ofstream(folder / "p") << "(define (problem p) (:domain d) (:init (p2)) (:goal (p0)))";
   const auto right = load_task(folder / "d", folder / "p");
   ASSERT_TRUE(right) << right.error().text();
   EXPECT_EQ(right->domain.predicates.size(), 3u);

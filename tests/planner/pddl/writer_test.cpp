@@ -10,7 +10,7 @@ constexpr const char* kDomain = R"((define (domain d) (:requirements :typing :ad
   (:types robot place - object depot - place bay - (either depot robot))
   (:constants base - depot odd - robot odd - place)
   (:predicates (at ?r - robot ?p - place) (open ?p - (either place robot)) (done) (shut ?p - place))
-  (:functions (battery ?r - robot) (total-cost))
+  (:functions (battery ?r - robot) (load ?r - robot) (total-cost)) (:timeless (open base))
   (:derived (shut ?p - place) (not (open ?p)))
   (:action look :parameters (?r - robot) :precondition (or (done) (exists (?p - place) (at ?r ?p)))
     :effect (and (done) (forall (?p - place) (when (shut ?p) (not (at ?r ?p))))))
@@ -18,7 +18,7 @@ constexpr const char* kDomain = R"((define (domain d) (:requirements :typing :ad
     :duration (and (>= ?duration 1) (at end (<= ?duration (* 2 (battery ?r)))))
     :condition (and (at start (at ?r ?a)) (forall (?p - place) (over all (imply (at ?r ?p) (open ?p)))) (at end (not (= ?a ?b))))
     :effect (and (at start (not (at ?r ?a))) (when (and (at start (done)) (over all (open ?b))) (at end (at ?r ?b)))
-      (at end (assign (battery ?r) (- (battery ?r) ?duration))) (decrease (battery ?r) (* #t (/ (battery ?r) 2))))))
+      (at end (assign (battery ?r) (- (battery ?r) ?duration))) (decrease (battery ?r) (* #t (/ (load ?r) 2))))))
 )";
 constexpr const char* kProblem = R"((define (problem p) (:domain d) (:objects r1 - robot hall - place)
   (:init (at r1 base) (= (battery r1) 0.25) (at 4.5 (open hall)) (at 6 (not (open hall))) (at 7 (= (battery r1) 1)))
@@ -31,7 +31,7 @@ TEST(Writer, WrittenTextReadsBackTheSame) {
   ASSERT_TRUE(problem) << problem.error().text();
   const std::string domain_text = to_pddl(*domain);
   const std::string problem_text = to_pddl(*domain, *problem);
-  EXPECT_NE(domain_text.find("(decrease (battery ?r) (* #t (/ (battery ?r) 2)))"), std::string::npos) << domain_text;
+  EXPECT_NE(domain_text.find("(decrease (battery ?r) (* #t (/ (load ?r) 2)))"), std::string::npos) << domain_text;
   const auto again = parse_domain(domain_text, "again");
   ASSERT_TRUE(again) << again.error().text() << "\n" << domain_text;
   const auto problem_again = parse_problem(problem_text, "again", *again);
