@@ -5,6 +5,7 @@
 
 #include "planner/pddl/syntax.h"
 #include "planner/pddl/text.h"
+#include "planner/state/number.h"
 
 namespace cxlab::planner {
 namespace {
@@ -60,7 +61,8 @@ Error unknown_name(const std::string& what, const std::string& found, const std:
   return input_error(text + ", known: " + some_of(known, kMostNames));
 }
 
-Instance::Instance(Task task) : task_(std::move(task)), state_(task_.domain, task_.problem) {
+Instance::Instance(Task task, Meter* meter)
+    : task_(std::move(task)), state_(task_.domain, task_.problem), meter_(meter) {
   task_.problem.goal = {};
   task_.problem.goal_slots = 0;
   goals_["base"];
@@ -68,13 +70,13 @@ Instance::Instance(Task task) : task_(std::move(task)), state_(task_.domain, tas
 }
 
 void Instance::renew_evaluator() {
-  evaluator_.emplace(task_.domain, task_.problem);
+  evaluator_.emplace(task_.domain, task_.problem, meter_);
   touch();
 }
 
 const State& Instance::state() const {
   if (!derived_) evaluator_->derive(state_);
-  derived_ = true;
+  derived_ = !evaluator_->is_over();
   return state_;
 }
 
@@ -122,8 +124,9 @@ Expected<TypeId> Instance::type(const std::string& name) const {
 
 // --- The state of now
 
-std::vector<Fact> Instance::facts() const {
-  State others = state();
+std::vector<Fact> Instance::facts() const { return in_order(state()); }
+
+std::vector<Fact> Instance::in_order(State others) const {
   std::vector<Fact> all;
   for (const Fact& fact : problem().init) {
     if (!others.holds(fact.predicate, fact.objects)) continue;
@@ -203,7 +206,7 @@ void Instance::keep_objects(const std::vector<char>& keep) {
   Problem now = problem();
   started_.clear();
   now.init.clear();
-  for (Fact& fact : facts())
+  for (Fact& fact : in_order(state_))
     if (!domain().predicates[fact.predicate].derived) now.init.push_back(std::move(fact));
   now.values = state_.values();
   for (auto& [_, goal] : goals_) {
@@ -303,7 +306,12 @@ Instance::Names Instance::unsatisfied(const ActionCall& call, When when) const {
   if (when == When::kStart || when == When::kAtStart) check(check, action.condition.start, now);
   if (when == When::kOverAll) check(check, action.condition.over_all, now);
   if (when == When::kEnd) check(check, action.condition.end, now);
-  if (when == When::kStart && !action.condition.over_all.is_true()) {
+  // Where the action takes no time, the open interval between start and end is empty.
+  const bool takes_time = std::ranges::none_of(action.duration, [&](const DurationConstraint& constraint) {
+    const auto bound_now = evaluator_->number(constraint.bound, bound, state_);
+    return constraint.comparison != Comparison::kGreaterEqual && bound_now && *bound_now <= 0;
+  });
+  if (when == When::kStart && takes_time && !action.condition.over_all.is_true()) {
     std::vector<Change> changes;
     bool defined = true;
     for (const Effect& effect : action.effects)
@@ -364,12 +372,12 @@ Expected<std::vector<ReportedEffect>> Instance::effects(const ActionCall& call) 
     for (const Change& change : changes) {
       ReportedEffect& out = effects.emplace_back(reported(domain(), effect));
       for (const ObjectId object : change.objects) out.arguments.push_back(problem().objects[object].name);
-      out.number = effect.time == Effect::Time::kContinuous ? change.value * length : change.value;
+      out.number = effect.time == Effect::Time::kContinuous ? product(change.value, length) : change.value;
       if (!scales(effect)) continue;
       const bool up = effect.kind == Effect::Kind::kScaleUp;
       const auto old = now.value(change.id, change.objects);
       if (!old || (!up && change.value == 0)) return input_error(where + "there is no value to scale");
-      out.number = up ? *old * change.value : *old / change.value;
+      out.number = up ? product(*old, change.value) : quotient(*old, change.value);
     }
   }
   return effects;

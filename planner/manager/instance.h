@@ -60,7 +60,8 @@ class Instance {
   using Names = std::vector<std::string>;
 
   /// The goals of the problem are dropped; the goal instance `base` is there.
-  explicit Instance(Task task);
+  /// `meter`, which may be none, outlives this and limits what answers try; when it is over, an answer is meaningless.
+  explicit Instance(Task task, Meter* meter = nullptr);
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
@@ -127,6 +128,7 @@ class Instance {
                           const Names& arguments) const;
   Frame frame(const ActionCall& call) const;
   double duration(const ActionCall& call, const Frame& frame) const;
+  std::vector<Fact> in_order(State state) const;
   void renew_evaluator();
   const State& state() const;
   void touch() { derived_ = false; }
@@ -138,6 +140,7 @@ class Instance {
   Task task_;
   mutable State state_;  // derived facts are made on demand
   mutable bool derived_ = false;
+  Meter* meter_;
   std::optional<Evaluator> evaluator_;
   std::map<std::string, GoalInstance> goals_;
   std::map<std::pair<ActionId, Binding>, EffectSet> started_;  // effects at the end whose condition at the start held

@@ -6,6 +6,13 @@
 
 namespace cxlab::planner {
 
+namespace {
+
+/// Combinations of objects that all questions of a tick may try: about two seconds of one core.
+constexpr std::int64_t kMostCombinations = 20'000'000;
+
+}  // namespace
+
 PddlManager::PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& sink)
     : options_(std::move(options)),
       bus_(bus),
@@ -14,7 +21,8 @@ PddlManager::PddlManager(PddlManagerOptions options, bus::Bus& bus, RecordSink& 
           bus_.join(bus::ParticipantKind::kNode, options_.node, sink_.open_stream("node" + options_.node.full_name()))),
       lifecycle_(
           bus_, node_, [this](cx::Transition t) { return act_on(t); },
-          [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }) {}
+          [this](const Error& why) { log(cx::LogLevel::kWarn, why.message); }),
+      meter_(kMostCombinations) {}
 
 PddlManager::~PddlManager() {
   bond_.reset();
@@ -134,6 +142,7 @@ Status PddlManager::sense(SimTime now) {
 }
 
 Status PddlManager::act(SimTime) {
+  meter_ = Meter(kMostCombinations);
   bus_.deliver(node_);
   if (bond_) bond_->act();
   return std::exchange(failure_, Status());

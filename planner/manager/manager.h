@@ -152,6 +152,7 @@ class PddlManager : public Server {
   };
   Topic updates_, reports_;
   std::unique_ptr<cx::Bond> bond_;  // may be none
+  Meter meter_;                     ///< of the questions of this tick
   std::map<std::string, Entry> instances_;
   std::vector<Job> jobs_;  // in the order in which they were asked for
   Status failure_;         // ends the run

@@ -102,7 +102,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   const bool ours = options_.other.command.empty();
   auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
   if (!answer && !ours) return {"ERROR", answer.error().text()};
-  if (!answer) return {"MEMORY", answer.error().message};
+  if (!answer) return {is(answer.error(), Failure::kOutOfMemory) ? "MEMORY" : "ERROR", answer.error().message};
   Outcome outcome{"PLAN",           answer->reason,     bus::GoalStatus::kSucceeded,
                   *std::move(task), *std::move(answer), std::move(goals)};
   if (outcome.answer.plan) return outcome;

@@ -171,7 +171,7 @@ struct PddlManager::Services {
     if (!problem_text) return problem_text.error();
     auto problem = parse_problem(problem_text->first, problem_text->second, *domain);
     if (!problem) return problem.error();
-    return std::make_unique<Instance>(Task{*std::move(domain), *std::move(problem)});
+    return std::make_unique<Instance>(Task{*std::move(domain), *std::move(problem)}, &manager.meter_);
   }
 
   Status add_pddl_instance(const View& q, const View&) {
@@ -370,7 +370,8 @@ struct PddlManager::Services {
     if (!found) return found.error();
     const auto& [instance, call] = *found;
     const Names missing = instance->unsatisfied(call, when);
-    if (missing.empty() && (when == Instance::When::kStart || when == Instance::When::kAtStart))
+    if (missing.empty() && !manager.meter_.over() &&
+        (when == Instance::When::kStart || when == Instance::When::kAtStart))
       instance->remember_start(call);
     a.set("sat", missing.empty());
     put_strings(a, "unsatisfied_conditions", missing);
@@ -449,8 +450,15 @@ Status PddlManager::serve_questions() {
                            [this, type = *found, endpoint, handler = row.handler](const bus::Delivery& d) {
                              auto response = std::make_shared<bus::Message>(*type->response);
                              S services{*this, d.from};
-                             const Status done = (services.*handler)(d.message->view(), response->view());
+                             Status done = (services.*handler)(d.message->view(), response->view());
                              if (services.silent) return;
+                             if (meter_.over()) {
+                               done = resource_error(
+                                   "the questions of this tick try too many combinations of objects: write conditions "
+                                   "and effects with fewer variables in one quantifier");
+                               response = std::make_shared<bus::Message>(*type->response);
+                               log(cx::LogLevel::kWarn, done.error().message);
+                             }
                              response->view().set("success", done.ok());
                              if (!done) response->view().set("error", done.error().text());
                              bus_.respond(*endpoint, d, std::move(response));

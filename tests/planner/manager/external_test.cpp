@@ -61,18 +61,6 @@ TEST(FindPlanWith, OtherPlannersNeedOnlyATenthOfAMillisecondBetweenSteps) {
   EXPECT_FALSE(found("0.00002"));
 }
 
-TEST(FindPlanWith, APlanThatTheValidatorCannotCheckIsAnError) {
-  const Checker world(
-      "(:requirements :durative-actions :numeric-fluents :continuous-effects) (:functions (level)) "
-      "(:durative-action grow :parameters () :duration (= ?duration 2) :condition () "
-      ":effect (increase (level) (* #t (level))))",
-      "(:init (= (level) 1)) (:goal (> (level) 1))");
-  const auto answer = find_plan_with({"echo '0: (grow) [2]' > {plan}", false}, world.task(), 10);
-  ASSERT_FALSE(answer);
-  EXPECT_NE(answer.error().message.find("only linear change is supported"), std::string::npos)
-      << answer.error().message;
-}
-
 TEST(FindPlanWith, EndsProcessesThatThePlannerLeavesRunning) {
   const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
   const auto is_gone = [](pid_t process) {

@@ -389,5 +389,23 @@ TEST_F(ManagerTest, TwoRunsAreTheSameToTheLastByte) {
   EXPECT_EQ(first, run());
 }
 
+TEST_F(ManagerTest, RequestsWithoutAPlanAreCountedByStatus) {
+  start();
+  load_text("(define (domain d) (:predicates (p) (q)) (:action a :precondition (q) :effect (p)))",
+            "(define (problem p) (:domain d))");
+  request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: p}]}");
+  EXPECT_THAT(manager_->warnings(), ::testing::IsEmpty());
+  for (int i = 0; i < 3; ++i) {
+    plan("{pddl_instance: x, goal_instance: base}");
+    ticks(200);
+  }
+  for (int i = 0; i < 2; ++i) {
+    plan("{pddl_instance: x, goal_instance: nowhere}");
+    ticks(200);
+  }
+  EXPECT_THAT(manager_->warnings(),
+              ::testing::ElementsAre("/pddl_manager: no plan was found in 5 requests (ERROR 2, UNSOLVABLE 3)"));
+}
+
 }  // namespace
 }  // namespace cxlab::planner

@@ -1,4 +1,5 @@
 #include "fixture.h"
+#include "planner/pddl/parser.h"
 
 namespace cxlab::planner {
 namespace {
@@ -387,6 +388,94 @@ TEST_F(ManagerTest, EventsOfTheProblemHappenAtTheirTimes) {
   EXPECT_THAT(fluents("x"), ElementsAre("open()"));
   ticks(50);
   EXPECT_THAT(fluents("x"), IsEmpty());
+}
+
+TEST_F(ManagerTest, NumbersAreComparedExactly) {
+  start();
+  load_text(
+      "(define (domain d) (:predicates (p)) (:functions (now) (due))"
+      " (:action act :precondition (< (now) (due)) :effect (p))"
+      " (:action late :precondition (>= (now) (due)) :effect (p)))",
+      "(define (problem p) (:domain d) (:init (= (now) 1700000000) (= (due) 1700000001)))");
+  EXPECT_THAT(check("{pddl_instance: x, name: act}"), ElementsAre("sat"));
+  EXPECT_THAT(check("{pddl_instance: x, name: late}"), ElementsAre("(due <= now)"));
+}
+
+TEST_F(ManagerTest, NothingIsAskedOverAllOfWhatTakesNoTime) {
+  start();
+  load_text(
+      "(define (domain d) (:predicates (p) (q)) (:functions (length))"
+      " (:durative-action act :parameters () :duration (= ?duration (length)) :condition (over all (p))"
+      " :effect (at end (q))))",
+      "(define (problem p) (:domain d) (:init (= (length) 0)))");
+  EXPECT_THAT(check("{pddl_instance: x, name: act}"), ElementsAre("sat"));
+  request("set_functions", "SetFunctions", "{functions: [{pddl_instance: x, name: length, value: 1}]}");
+  EXPECT_THAT(check("{pddl_instance: x, name: act}"), ElementsAre("p"));
+}
+
+TEST_F(ManagerTest, QuestionsAreMeteredAndEnd) {
+  start();
+  std::string names;
+  for (int i = 0; i < 60; ++i) names += " o" + std::to_string(i);
+  const std::string six = "(?a ?b ?c ?d ?e ?f)";
+  load_text(
+      "(define (domain d) (:predicates (p ?a ?b ?c ?d ?e ?f) (done) (far))"
+      " (:derived (far) (exists " +
+          six +
+          " (p ?a ?b ?c ?d ?e ?f)))"
+          " (:action ask :precondition (not (exists " +
+          six +
+          " (p ?a ?b ?c ?d ?e ?f))) :effect (done))"
+          " (:action mark :effect (forall " +
+          six +
+          " (p ?a ?b ?c ?d ?e ?f)))"
+          " (:action plain :precondition (not (done)) :effect (done)))",
+      "(define (problem p) (:domain d) (:objects" + names + "))");
+  const std::string too_many =
+      "the questions of this tick try too many combinations of objects: write conditions and effects with fewer "
+      "variables in one quantifier";
+  EXPECT_EQ(error_of("check_action_condition", "CheckActionCondition", "{action: {pddl_instance: x, name: ask}}"),
+            too_many);
+  EXPECT_THAT(effects("{pddl_instance: x, name: mark}"), ElementsAre(too_many));
+  EXPECT_EQ(error_of("get_fluents", "GetFluents", "{pddl_instance: x}"), too_many) << "a derived fact";
+}
+
+/// The same text for people who load a file into the manager as for those who plan with it.
+TEST_F(ManagerTest, WhatIsNotSupportedIsRefusedAsPlanAndValidateRefuseIt) {
+  start();
+  const std::string head = "(define (domain d) (:predicates (p)) (:functions (x) (y))";
+  for (const std::string section :
+       {"(:requirements :preferences)", "(:constraints (always (p)))", "(:process q)", "(:event q)",
+        "(:functions (who) - object)", "(:action a :effect (oneof (p) (not (p))))",
+        "(:durative-action a :parameters () :duration () :effect (increase (x) (* #t (x))))",
+        "(:durative-action a :parameters () :duration () :effect (increase (x) (* #t #t)))",
+        "(:durative-action a :parameters () :duration () :effect (when (at start (p)) (increase (x) (* #t 1))))",
+        "(:action a :precondition (preference soft (p)) :effect (p))",
+        "(:action a :parameters (?n - number) :effect (p))",
+        "(:action a :precondition (= (x) 9007199254740993) :effect (p))"}) {
+    std::ofstream(folder_ / "d.pddl") << head + section + ")";
+    std::ofstream(folder_ / "p.pddl") << "(define (problem p) (:domain d) (:init (= (x) 0)) (:goal (p)))";
+    const auto task = load_task(folder_ / "d.pddl", folder_ / "p.pddl");
+    ASSERT_FALSE(task) << section;
+    EXPECT_EQ(exit_code(task.error()), kUnsupportedCode) << section << ": " << task.error().text();
+    EXPECT_EQ(error_of("add_pddl_instance", "AddPddlInstance",
+                       "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}"),
+              task.error().text());
+  }
+  for (const std::string section :
+       {"(:constraints (always (p)))", "(:situation s)", "(:htn :tasks ())", "(:init (at 5 (increase (x) 1)))",
+        "(:init (at 9000000000 (p)))", "(:init (= (x) 9007199254740993))", "(:metric minimize (is-violated soft))",
+        "(:goal (preference soft (p)))", "(:goal (sometime (p)))"}) {
+    const bool goal = section.starts_with("(:goal");
+    std::ofstream(folder_ / "d.pddl") << head + ")";
+    std::ofstream(folder_ / "p.pddl") << "(define (problem p) (:domain d)" + section + (goal ? ")" : "(:goal (p)))");
+    const auto task = load_task(folder_ / "d.pddl", folder_ / "p.pddl");
+    ASSERT_FALSE(task) << section;
+    EXPECT_EQ(exit_code(task.error()), kUnsupportedCode) << section << ": " << task.error().text();
+    EXPECT_EQ(error_of("add_pddl_instance", "AddPddlInstance",
+                       "{name: x, directory: \"" + folder_.string() + "\", domain_file: d.pddl, problem_file: p.pddl}"),
+              task.error().text());
+  }
 }
 
 }  // namespace
