@@ -65,7 +65,7 @@ bool Evaluator::holds(const Condition& condition, Frame& frame, const State& sta
 bool Evaluator::ground(const Effect& effect, const Frame& frame, const State& state, double duration,
                        std::vector<Change>& out) const {
   constexpr std::int64_t kOfAChange = 20;  // it stays in memory
-  if (!spend(kOfAChange)) return false;
+  if (!effect.variables.empty() && !spend(kOfAChange)) return false;
   const Objects objects(effect.terms, frame);
   Change change{effect.kind,
                 effect.is_numeric() ? effect.function : effect.predicate,

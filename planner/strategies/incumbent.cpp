@@ -10,6 +10,7 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::int64_t kPortion = 1000;     ///< combinations of objects between two looks at the budget
+constexpr std::int64_t kGrace = 500'000;    ///< of them, for plans that were found when the budget ended
 constexpr std::int64_t kStatesOfStep = 10;  ///< work of judging a step of a plan, in pieces of Work::kNode
 
 /// By point: the latest time that keeps the makespan.
@@ -43,9 +44,10 @@ Incumbent::Incumbent(const Task& task, const GroundTask& ground, const Touches& 
       budget_(budget),
       on_plan_(on_plan),
       began_(began),
-      meter_([&budget]() -> std::int64_t {
+      meter_([&budget, grace = kGrace]() mutable -> std::int64_t {
         budget.spend(Work::kGround, kPortion);
-        return budget.over() ? 0 : kPortion;
+        if (budget.over()) grace -= kPortion;
+        return grace > 0 ? kPortion : 0;
       }),
       validator_(task.domain, task.problem, &meter_) {}
 
@@ -98,9 +100,10 @@ bool Incumbent::offer(TimedPlan plan, Micros makespan) {
   plan.latest = latest_times(plan, makespan);
   const Expected<Verdict> verdict = validator_.check(plan.steps);
   budget_.spend(Work::kNode, kStatesOfStep * static_cast<std::int64_t>(plan.steps.size()));
-  if (!verdict || !verdict->valid) {
+  if (!verdict) return false;  // the budget ended
+  if (!verdict->valid) {
     ++refused_;
-    refusal_ = verdict ? verdict->violation->message : verdict.error().text();
+    refusal_ = verdict->violation->message;
     return false;
   }
   plan.metric = verdict->metric;
