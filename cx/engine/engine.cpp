@@ -87,7 +87,7 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
   engine->impl_->install_builtins();
   engine->impl_->install_hooks();
   if (engine->options_.limits != nullptr) evaluation_data(env)->LookAtLimits = Impl::on_limits;
-  engine->impl_->look_at_limits();
+  engine->begin_tick();
   if (engine->options_.limits && engine->options_.limits->exceeded) return *engine->options_.limits->exceeded;
   return engine;
 }
@@ -184,46 +184,6 @@ RunReport RuleEngine::run(std::int64_t limit) {
   report.loop = impl_->limit_reached;
   if (report.loop) report.loop_report = impl_->loop_report();
   return report;
-}
-
-void RuleEngine::Impl::count_firings(std::int64_t most) {
-  limit = most;
-  fired = 0;
-  limit_reached = false;
-  rule_halted = false;
-  if (!fired_rules.empty()) fired_rules.clear();
-  if (!changed_templates.empty()) changed_templates.clear();
-}
-
-LoopReport RuleEngine::Impl::loop_report() const {
-  const auto most_frequent = [](const std::map<std::string, std::int64_t>& counts) {
-    std::vector<LoopReport::Count> sorted;
-    for (const auto& [name, count] : counts) sorted.push_back({name, count, {}, 0});
-    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.count > b.count; });
-    if (sorted.size() > 5) sorted.resize(5);
-    return sorted;
-  };
-  LoopReport report{most_frequent(fired_rules), most_frequent(changed_templates), fired};
-  for (LoopReport::Count& rule : report.rules) {
-    const ConstructInfo* info = engine.find_construct("defrule", rule.name);
-    if (info == nullptr) continue;
-    rule.file = info->file;
-    rule.line = info->line;
-  }
-  return report;
-}
-
-std::string LoopReport::text() const {
-  const auto list = [](const std::vector<Count>& counts) {
-    std::string text;
-    for (const Count& c : counts) {
-      text += (text.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.count) + " x";
-      text += c.file.empty() ? ")" : ", " + c.file + ':' + std::to_string(c.line) + ')';
-    }
-    return text.empty() ? std::string("none") : text;
-  };
-  return "rules still fire after " + std::to_string(fired) + " firings; most frequent at the end: " + list(rules) +
-         "; facts that keep changing: " + list(templates);
 }
 
 Expected<Value> RuleEngine::eval(const std::string& expression) {

@@ -614,6 +614,7 @@ HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& cont
   if (embedded_) {
     ResetErrorFlags(impl.env);
     impl.turns = 0;
+    impl.begin_act();
   } else {
     GCBlockStart(impl.env, &block_);
   }

@@ -95,7 +95,7 @@ void RuleEngine::Impl::on_assert(Environment*, void* asserted, void* self) noexc
   } else {
     entry.number = ++impl.last_fact_number;
   }
-  if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
+  impl.note_change(fact);
   impl.glance_at_limits();
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
@@ -119,7 +119,7 @@ void RuleEngine::Impl::on_retract(Environment*, void* retracted, void* self) noe
     impl.data.begin().field("fact", entry->number).field("template", fact.whichDeftemplate->header.name->contents);
     impl.write(RecordKind::kRetract);
   }
-  if (impl.counting()) ++impl.changed_templates[fact.whichDeftemplate->header.name->contents];
+  impl.note_change(fact);
   impl.known_facts.erase(&fact);
 }
 
@@ -169,7 +169,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.rule_acting = true;
   impl.turns = 0;
   impl.rule_depth = impl.contexts.size();
-  if (impl.counting()) ++impl.fired_rules[qualified_name(rule)];
+  impl.note_firing(*activation);
   impl.glance_at_limits();
   impl.fire_recorded = false;
   RecordSink* journal = impl.engine.options_.journal;
@@ -209,144 +209,12 @@ void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self
   }
 }
 
-void RuleEngine::Impl::look_at_limits() {
-  LimitsInUse* limits = engine.options_.limits;
-  if (limits == nullptr) return;
-  evaluationData& counted = *evaluation_data(env);
-  if (!limits->before) limits->before = {Charge::memory(), Charge::disk()};
-  Charge::written(counted.Written - std::exchange(counted_written, counted.Written));
-  const std::int64_t now = memory_data(env)->MemoryAmount;
-  limits->held += now - std::exchange(counted_memory, now);
-  const std::int64_t memory = limits->held + Charge::memory() - limits->before->memory;
-  const std::int64_t disk = Charge::disk() - limits->before->disk;
-  const auto steps = static_cast<std::int64_t>(counted.Steps);
-  const auto megabytes = [](std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
-  if (limits->exceeded) {
-    SetHaltExecution(env, true);
-    SetHaltRules(env, true);
-  } else if (limits->memory > 0 && memory > limits->memory) {
-    engine.exceed_limits(resource_error("rules hold more than " + megabytes(limits->memory) +
-                                        " of memory; if they are right, allow more with --memory"));
-  } else if (limits->disk > 0 && disk > limits->disk) {
-    engine.exceed_limits(resource_error("rules have written more than " + megabytes(limits->disk) +
-                                        " to the disk; if they are right, allow more with --disk"));
-  } else if (limits->steps > 0 && steps > limits->steps) {
-    engine.exceed_limits(Error{ErrorKind::kRun,
-                               "rules have taken more than " + std::to_string(limits->steps) +
-                                   " steps in one tick; if they are right, allow more with --steps",
-                               {},
-                               0,
-                               "rule_loop"});
-  } else if (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)) {
-    engine.exceed_limits(Error{ErrorKind::kRun, "stopped by a signal in the middle of a tick", {}, 0, kStoppedCode});
-  }
-  look_again_at = taken() + 1'000'000;
-  counted.LookAtStep = 0;
-  counted.LookAtWritten = 0;
-  if (limits->exceeded) return;
-  counted.LookAtStep = counted.Steps + kStepsBetweenLooks;
-  if (limits->steps > 0 && steps < limits->steps)
-    counted.LookAtStep = std::min(counted.LookAtStep, static_cast<unsigned long long>(limits->steps));
-  counted.LookAtWritten = counted.Written + 1'000'000;
-}
-
-bool RuleEngine::Impl::on_limits(Environment* env) noexcept {
-  RuleEngine& engine = *of(env);
-  engine.impl_->look_at_limits();
-  return engine.options_.limits->exceeded.has_value();
-}
-
-void RuleEngine::begin_tick() {
-  evaluation_data(environment_)->Steps = 0;
-  impl_->look_at_limits();
-}
-
-void RuleEngine::exceed_limits(Error error) {
-  LimitsInUse* limits = options_.limits;
-  if (limits == nullptr || limits->exceeded) return;
-  const Impl::Context context = impl_->contexts.empty() ? Impl::Context() : impl_->contexts.back();
-  // The test of a join, else an action, else what fired before the network got to work.
-  const std::string tested = impl_->rule_under_test();
-  const std::string last = std::string(impl_->rule_module) + "::" + std::string(impl_->rule_name);
-  const ConstructInfo* rule = nullptr;
-  if (!tested.empty())
-    rule = find_construct("defrule", tested);
-  else if (impl_->rule_acting || context.name == kRun || impl_->contexts.empty())
-    rule = find_construct("defrule", last);
-  std::string where = context.name.empty() ? std::string() : std::string(context.name) + ": ";
-  error.file = context.file;
-  error.line = context.line;
-  if (rule != nullptr) {
-    where = (impl_->rule_acting || !tested.empty() ? "rule " : "after rule ") + rule->name + ": ";
-    error.file = rule->file;
-    error.line = rule->line;
-  }
-  error.message = "environment '" + name() + "': " + where + error.message;
-  limits->exceeded = std::move(error);
-  SetHaltExecution(environment_, true);
-  SetHaltRules(environment_, true);
-}
-
-void RuleEngine::Impl::on_turn(Environment* env, void* self) noexcept {
-  Impl& impl = *static_cast<Impl*>(self);
-  impl.glance_at_limits();
-  if (++impl.turns != kMostTurns) return;
-  PrintErrorID(env, "CXLAB", 2, false);
-  const std::string text = "Still looping after " + std::to_string(kMostTurns) +
-                           " turns of loops and deffunctions in one action: stopped.\n";
-  WriteString(env, STDERR, text.c_str());
-  SetHaltExecution(env, true);
-  SetEvaluationError(env, true);
-}
-
-bool RuleEngine::Impl::stack_is_full() {
-  const auto here = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0));
-  if (calls == 0) calls_begin = here;
-  return calls_begin - here > kMostStack;
-}
-
-void RuleEngine::Impl::leave_calls(const std::string& function) {
-  if (leaving_calls) return;
-  PrintErrorID(env, "CXLAB", 2, false);
-  const std::string text =
-      "Function '" + function +
-      "' is called again and again from within itself, until 6 MB of the stack are full: stopped.\n";
-  WriteString(env, STDERR, text.c_str());
-  SetHaltExecution(env, true);
-  SetEvaluationError(env, true);
-  leaving_calls = true;
-}
-
-bool RuleEngine::Impl::call(EntityEvaluationFunction* evaluate, void* construct, UDFValue* result) {
-  if (stack_is_full()) {
-    leave_calls(qualified_name(*static_cast<ConstructHeader*>(construct)));
-    result->value = FalseSymbol(env);
-    return false;
-  }
-  glance_at_limits();
-  ++evaluation_data(env)->Steps;
-  ++calls;
-  const bool given = evaluate(env, construct, result);
-  --calls;
-  if (calls == 0) leaving_calls = false;
-  return given;
-}
-
-bool RuleEngine::Impl::on_deffunction(Environment* env, void* deffunction, UDFValue* result) noexcept {
-  Impl& impl = *of(env)->impl_;
-  return impl.call(impl.call_deffunction, deffunction, result);
-}
-
-bool RuleEngine::Impl::on_generic(Environment* env, void* generic, UDFValue* result) noexcept {
-  Impl& impl = *of(env)->impl_;
-  return impl.call(impl.call_generic, generic, result);
-}
-
 void RuleEngine::Impl::on_clear(Environment*, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   impl.known_facts.clear();
   impl.constructs.clear();
   impl.construct_index.clear();
+  impl.definitions.clear();
   impl.calls_of.clear();
   impl.known_acting.clear();
   impl.lhs_calls_of.clear();

@@ -93,6 +93,69 @@ void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
   }
 }
 
+namespace {
+
+/// What a form defines, as in "defrule 'go'": a name stands for one construct, but for a method with other parameters
+/// than another, a handler of another class or kind, and each global of a defglobal.
+std::vector<std::string> defined_by(const Form& form) {
+  const Term tree = tree_of(form);
+  const auto word = [&](std::size_t i) { return i < tree.items.size() ? tree.items[i].print() : std::string(); };
+  std::vector<std::string> names;
+  if (form.head == "defglobal") {
+    for (const Term& item : tree.items)
+      if (!item.is_list() && item.text.starts_with("?*")) names.push_back("defglobal '" + item.text + '\'');
+  } else if (form.head == "defmethod") {
+    std::string name = "defmethod '" + form.name + '\'';
+    for (std::size_t i = 2; i < tree.items.size(); ++i) {
+      const Term& item = tree.items[i];
+      if (item.kind == Token::Kind::kString) continue;
+      name += ' ';
+      if (!item.is_list()) {
+        name += item.text;  // its number
+        continue;
+      }
+      // The names of parameters do not count.
+      for (const Term& parameter : item.items) {
+        if (!parameter.is_list()) name += "(?)";
+        for (std::size_t k = 1; k < parameter.items.size(); ++k)
+          name += (k == 1 ? "(" : " ") + parameter.items[k].print() + (k + 1 == parameter.items.size() ? ")" : "");
+      }
+      break;
+    }
+    names.push_back(std::move(name));
+  } else if (form.head == "defmessage-handler") {
+    const std::string kind =
+        tree.items.size() > 3 && !tree.items[3].is_list() && word(3)[0] != '"' ? word(3) : "primary";
+    names.push_back("defmessage-handler '" + form.name + ' ' + word(2) + ' ' + kind + '\'');
+  } else {
+    names.push_back(form.head + " '" + form.name + '\'');
+  }
+  return names;
+}
+
+/// Declares a function before those that call it: nothing comes after its parameters.
+bool is_declaration(const Form& form) {
+  const Term tree = tree_of(form);
+  return form.head == "deffunction" && std::ranges::count_if(tree.items, &Term::is_list) == 1 &&
+         tree.items.back().is_list();
+}
+
+}  // namespace
+
+void RuleEngine::Impl::note_definition(const Form& form, const std::string& file, bool may_replace) {
+  const std::string module = GetCurrentModule(env)->header.name->contents;
+  for (const std::string& name : defined_by(form)) {
+    const Definition now{file, form.line, is_declaration(form)};
+    const auto [known, fresh] = definitions.try_emplace({module, name}, now);
+    if (fresh) continue;
+    const Definition before = std::exchange(known->second, now);
+    if (!may_replace || before.declaration || (before.file == file && before.line == form.line)) continue;
+    notes.push_back(input_error(name + " is defined already in " + before.file + ':' + std::to_string(before.line) +
+                                    "; this definition replaces it",
+                                file, form.line));
+  }
+}
+
 std::vector<const ConstructInfo*> RuleEngine::Impl::named(std::string_view kind, std::string_view name) const {
   std::vector<const ConstructInfo*> found;
   const std::string_view bare = without_module(name);
@@ -325,7 +388,10 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
     if (options_.limits != nullptr && options_.limits->exceeded) break;
     add_reading_errors(form.line);
     if ((stopped = collect())) break;
-    impl_->load_form(form, file, mode);
+    const bool may_replace = form.head == "defglobal" || form.head == "defmethod" ||
+                             form.head == "defmessage-handler" || has(form.head, form.name);
+    if (impl_->load_form(form, file, mode) && !impl_->rule_acting && form.list && is_construct(environment_, form.head))
+      impl_->note_definition(form, file, may_replace);
     ++report.forms;
     const bool rule = form.head == "defrule";
     std::vector<RuleError> acting;

@@ -13,6 +13,7 @@ Deftemplate* CreateImpliedDeftemplate(Environment*, CLIPSLexeme*, bool);
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 inline void* environment_data(Environment* env, unsigned position) { return GetEnvironmentData(env, position); }
+inline agendaData* agenda_data(Environment* env) { return AgendaData(env); }
 inline commandLineData* command_line_data(Environment* env) { return CommandLineData(env); }
 inline constructData* construct_data(Environment* env) { return ConstructData(env); }
 inline defruleData* defrule_data(Environment* env) { return DefruleData(env); }

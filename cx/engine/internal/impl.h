@@ -11,6 +11,7 @@
 #include "cx/base/flat_table.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
+#include "firing_chain.h"
 
 namespace cxlab {
 
@@ -72,38 +73,6 @@ struct RuleEngine::Impl {
   bool rule_open = false;
   bool rule_acting = false;
   std::size_t rule_depth = 0;
-  std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
-  static constexpr std::uint64_t kMostTurns = 10'000'000;
-  std::int64_t counted_memory = 0;    ///< its share of `LimitsInUse::held`
-  std::uint64_t counted_written = 0;  ///< by CLIPS, bytes: charged so far
-  static constexpr std::uint64_t kStepsBetweenLooks = 100'000;
-  /// The rule, with its module, behind the join that is being evaluated; of several the first; empty without one.
-  std::string rule_under_test() const;
-  /// Ends what rules do where a limit is exceeded.
-  void look_at_limits();
-  /// CLIPS calls it after so many steps or bytes; returns whether what it does has to end.
-  static bool on_limits(clips::Environment*) noexcept;
-  /// Bytes in memory and on disk.
-  std::int64_t taken() const {
-    return clips::memory_data(env)->MemoryAmount + static_cast<std::int64_t>(clips::evaluation_data(env)->Written) +
-           Charge::memory() + Charge::disk();
-  }
-  /// The same for what happens often: counts where a megabyte more is taken than when it last looked.
-  void glance_at_limits() {
-    const LimitsInUse* limits = engine.options_.limits;
-    if (limits == nullptr) return;
-    if (limits->exceeded || taken() > look_again_at ||
-        (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)))
-      look_at_limits();
-  }
-  std::int64_t look_again_at = 0;
-  /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
-  int calls = 0;
-  std::uintptr_t calls_begin = 0;
-  bool leaving_calls = false;  ///< they were nested too deep: the messages of CLIPS at each level are dropped
-  static constexpr std::uintptr_t kMostStack = 6 * 1024 * 1024;
-  clips::EntityEvaluationFunction* call_deffunction = nullptr;  ///< of CLIPS
-  clips::EntityEvaluationFunction* call_generic = nullptr;
   clips::CLIPSLexeme* rule_atom = nullptr;    ///< its name, retained
   clips::CLIPSLexeme* module_atom = nullptr;  ///< that of its module, retained
   std::string_view rule_name, rule_module;    ///< the texts of them
@@ -177,6 +146,14 @@ struct RuleEngine::Impl {
   bool is_there_already(const Form& form) const;
   bool load_form(const Form& form, const std::string& file, LoadMode mode);
   void remember(const Form& form, const std::string& file);
+  struct Definition {
+    std::string file;
+    int line = 0;
+    bool declaration = false;  ///< of a function whose actions come later
+  };
+  std::map<std::pair<std::string, std::string>, Definition> definitions;  ///< by module and what is defined
+  /// A construct that takes the place of one that another form of a file has defined is a note.
+  void note_definition(const Form& form, const std::string& file, bool may_replace);
   std::set<std::string> rules_reaching(const std::string& function) const;
   std::vector<RuleError> acting_on_lhs(const std::string& rule);
   /// Whether a function acts itself, or nothing where that is for its body to say.
@@ -249,13 +226,89 @@ struct RuleEngine::Impl {
   std::int64_t fired = 0;
   bool limit_reached = false;
   bool rule_halted = false;
-  std::map<std::string, std::int64_t> fired_rules;  ///< counted shortly before the limit
-  std::map<std::string, std::int64_t> changed_templates;
-  bool counting() const { return limit > 0 && fired + 5000 >= limit; }
   bool exit_requested = false;
   bool anything_left() const;
   void count_firings(std::int64_t most);  ///< anew; from here on a loop ends there, with `limit_reached`
+
+  // --- Loops and limits (limits.cpp) -----------------------------------------------------------------------------
+
+  FiringChain chain;  ///< of this tick
+  /// Numbers of rules in `chain`, by their names and modules, which are retained.
+  std::map<std::pair<clips::CLIPSLexeme*, clips::CLIPSLexeme*>, FiringChain::Rule> rule_numbers;
+  std::vector<std::string> numbered_rules;          ///< with their modules
+  FiringChain::Rule rule_number = 0;                ///< of the one that fired last
+  std::optional<FiringChain::Round> round;          ///< seen in this tick, and watched: which facts change
+  std::size_t round_seen_at = 0;                    ///< firing
+  std::uint64_t look_for_round_at = 0;              ///< work
+  std::map<std::string, std::int64_t> fired_rules;  ///< while `counting`
+  std::map<std::string, std::int64_t> changed_templates;
+  bool near_limit = false;  ///< the steps of this tick are nearly used up
+  bool counting() const { return round || near_limit || (limit > 0 && fired + 5000 >= limit); }
+  /// Steps of this tick; firings and memory count as some.
+  std::uint64_t work() const;
+  std::int64_t tick_memory = 0;  ///< held when it began
+  void note_firing(const clips::Activation& activation);
+  void note_change(const clips::Fact& fact);
+  FiringChain::Rule number_of(const clips::ConstructHeader& rule);
+  void look_for_round();
+  /// The rules that take turns, where something else has ended them, too.
+  std::optional<FiringChain::Round> last_round() const;
   LoopReport loop_report() const;
+
+  /// One firing, or one call of the host.
+  void begin_act();
+  std::uint64_t act_began = 0;    ///< step
+  std::int64_t act_memory = 0;    ///< held then
+  std::uint64_t act_changes = 0;  ///< asserts and retracts
+  /// Steps, and steps for the memory that is held more.
+  std::uint64_t act_work() const;
+  std::uint64_t steps_of_memory(std::int64_t before) const;
+  /// Who was at work when somebody looked, and how often.
+  struct Worker {
+    bool matches = false;  ///< its conditions are matched; else it acts
+    std::string name;      ///< of a rule, with its module; of what the host calls where `is_rule` is false
+    bool is_rule = false;
+    auto operator<=>(const Worker&) const = default;
+  };
+  using Workers = std::map<Worker, int>;
+  Workers workers, act_workers;  ///< of this tick, of this act
+  Worker at_work() const;
+  Error too_many_steps(std::uint64_t steps, const char* in_what, const Workers& workers) const;
+
+  std::uint64_t turns = 0;  ///< of loops since the rule fired or the host called
+  static constexpr std::uint64_t kMostTurns = 10'000'000;
+  std::int64_t counted_memory = 0;    ///< its share of `LimitsInUse::held`
+  std::uint64_t counted_written = 0;  ///< by CLIPS, bytes: charged so far
+  static constexpr std::uint64_t kStepsBetweenLooks = 100'000;
+  /// The rule, with its module, behind the join that is being evaluated; of several the first; empty without one.
+  std::string rule_under_test() const;
+  /// Ends what rules do where a limit is exceeded.
+  void look_at_limits();
+  void exceed(Error error, const std::string& remedy = {});
+  std::string remedy() const;
+  /// CLIPS calls it after so many steps or bytes; returns whether what it does has to end.
+  static bool on_limits(clips::Environment*) noexcept;
+  /// Bytes in memory and on disk.
+  std::int64_t taken() const {
+    return clips::memory_data(env)->MemoryAmount + static_cast<std::int64_t>(clips::evaluation_data(env)->Written) +
+           Charge::memory() + Charge::disk();
+  }
+  /// The same for what happens often: counts where a megabyte more is taken than when it last looked.
+  void glance_at_limits() {
+    const LimitsInUse* limits = engine.options_.limits;
+    if (limits == nullptr) return;
+    if (limits->exceeded || taken() > look_again_at ||
+        (limits->stop != nullptr && limits->stop->load(std::memory_order_relaxed)))
+      look_at_limits();
+  }
+  std::int64_t look_again_at = 0;
+  /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
+  int calls = 0;
+  std::uintptr_t calls_begin = 0;
+  bool leaving_calls = false;  ///< they were nested too deep: the messages of CLIPS at each level are dropped
+  static constexpr std::uintptr_t kMostStack = 6 * 1024 * 1024;
+  clips::EntityEvaluationFunction* call_deffunction = nullptr;  ///< of CLIPS
+  clips::EntityEvaluationFunction* call_generic = nullptr;
 
   // --- Functions (functions.cpp, builtins.cpp) -------------------------------------------------------------------
 

@@ -162,9 +162,10 @@ TEST_F(LimitsTest, StepsEndAMatchAndNameItsRule) {
   ASSERT_TRUE(limits.exceeded);
   EXPECT_EQ(limits.exceeded->kind, ErrorKind::kRun);
   EXPECT_EQ(limits.exceeded->code, "rule_loop");
-  EXPECT_EQ(limits.exceeded->text(),
-            "rules.clp:3: environment 'main': rule many: rules have taken more than 1000000 steps in one tick; if they "
-            "are right, allow more with --steps");
+  EXPECT_EQ(
+      limits.exceeded->text(),
+      "rules.clp:3: environment 'main': rule many: its conditions are tried in many combinations of facts: rules have "
+      "taken more than 1000000 steps in one tick; if they are right, allow more with --steps");
   EXPECT_LE(engine().run().fired, 1);
 }
 
@@ -193,6 +194,79 @@ TEST_F(LimitsTest, ARunThatStaysBelowEndsAtTheSameStep) {
   }
   EXPECT_EQ(facts[0], facts[1]);
   EXPECT_GT(facts[2], facts[1] * 3 / 2);
+}
+
+/// Rules that go round: each turn asserts a fact more, which `compared` tries with all others.
+constexpr const char* kDearRound =
+    "(deffacts start (next 1))\n"
+    "(defrule compared (order ?a) (order ?b&:(> ?b ?a)) (never ?a ?b) =>)\n"
+    "(defrule plan (next ?n) => (assert (planned ?n)))\n"
+    "(defrule carry-out ?p <- (planned ?n) ?f <- (next ?n) => (retract ?p ?f) (assert (order ?n) (next (+ ?n 1))))";
+
+TEST_F(LimitsTest, RulesThatGoRoundAreNamedLongBeforeTheStepsEnd) {
+  limits.memory = 0;
+  given(kDearRound);
+  engine().reset();
+  engine().run();
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_EQ(limits.exceeded->code, "rule_loop");
+  EXPECT_EQ(limits.exceeded->line, 3);
+  EXPECT_THAT(limits.exceeded->text(),
+              AllOf(HasSubstr("rules go round in a loop"), HasSubstr("plan ("), HasSubstr("rules.clp:3"),
+                    HasSubstr("carry-out ("), HasSubstr("rules.clp:4"), HasSubstr("next ("), HasSubstr("--steps"),
+                    Not(HasSubstr("compared"))));
+}
+
+TEST_F(LimitsTest, ARoundIsTheSameAtEachTime) {
+  limits.memory = 0;
+  std::vector<std::string> said;
+  for (int i = 0; i < 2; ++i) {
+    limits = LimitsInUse();
+    SetUp();
+    given(kDearRound);
+    engine().reset();
+    engine().run();
+    ASSERT_TRUE(limits.exceeded);
+    said.push_back(limits.exceeded->text() + std::to_string(engine().fact_count()));
+  }
+  EXPECT_EQ(said[0], said[1]);
+}
+
+TEST_F(LimitsTest, ARoundThatEndsIsNone) {
+  limits.memory = 0;
+  given(
+      "(deffacts start (n 0))\n"
+      "(defrule again ?f <- (n ?n&:(< ?n 90000)) => (retract ?f) (assert (n (+ ?n 1))))");
+  engine().reset();
+  EXPECT_EQ(engine().run().fired, 90000);
+  EXPECT_FALSE(limits.exceeded);
+}
+
+TEST_F(LimitsTest, AnAgendaThatIsDrainedIsNoRound) {
+  limits.memory = 0;
+  given("(defrule each (x ?i) => (bind ?n 0) (loop-for-count 2000 (bind ?n (+ ?n 1))) (assert (y ?i)))");
+  for (int i = 0; i < 5000; ++i) ASSERT_TRUE(engine().assert_string("(x " + std::to_string(i) + ")").ok());
+  EXPECT_EQ(engine().run().fired, 5000) << "with 30 million steps";
+  EXPECT_FALSE(limits.exceeded);
+}
+
+TEST_F(LimitsTest, AnActionThatDoesNotEndIsNamed) {
+  given("(defrule before => (assert (go)))\n(defrule spin (go) => (bind ?i 0) (while TRUE (bind ?i (+ ?i 1))))");
+  const RunReport report = engine().run();
+  ASSERT_EQ(report.errors.size(), 1u);
+  EXPECT_THAT(report.errors[0].text(),
+              AllOf(HasSubstr("rules.clp:2: rule spin, RHS: "), HasSubstr("Still looping after ")));
+}
+
+TEST_F(LimitsTest, ManyFactsAreManySteps) {
+  limits.memory = 0;
+  given(
+      "(deftemplate p (slot id) (slot x))\n"
+      "(defrule fill (go) => (loop-for-count (?i 1 100000) (assert (p (id ?i) (x (mod ?i 317))))))\n"
+      "(defrule pair (p (id ?i) (x 5)) (p (id ?j&:(> ?j ?i)) (x 7)) => )");
+  ASSERT_TRUE(engine().assert_string("(go)").ok());
+  engine().run();
+  EXPECT_FALSE(limits.exceeded) << limits.exceeded->text();
 }
 
 TEST_F(LimitsTest, AStopEndsAMatch) {
