@@ -13,9 +13,8 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
       files_(files),
       router_(options_.redirect_stdout_to_debug,
               [this](LogLevel level, std::string_view colour, std::string_view logical_name, std::string_view text) {
-                // In the file every line has the level `info`, as in the files of CX.
                 const bool of_rules = logical_name != "stderr";
-                write_line({now(), level, name_in_log(), text, colour, of_rules}, LogLevel::kInfo);
+                write_line({now(), level, name_in_log(), text, colour, of_rules}, level);
                 if (level == LogLevel::kError && of_rules && options_.printed_errors)
                   options_.printed_errors->add(now(), name_in_log(), text);
                 if (options_.topic_logging) options_.publish_line(name(), logical_name, text);

@@ -8,6 +8,7 @@
 #include "cx/base/number_text.h"
 #include "cx/executive/plugin_library.h"
 #include "cx/executive/strict_cx.h"
+#include "cx/executive/suspect_words.h"
 #include "cx/network/network.h"
 
 namespace cxlab::cx {
@@ -145,7 +146,12 @@ Status EnvironmentManager::do_activate() {
     const Status loaded = load_all(entry);
     entry.environment->has_begun();
     if (!loaded) return loaded;
-    if (options_.strict && !again) note_each(facts_lost_by_reset(entry.environment->engine()));
+    if (again) continue;
+    if (options_.strict) note_each(facts_lost_by_reset(entry.environment->engine()));
+    for (Error& word : suspect_words(entry.environment->engine())) {
+      log(LogLevel::kWarn, entry.environment->name(), word.text());
+      in_vain_.push_back(std::move(word));
+    }
   }
   for (Entry& entry : environments_) {
     entry.environment->engine().reset();
@@ -226,8 +232,10 @@ Status EnvironmentManager::do_deactivate() {
   if (options_.strict) note_rule_errors();
   for (const bus::EndpointId service : plugin_services_) bus_.remove(service);
   plugin_services_.clear();
-  in_vain_ = parameters_.in_vain();
-  for (const Error& warning : in_vain_) log(LogLevel::kWarn, options_.node, warning.text());
+  for (Error& in_vain : parameters_.in_vain()) {
+    log(LogLevel::kWarn, options_.node, in_vain.text());
+    in_vain_.push_back(std::move(in_vain));
+  }
   log_life("Deactivated", "...");
   keep_first(first, flush_logs());
   return first;

@@ -35,8 +35,10 @@ Expected<bool> EnvironmentManager::load(Entry& entry, const std::string& name) {
     loaded = std::move(error);
   }
   Status rules = entry.environment->check_errors();
-  for (const Error& n : entry.environment->engine().take_notes())
-    entry.environment->log(LogLevel::kWarn, options_.node, n.text());
+  for (Error& note : entry.environment->engine().take_notes()) {
+    log(LogLevel::kWarn, entry.environment->name(), note.text());
+    in_vain_.push_back(std::move(note));
+  }
   for (const Status* s : {&loaded, &rules}) {
     if (*s) continue;
     const bool may_go_on = s->error().code != kUntrusted && (s == &loaded || s->error().kind == ErrorKind::kInput);

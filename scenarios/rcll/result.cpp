@@ -102,6 +102,8 @@ void report_robots(std::span<const sim::RobotStats> robots, std::span<const Main
                    const sim::World& floor, Result& result) {
   Json list = Json::array();
   const double end = std::max(1e-9, to_seconds(floor.floor_time()));
+  std::string failed;
+  int skills = 0;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const sim::RobotStats& s = robots[i];
     const int contacts = static_cast<int>(floor.robot(static_cast<sim::RobotId>(i)).robot_contacts);
@@ -112,7 +114,15 @@ void report_robots(std::span<const sim::RobotStats> robots, std::span<const Main
     if (duties[i].cycles > 0) result.score_board += line(", %d in maintenance", duties[i].cycles);
     if (duties[i].duty == RobotDuty::kDisqualified) result.score_board += ", disqualified";
     result.score_board += '\n';
+    if (s.failures > 0)
+      failed +=
+          (failed.empty() ? "" : ", ") + s.name + ' ' + std::to_string(s.failures) + " of " + std::to_string(s.skills);
+    skills += s.skills;
   }
+  if (!failed.empty()) result.warnings.push_back("skills failed: " + failed);
+  constexpr double kLongEnough = 60;  // s; before that an agent may still look around
+  if (skills == 0 && !robots.empty() && end >= kLongEnough)
+    result.warnings.push_back("no robot was given a skill in the whole game");
   result.set("robots", json_text(list));
 }
 

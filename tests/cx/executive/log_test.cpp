@@ -74,7 +74,7 @@ TEST(Log, RulesAndWatchesPrintToTheEnvironmentsFile) {
   lab.ticks(6);
   ASSERT_TRUE(lab.manager->deactivate().ok());
   const std::string file = Lab::read(lab.folder / "run/logs/main.log");
-  EXPECT_THAT(file, HasSubstr("[0.000] [main] [info] quiet\n[0.000] [main] [info] loud\n"));
+  EXPECT_THAT(file, HasSubstr("[0.000] [main] [debug] quiet\n[0.000] [main] [warn] loud\n"));
   EXPECT_THAT(file, HasSubstr("[0.100] [main] [info] FIRE    1 say: f-"));
   EXPECT_THAT(file, Not(HasSubstr("time-retract")));
 }
