@@ -1,10 +1,11 @@
 ; Parameters of the node, looked at before they are used.
 
 (deffunction one-of (?parameter ?default $?words)
-  "A parameter of the node that is one of these words; of any other word it is said, and the default is taken."
+  "A parameter of the node that is one of these words. Any other word is reported, and the agent gives up: it would play another game."
   (bind ?value (ros-param-get-value ?parameter ?default))
   (if (member$ ?value ?words) then (return ?value))
-  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) "; taken: " ?default crlf)
+  (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) crlf)
+  (cx-shutdown)
   ?default)
 
 (deffunction at-least (?least ?parameter ?default)
