@@ -33,6 +33,17 @@
   (any-factp ((?o order) (?d does) (?b bare-shelf))
     (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine)) (not (gets-cap ?b:station)))))
 
+(deffunction has-cap-on (?product)
+  "Whether its next work is the delivery."
+  (any-factp ((?at pddl-fluent) (?work pddl-fluent))
+    (and (eq ?at:instance production) (eq ?at:name at-step) (eq (nth$ 1 ?at:params) ?product)
+         (eq ?work:instance production) (eq ?work:name work-at) (eq (subseq$ ?work:params 1 2) ?at:params)
+         (eq (sub-string 1 1 (nth$ 3 ?work:params)) "d"))))
+
+(deffunction is-hopeless (?order)
+  "Whether the product of an order needs a cap that cannot be had any more."
+  (and (without-cap ?order) (not (has-cap-on (product-of ?order)))))
+
 (deffunction lost-machine (?order)
   "One that the order needs and that is out of order for long; FALSE: there is none."
   (do-for-fact ((?o order) (?bs machine)) (and (= ?o:id ?order) (eq ?bs:kind BS))
@@ -77,7 +88,8 @@
 
 (deffunction propose-alternatives ()
   "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
-  (bind ?ours (orders-in STARTED))
+  (bind ?ours (create$))
+  (foreach ?id (orders-in STARTED) (if (not (is-hopeless ?id)) then (bind ?ours (create$ ?ours ?id))))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (can-be-put-off ?ours))))
   (if (>= (length$ ?ours) ?*PRODUCTS*) then (return))

@@ -123,9 +123,7 @@
   (bare-shelf)
   ?order <- (order (id ?id) (state STARTED))
   (time ?)
-  (test (without-cap ?id))
-  (not (and (pddl-fluent (instance production) (name at-step) (params =(product-of ?id) ?s))
-            (pddl-fluent (instance production) (name work-at) (params =(product-of ?id) ?s ?m&:(eq (sub-string 1 1 ?m) "d")))))
+  (test (is-hopeless ?id))
   (not (step (state RUNNING) (params =(product-of ?id) $?)))
   =>
   (decide (str-cat "give up order " ?id) "its cap cannot be had")
