@@ -661,6 +661,8 @@ TEST(LeagueClientTest, SkillsAreTasks) {
   const auto other = skill("drive_to", "DriveTo", "{target: C_Z52}");
   story.run_for(120);
   EXPECT_EQ(transport->code, 0) << transport->text;
+  for (const char* part : {"drive_to", "pick", "place"})
+    EXPECT_THAT(transport->text, Not(HasSubstr(part))) << "no part of it failed";
   ASSERT_THAT(transport->feedback, SizeIs(4));
   EXPECT_THAT(transport->feedback[2], HasSubstr("drive_to"));
   EXPECT_TRUE(other->rejected);
