@@ -85,7 +85,7 @@ TEST(DefinedTwice, IsToldWithBothPlaces) {
               ElementsAre(replaces("defclass 'C'")));
   EXPECT_THAT(twice("(deffacts f (a))", "(deffacts f (b))"), ElementsAre(replaces("deffacts 'f'")));
   EXPECT_THAT(twice("(defmethod m ((?x INTEGER)) 1)", "(defmethod m ((?y INTEGER)) 2)"),
-              ElementsAre(replaces("defmethod 'm (INTEGER)'")));
+              ElementsAre(replaces("defmethod 'm' (INTEGER)")));
   EXPECT_THAT(twice("(defmethod m ((?x INTEGER)) 1)", "(defmethod m ((?x FLOAT)) 2)"), IsEmpty());
   EXPECT_THAT(twice("(deffunction later (?x))", "(deffunction later (?x) 2)"), IsEmpty()) << "a declaration";
   EXPECT_THAT(twice("(defmodule A) (defrule a =>)", "(defmodule B) (defrule a =>)"), IsEmpty());
