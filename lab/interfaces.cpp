@@ -14,11 +14,12 @@ Expected<Interfaces> Interfaces::load(const std::map<std::string, std::string>& 
   Interfaces out;
   const fs::path own = find_share().interfaces;
   if (Status s = out.registry_.add_packages_in(own); !s) return s.error();
-  for (const std::string& name : out.registry_.packages()) out.folders_[name] = own / name;
+  for (const std::string& name : out.registry_.packages()) out.folders_[name] = {own / name};
   for (const auto& [name, folder] : packages) {
     if (!bus::holds_definitions(folder)) continue;
     if (Status s = out.registry_.add_package(name, folder); !s) return s.error();
-    out.folders_[name] = folder;
+    auto& folders = out.folders_[name];
+    folders.insert(folders.begin(), folder);
   }
   return out;
 }
@@ -62,7 +63,10 @@ Status Interfaces::append(const std::string& name, const std::string& indent, st
     status = message.error();
   if (!status) return status;
 
-  auto text = read_file(folders_[name.substr(0, first)] / kind / (name.substr(second + 1) + '.' + kind));
+  fs::path file;
+  for (const fs::path& folder : folders_[name.substr(0, first)])
+    if (file = folder / kind / (name.substr(second + 1) + '.' + kind); is_file(file)) break;
+  auto text = read_file(file);
   if (!text) return text.error();
   if (text->starts_with("\xef\xbb\xbf")) text->erase(0, 3);  // byte order mark
   std::istringstream lines(*text);

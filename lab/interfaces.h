@@ -26,7 +26,8 @@ class Interfaces {
   Status append(const std::string& name, const std::string& indent, std::string& out);
 
   bus::Registry registry_;
-  std::map<std::string, std::filesystem::path> folders_;
+  std::map<std::string, std::vector<std::filesystem::path>>
+      folders_;  // of a package, those that are asked first in front
 };
 
 }  // namespace cxlab::lab

@@ -4,10 +4,13 @@
 #include <set>
 
 #include "cx/base/file.h"
+#include "cx/bus/needed.h"
+#include "cx/executive/own_packages.h"
 #include "cx/network/socket_gateway.h"
 #include "cx/plugins/builtin.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/episode.h"
+#include "scenarios/share.h"
 #include "scenarios/stimuli.h"
 
 namespace cxlab {
@@ -99,6 +102,11 @@ Status Episode::open_files() {
 }
 
 Status Episode::build_bus() {
+  if (is_folder(options_.interfaces)) bus::set_own_definitions(options_.interfaces);
+  bus::forget_not_offered();
+  std::map<std::string, fs::path> own;
+  for (const auto& [name, folder] : own_packages()) own[name] = folder;
+  cx::set_own_packages(std::move(own));
   const bool replays = options_.replay.has_value();
   const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
   if (!replays || is_folder(interfaces))

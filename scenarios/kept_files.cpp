@@ -1,6 +1,7 @@
 #include "scenarios/kept_files.h"
 
 #include "cx/executive/files.h"
+#include "scenarios/share.h"
 
 namespace cxlab {
 
@@ -55,6 +56,10 @@ Status KeptFiles::keep_for_agent(std::size_t agent, const fs::path& config, cons
     in_package = true;
     if (Status s = keep(folder + "packages/" + name + '/' + relative, file); !s) return s;
   }
+  if (!in_package)
+    for (const auto& [name, share] : own_packages())
+      if (const std::string relative = inside(file, share); shares_[agent].contains(name) && !relative.empty())
+        return keep(folder + "packages/" + name + '/' + relative, file);
   return in_package ? Status() : keep(folder + "outside/" + cx::outside_name(file).generic_string(), file);
 }
 

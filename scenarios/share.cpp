@@ -53,11 +53,18 @@ Share find_share() {
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes) {
   std::map<std::string, std::string> packages;
   for (const std::string& prefix : prefixes) {
-    std::error_code error;
-    const fs::path share = fs::absolute(prefix).lexically_normal() / "share";
-    for (const auto& entry : fs::directory_iterator(share, error))
-      if (is_package(entry.path())) packages.emplace(entry.path().filename().string(), entry.path().string());
-    if (error) return input_error("prefix " + prefix + ": cannot read its folder share: " + error.message());
+    std::error_code error, ignored;
+    const fs::path root = fs::absolute(prefix).lexically_normal();
+    const auto add = [&](const fs::path& folder) {
+      if (is_package(folder)) packages.emplace(folder.filename().string(), folder.string());
+      return is_package(folder);
+    };
+    for (const auto& entry : fs::directory_iterator(root / "share", error)) add(entry.path());
+    if (!error) continue;
+    bool found = false;
+    for (const auto& entry : fs::directory_iterator(root, ignored))
+      found = add(entry.path() / "share" / entry.path().filename()) || found;
+    if (!found) return input_error("prefix " + prefix + ": cannot read its folder share: " + error.message());
   }
   return packages;
 }

@@ -130,7 +130,7 @@ std::vector<std::string> MessageType::field_names() const {
 
 struct Registry::State {
   struct Package {
-    fs::path folder;
+    std::vector<fs::path> folders;  ///< those that are asked first in front
     bool read = false;
   };
   std::map<std::string, Package> packages;
@@ -141,6 +141,15 @@ struct Registry::State {
   std::map<std::string, ActionType> actions;
   std::set<fs::path> files;
   std::vector<std::string> reading;  ///< the definitions that are being read, outermost first
+
+  /// The file in the first folder of the package that has it; empty if none has.
+  fs::path file_of(const std::string& package, const std::string& kind, const std::string& name) const {
+    const auto known = packages.find(package);
+    if (known == packages.end()) return {};
+    for (const fs::path& folder : known->second.folders)
+      if (fs::path file = folder / kind / (name + '.' + kind); is_file(file)) return file;
+    return {};
+  }
 
   ~State() {
     while (!owned.empty()) owned.pop_back();
@@ -165,9 +174,12 @@ Status Registry::add_package(const std::string& package, const fs::path& folder)
   if (!holds_definitions(folder))
     return input_error("package '" + package + "': found none of the folders msg, srv, action", folder.string());
   State::Package& known = state_->packages[package];
-  if (known.read && known.folder != folder)
-    return input_error("package '" + package + "' was already read from " + known.folder.string(), folder.string());
-  known.folder = folder;
+  if (!known.folders.empty() && known.folders.front() == folder) return {};
+  if (known.read)
+    return input_error("package '" + package + "' was already read from " + known.folders.front().string(),
+                       folder.string());
+  std::erase(known.folders, folder);
+  known.folders.insert(known.folders.begin(), folder);
   return {};
 }
 
@@ -195,11 +207,14 @@ std::vector<std::string> Registry::interfaces(const std::string& package) const 
   const auto known = state_->packages.find(package);
   if (known == state_->packages.end()) return names;
   for (const Form& form : kForms) {
-    const std::string folder(form.folder);
-    for (const std::string& name : files_in(known->second.folder / folder, "." + folder))
-      names.push_back(package + '/' + folder + '/' + name);
+    const std::string kind(form.folder);
+    for (const fs::path& folder : known->second.folders)
+      for (const std::string& name : files_in(folder / kind, "." + kind))
+        names.push_back(package + '/' + kind + '/' + name);
   }
   std::ranges::sort(names);
+  const auto twice = std::ranges::unique(names);
+  names.erase(twice.begin(), twice.end());
   return names;
 }
 
@@ -210,9 +225,8 @@ Status Registry::read(const std::string& package, const std::string& folder, con
   const auto known = state_->packages.find(package);
   if (known == state_->packages.end())
     return input_error("package '" + package + "' of '" + full + "' is not known" + nearest_is(package, packages()));
-  const fs::path path = known->second.folder / folder / (name + '.' + folder);
-  std::error_code failure;
-  if (!is_identifier(name) || !fs::is_regular_file(path, failure))
+  const fs::path path = is_identifier(name) ? state_->file_of(package, folder, name) : fs::path();
+  if (path.empty())
     return input_error("'" + full + "' is not defined in package '" + package + "'" +
                        nearest_is(full, interfaces(package)));
 
@@ -264,7 +278,7 @@ Status Registry::compile(MessageType& type, const Section& section, const std::s
     if (field.is_message()) {
       const std::string& name = spec.nested_name;
       const bool qualified = name.find('/') != std::string::npos;
-      const bool header = name == "Header" && !path_exists(state_->packages[package].folder / "msg" / "Header.msg");
+      const bool header = name == "Header" && state_->file_of(package, "msg", "Header").empty();
       const auto nested = message(qualified ? name : (header ? "std_msgs" : package) + "/msg/" + name);
       if (!nested) {
         Error error = nested.error();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cx/base/number_text.h"
+#include "cx/bus/needed.h"
 
 namespace cxlab::bus {
 
@@ -199,7 +200,7 @@ std::vector<std::string> TransformBuffer::frames() const {
 
 Expected<std::unique_ptr<TransformListener>> TransformListener::create(
     Bus& bus, ParticipantId participant, std::function<void(const std::string&)> on_refused) {
-  auto type = bus.registry().message(kMessageType);
+  auto type = needed_message(bus.registry(), kMessageType);
   if (!type) return type.error();
   std::unique_ptr<TransformListener> listener(new TransformListener(bus, std::move(on_refused)));
   for (const bool is_static : {false, true}) {
@@ -234,7 +235,7 @@ void TransformListener::take(const Delivery& delivery, bool is_static) {
 }
 
 Expected<TransformBroadcaster> TransformBroadcaster::create(Bus& bus, ParticipantId participant) {
-  auto type = bus.registry().message(kMessageType);
+  auto type = needed_message(bus.registry(), kMessageType);
   if (!type) return type.error();
   TransformBroadcaster out(bus, **type);
   auto tf = bus.advertise(participant, "/tf", **type);

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "cx/base/number_text.h"
+#include "cx/bus/needed.h"
 #include "cx/executive/plugin_library.h"
 #include "cx/executive/strict_cx.h"
 #include "cx/executive/suspect_words.h"
@@ -427,6 +428,7 @@ void EnvironmentManager::publish_line(const std::string& environment, std::strin
                                       std::string_view line) {
   const auto type = bus_.registry().message("cx_msgs/msg/Log");
   if (!type) return fail(type.error());
+  if (!bus::can_offer(bus_.registry(), "topic " + node_name_.expand("~/clips_log"), (*type)->name())) return;
   if (!log_topic_) {
     auto made = bus_.advertise(node_, "~/clips_log", **type);
     if (!made) return fail(made.error());

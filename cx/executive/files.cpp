@@ -2,6 +2,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/remedy.h"
+#include "cx/executive/own_packages.h"
 
 namespace cxlab::cx {
 
@@ -37,7 +38,33 @@ bool below(const fs::path& path, const fs::path& folder, fs::path& relative) {
   return !relative.empty() && !leaves(relative);
 }
 
+std::map<std::string, fs::path>& own_packages() {
+  static std::map<std::string, fs::path> folders;
+  return folders;
+}
+
+/// The folder of the package that comes with cxlab, if another one is used. A replay has copies of all that was read.
+fs::path fallback_of(const std::string& name, const Package& package, const Files::Options& options) {
+  const auto own = own_packages().find(name);
+  const bool none = own == own_packages().end() || own->second == package.folder || !options.outside.empty();
+  return none ? fs::path() : own->second;
+}
+
+/// Whether a file of an install space links to the same file of its source, as `colcon build --symlink-install` makes
+/// them: the package.xml does so, too.
+bool links_to_source(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  fs::path source = fs::canonical(file, error);
+  if (error) return false;
+  const fs::path relative = file.lexically_relative(folder);
+  for (auto part = relative.end(); part != relative.begin(); source = source.parent_path())
+    if (*--part != source.filename()) return false;
+  return fs::equivalent(folder / "package.xml", source / "package.xml", error) && !error;
+}
+
 }  // namespace
+
+void set_own_packages(std::map<std::string, fs::path> folders) { own_packages() = std::move(folders); }
 
 bool really_below(const fs::path& file, const fs::path& folder) {
   std::error_code error;
@@ -93,15 +120,21 @@ std::vector<std::string> Files::packages() const {
 bool Files::find_in(const std::string& package, const fs::path& relative, FoundFile& out) const {
   const fs::path normal = relative.lexically_normal();
   if (leaves(normal)) return false;
-  const fs::path& folder = options_.packages.at(package).folder;
+  const Package& known = options_.packages.at(package);
+  const fs::path fallback = fallback_of(package, known, options_);
   out.logical_name = package + '/' + normal.generic_string();
-  out.path = folder / normal;
-  if (is_file(out.path)) return true;
-  const fs::path installed = fs::path("clips") / package;
   fs::path rest;
-  if (!below(normal, installed, rest)) return false;
-  out.path = folder / "clips" / rest;
-  return is_file(out.path);
+  const bool installed = below(normal, fs::path("clips") / package, rest);
+  for (const fs::path& folder : {known.folder, fallback}) {
+    if (folder.empty()) continue;
+    for (const fs::path& place : {normal, installed ? "clips" / rest : fs::path()})
+      if (!place.empty() && is_file(folder / place)) {
+        out.path = folder / place;
+        return true;
+      }
+  }
+  out.path = known.folder / (installed ? "clips" / rest : normal);
+  return false;
 }
 
 Expected<FoundFile> Files::resolve(const std::string& file, const std::vector<std::string>& packages) const {
@@ -138,9 +171,10 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
   std::vector<Place> places;
   const bool anywhere = !for_rules || options_.trust_rules;
   const auto add = [&](const std::string& package, const fs::path& relative) {
-    const fs::path& share = options_.packages.at(package).folder;
-    if (const fs::path path = share / relative; anywhere || really_below(path, share))
-      places.push_back({path, package / relative});
+    const Package& known = options_.packages.at(package);
+    for (const fs::path& share : {known.folder, fallback_of(package, known, options_)})
+      if (const fs::path path = share / relative; !share.empty() && (anywhere || really_below(path, share)))
+        places.push_back({path, package / relative});
   };
   const fs::path asked = fs::path(folder).lexically_normal();
   if (asked.is_absolute()) {
@@ -154,9 +188,11 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
       return input_error("Cannot resolve folder " + folder + ": " + share.error().message);
     if (!asked.is_absolute() && !leaves(asked)) add(package, asked);
   }
+  bool exists = false;
   for (const Place& place : places) {
     std::error_code error;
     if (!fs::is_directory(place.path, error)) continue;
+    exists = true;
     std::map<std::string, FoundFile> out;
     for (fs::recursive_directory_iterator file(place.path, fs::directory_options::skip_permission_denied, error), end;
          !error && file != end; file.increment(error)) {
@@ -164,8 +200,9 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
       const std::string name = file->path().lexically_relative(place.path).generic_string();
       out[name] = {file->path(), (place.logical_name / name).lexically_normal().generic_string()};
     }
-    return out;
+    if (!out.empty()) return out;  // the folder of a submodule that was not checked out is empty
   }
+  if (exists) return std::map<std::string, FoundFile>();
   std::string message = "Cannot resolve folder " + folder;
   for (std::size_t i = 0; i < packages.size(); ++i)
     message += (i == 0 ? ": not in " : ", ") + options_.packages.at(packages[i]).share;
@@ -217,7 +254,10 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
     for (const auto& [name, package] : options_.packages) {
       fs::path relative;
       if (!below(asked, package.share, relative)) continue;
-      if (!find_in(name, relative, found) || really_below(found.path, package.folder)) return found;
+      const fs::path fallback = fallback_of(name, package, options_);
+      if (!find_in(name, relative, found) || really_below(found.path, package.folder) ||
+          links_to_source(found.path, package.folder) || (!fallback.empty() && really_below(found.path, fallback)))
+        return found;
     }
     // What cxlab records there differs from run to run: folder, command, machine.
     fs::path relative;
@@ -245,6 +285,7 @@ std::string Files::journal_name(const std::string& path) const {
   };
   for (const auto& [name, package] : options_.packages) {
     look_in(package.folder, name);
+    if (const fs::path fallback = fallback_of(name, package, options_); !fallback.empty()) look_in(fallback, name);
     look_in(package.share, name);
   }
   look_in(options_.run_folder, "run");

@@ -1,5 +1,6 @@
 #include "cx/executive/thread_gate.h"
 
+#include "cx/bus/needed.h"
 #include "cx/executive/environment.h"
 
 namespace cxlab::cx {
@@ -19,7 +20,7 @@ ThreadGate::~ThreadGate() { close(); }
 
 Status ThreadGate::open() {
   bus::Bus& bus = environment_.bus();
-  auto type = bus.registry().message("cxlab_msgs/msg/ThreadRequest");
+  auto type = bus::needed_message(bus.registry(), "cxlab_msgs/msg/ThreadRequest");
   if (!type) return type.error();
   type_ = *type;
   auto in = bus.subscribe(environment_.participant(), topic_, *type_, [this](const bus::Delivery& d) { carry_out(d); });

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "cx/bus/needed.h"
 #include "cx/network/network.h"
 #include "cx/network/packet.h"
 
@@ -21,7 +22,7 @@ std::uint16_t port_of_client(std::uint32_t k) { return static_cast<std::uint16_t
 // --- Packets
 
 Expected<const bus::MessageType*> packet_type(bus::Bus& bus) {
-  return bus.registry().message("cxlab_msgs/msg/NetworkPacket");
+  return bus::needed_message(bus.registry(), "cxlab_msgs/msg/NetworkPacket");
 }
 
 bus::SharedMessage to_message(const Packet& packet, const bus::MessageType& type) {

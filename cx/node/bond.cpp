@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cx/bus/needed.h"
+
 namespace cxlab::cx {
 
 std::string_view to_string(Bond::Loss loss) {
@@ -19,7 +21,7 @@ Bond::Bond(bus::Bus& bus, Options options, std::function<void(Loss)> on_broken)
 Expected<std::unique_ptr<Bond>> Bond::create(bus::Bus& bus, bus::ParticipantId node, Options options,
                                              std::function<void(Loss)> on_broken) {
   if (options.period <= SimTime::zero()) return input_error("a bond needs a heartbeat period above 0");
-  auto type = bus.registry().message("bond/msg/Status");
+  auto type = bus::needed_message(bus.registry(), "bond/msg/Status");
   if (!type) return type.error();
   std::unique_ptr<Bond> bond(new Bond(bus, std::move(options), std::move(on_broken)));
   bond->type_ = *type;

@@ -4,6 +4,8 @@
 #include <array>
 #include <memory>
 
+#include "cx/bus/needed.h"
+
 namespace cxlab::cx {
 
 namespace {
@@ -74,6 +76,7 @@ Expected<std::vector<bus::EndpointId>> serve(bus::Bus& bus, bus::ParticipantId n
   for (ServiceOfNode& service : services) {
     auto type = bus.registry().service(service.type);
     if (!type) return type.error();
+    if (!bus::can_offer(bus.registry(), "service " + bus.name_of(node).expand(service.name), service.type)) continue;
     const auto endpoint = std::make_shared<bus::EndpointId>();
     auto made = bus.serve(node, service.name, **type,
                           [&bus, endpoint, type = *type, answer = std::move(service.answer)](const bus::Delivery& d) {
@@ -98,10 +101,12 @@ Status Lifecycle::serve() {
   };
   auto event = bus_.registry().message("lifecycle_msgs/msg/TransitionEvent");
   if (!event) return event.error();
-  event_ = *event;
-  auto events = bus_.advertise(node_, "~/transition_event", *event_);
-  if (!events) return events.error();
-  events_ = *events;
+  if (bus::can_offer(bus_.registry(), "topic " + bus_.name_of(node_).expand("~/transition_event"), (*event)->name())) {
+    event_ = *event;
+    auto events = bus_.advertise(node_, "~/transition_event", *event_);
+    if (!events) return events.error();
+    events_ = *events;
+  }
   auto services =
       cx::serve(bus_, node_,
                 {{"~/change_state", "lifecycle_msgs/srv/ChangeState",

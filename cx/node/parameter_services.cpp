@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cx/base/number_text.h"
+#include "cx/bus/needed.h"
 #include "cx/node/lifecycle.h"
 
 namespace cxlab::cx {
@@ -91,6 +92,7 @@ class Server {
   Status open(bus::ParticipantId node) {
     auto type = bus_.registry().message("rcl_interfaces/msg/ParameterEvent");
     if (!type) return type.error();
+    if (!bus::can_offer(bus_.registry(), "topic /parameter_events", (*type)->name())) return {};
     event_ = *type;
     auto events = bus_.advertise(node, "/parameter_events", *event_);
     if (!events) return events.error();
@@ -196,19 +198,24 @@ class Server {
       value->at_run_time = true;
       changes.emplace_back(name, *std::move(value));
     }
+    publish(changes);
+    for (auto& [name, value] : changes) parameters_.put(name, std::move(value));
+    return {};
+  }
+
+  void publish(const std::vector<std::pair<std::string, Parameter>>& changes) {
+    if (!event_) return;
     auto message = std::make_shared<bus::Message>(*event_);
     const bus::MessageView event = message->view();
     const auto now = bus_.now().count();
     event.nested("stamp").set("sec", now / 1'000'000'000).set("nanosec", now % 1'000'000'000);
     event.set("node", node_);
-    for (auto& [name, value] : changes) {
+    for (const auto& [name, value] : changes) {
       const bus::MessageView told = event.append("changed_parameters");
       told.set("name", name);
       put_parameter(value, told.nested("value"));
-      parameters_.put(name, std::move(value));
     }
     bus_.publish(events_, std::move(message));
-    return {};
   }
 
   bus::Bus& bus_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cx/bus/needed.h"
 #include "cx/node/parameter_services.h"
 
 namespace cxlab::planner {
@@ -75,7 +76,7 @@ Status PddlManager::act_on(cx::Transition transition) {
 
 Status PddlManager::configure() {
   const auto advertise = [&](Topic& topic, const char* name, const char* type) -> Status {
-    auto found = bus_.registry().message(type);
+    auto found = bus::needed_message(bus_.registry(), type);
     if (!found) return found.error();
     auto made = bus_.advertise(node_, name, **found);
     if (!made) return made.error();
@@ -91,6 +92,8 @@ Status PddlManager::configure() {
   for (std::size_t i = 0; i < dialects_.size(); ++i) {
     auto type = bus_.registry().action(dialects_[i].package + "/action/PlanTemporal");
     if (!type) return type.error();
+    if (!bus::can_offer(bus_.registry(), "action " + bus_.name_of(node_).expand("~/temp_plan"), (*type)->name))
+      continue;
     dialects_[i].plan_type = *type;
     auto made = bus_.serve_action(node_, "~/temp_plan", **type,
                                   {[this, i](const bus::Delivery& goal) { on_goal(i, goal); },

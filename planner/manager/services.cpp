@@ -5,6 +5,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/remedy.h"
+#include "cx/bus/needed.h"
 #include "cx/template/template.h"
 #include "planner/manager/manager.h"
 #include "planner/pddl/parser.h"
@@ -444,6 +445,7 @@ Status PddlManager::serve_questions() {
     auto found = bus_.registry().service(package + "/srv/" + row.type);
     if (!found) return found.error();
     const std::string name = std::string("~/") + row.name;
+    if (!bus::can_offer(bus_.registry(), "service " + bus_.name_of(node_).expand(name), (*found)->name)) return {};
     bus_.allow_types(node_, name);
     const auto endpoint = std::make_shared<bus::EndpointId>();
     auto made = bus_.serve(node_, name, **found,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cx/bus/needed.h"
 #include "scenarios/rcll/layout.h"
 
 namespace cxlab::rcll {
@@ -76,7 +77,7 @@ Status Factory::join() {
 }
 
 Status Factory::serve_state() {
-  auto type = bus_.registry().service(std::string(kInterfaces) + "srv/SetGameState");
+  auto type = bus::needed_service(bus_.registry(), std::string(kInterfaces) + "srv/SetGameState");
   if (!type) return type.error();
   state_type_ = *type;
   bus::NodeName name;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "cx/bus/needed.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/storage_station.h"
 
@@ -58,7 +59,7 @@ TeamChannel::TeamChannel(Team team, Information information, sim::World& world, 
 
 Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
   const std::string package(kInterfaces);
-  auto action = bus_.registry().action(package + "action/InstructMachine");
+  auto action = bus::needed_action(bus_.registry(), package + "action/InstructMachine");
   if (!action) return action.error();
   action_ = *action;
   auto server =
@@ -67,7 +68,7 @@ Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
   if (!server) return server.error();
   server_ = *server;
   const auto hear = [&](const char* topic, const char* type, auto take) -> Status {
-    auto known = bus_.registry().message(package + "msg/" + type);
+    auto known = bus::needed_message(bus_.registry(), package + "msg/" + type);
     if (!known) return known.error();
     auto heard =
         bus_.subscribe(node, prefix + topic, **known, [this, take](const bus::Delivery& d) { (this->*take)(d); });

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "cx/bus/needed.h"
+
 namespace cxlab::rcll {
 
 bool Rate::due(SimTime now) {
@@ -12,7 +14,7 @@ bool Rate::due(SimTime now) {
 
 Status PeriodicTopic::open(bus::Bus& bus, bus::ParticipantId node, std::string_view name, std::string_view type,
                            SimTime period) {
-  auto message = bus.registry().message(std::string(kInterfaces) + "msg/" + std::string(type));
+  auto message = bus::needed_message(bus.registry(), std::string(kInterfaces) + "msg/" + std::string(type));
   if (!message) return message.error();
   type_ = *message;
   rate_.period = period;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "cx/bus/needed.h"
 #include "cx/node/parameter_services.h"
 
 namespace cxlab::turtlesim {
@@ -24,14 +25,14 @@ std::string formatted(const char* format, auto... values) {
 
 Status TurtlesimNode::Types::find(bus::Registry& registry) {
   const auto message = [&](const char* name, const bus::MessageType*& type) {
-    auto found = registry.message(name);
+    auto found = bus::needed_message(registry, name);
     if (found) type = *found;
     return found ? Status() : Status(found.error());
   };
   if (Status s = message("turtlesim/msg/Pose", pose); !s) return s;
   if (Status s = message("turtlesim/msg/Color", colour); !s) return s;
   if (Status s = message("geometry_msgs/msg/Twist", twist); !s) return s;
-  auto action = registry.action("turtlesim/action/RotateAbsolute");
+  auto action = bus::needed_action(registry, "turtlesim/action/RotateAbsolute");
   if (!action) return action.error();
   rotate = *action;
   const bus::MessageType* vector = nullptr;
@@ -92,6 +93,7 @@ Status TurtlesimNode::start() {
 Status TurtlesimNode::serve(std::string_view service, const std::string& type, Handler handler) {
   auto found = bus_.registry().service(type);
   if (!found) return found.error();
+  if (!bus::can_offer(bus_.registry(), "service " + bus_.name_of(*self_).expand(service), type)) return {};
   auto made = bus_.serve(*self_, service, **found,
                          [this, handler](const bus::Delivery& request) { (this->*handler)(request); });
   return made ? Status() : Status(made.error());

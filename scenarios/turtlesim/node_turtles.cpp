@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "cx/bus/needed.h"
+
 #include "scenarios/turtlesim/node.h"
 
 namespace cxlab::turtlesim {
@@ -22,6 +24,7 @@ bool all_finite(std::initializer_list<double> values) {
 Status TurtlesimNode::serve(Turtle& turtle, std::string_view service, const std::string& type, TurtleHandler handler) {
   auto found = bus_.registry().service(type);
   if (!found) return found.error();
+  if (!bus::can_offer(bus_.registry(), "service " + bus_.name_of(*self_).expand(service), type)) return {};
   auto made = bus_.serve(*self_, service, **found,
                          [this, &turtle, handler](const bus::Delivery& request) { (this->*handler)(turtle, request); });
   if (!made) return made.error();
@@ -124,7 +127,7 @@ void TurtlesimNode::on_spawn(const bus::Delivery& request) {
     say(cx::LogLevel::kError, problem);
     name.clear();
   }
-  auto service = bus_.registry().service("turtlesim/srv/Spawn");
+  auto service = bus::needed_service(bus_.registry(), "turtlesim/srv/Spawn");
   bus::Message response(*(*service)->response);
   response.view().set("name", name);
   bus_.respond(request.endpoint, request, shared(std::move(response)));

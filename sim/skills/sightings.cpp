@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cx/bus/needed.h"
 #include "sim/skills/explore.h"
 
 namespace cxlab::sim {
@@ -15,7 +16,7 @@ constexpr SimTime kLookPeriod{200'000'000}, kPostPeriod{5'000'000'000};
 Expected<std::unique_ptr<Sightings>> Sightings::create(const WorldView& world, const SkillServer::Places& zones,
                                                        std::span<const bus::ParticipantId> robots, bus::Bus& bus,
                                                        SimTime until) {
-  auto type = bus.registry().message("cxlab_skills/msg/Sightings");
+  auto type = bus::needed_message(bus.registry(), "cxlab_skills/msg/Sightings");
   if (!type) return type.error();
   std::unique_ptr<Sightings> sightings(new Sightings(world, bus, until));
   sightings->type_ = *type;

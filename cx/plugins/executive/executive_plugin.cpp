@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "cx/bus/needed.h"
 #include "cx/node/lifecycle.h"
 #include "cx/plugins/builtin.h"
 
@@ -158,7 +159,7 @@ class ExecutivePlugin final : public Plugin {
 
   Status advertise_refresh() {
     const bool next = context().run.next;
-    auto type = context().bus.registry().message(next ? "std_msgs/msg/Int64" : "std_msgs/msg/Empty");
+    auto type = bus::needed_message(context().bus.registry(), next ? "std_msgs/msg/Int64" : "std_msgs/msg/Empty");
     if (!type) return type.error();
     auto publisher = context().bus.advertise(context().node,
                                              next ? topic("refresh_agenda") : "clips_executive/refresh_agenda", **type);

@@ -2,6 +2,8 @@
 
 #include "cx/plugins/ros_msgs/connection.h"
 
+#include "cx/bus/needed.h"
+
 namespace cxlab::cx {
 
 const char* status_word(bus::GoalStatus status) {
@@ -28,7 +30,7 @@ void BusConnection::add_action_clients(const bus::ActionType* bound) {
         const auto* type = bound ? bound : known(call, bus_.registry().action(std::string(call.text(1))));
         if (!type) return;
         // Answers to cancels are messages, too: their type must be there before the first one comes.
-        if (!bound && !known(call, bus_.registry().message("action_msgs/srv/CancelGoal_Response"))) return;
+        if (!bound && !known(call, bus::needed_message(bus_.registry(), "action_msgs/srv/CancelGoal_Response"))) return;
         const auto make = [&](const std::string& name) {
           return bus_.create_action_client(environment_.participant(), name, *type,
                                            {[this, name](const bus::Delivery& d) { take_goal_response(name, d); },

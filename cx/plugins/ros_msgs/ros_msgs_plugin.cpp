@@ -1,3 +1,4 @@
+#include "cx/bus/needed.h"
 #include "cx/plugins/builtin.h"
 #include "cx/plugins/ros_msgs/connection.h"
 
@@ -83,7 +84,8 @@ void RosInterface::set_field(Call& call) {
 }
 
 void RosInterface::on_cancel_response(const std::string& server, const bus::Delivery& delivery) {
-  const Handle response = store_.create(**bus_.registry().message("action_msgs/srv/CancelGoal_Response"), owner_);
+  const Handle response =
+      store_.create(**bus::needed_message(bus_.registry(), "action_msgs/srv/CancelGoal_Response"), owner_);
   const bus::MessageView view = store_.writable(response);
   view.set("return_code", static_cast<std::int64_t>(delivery.return_code));
   for (const auto& [id, stamp] : delivery.goals_canceling) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cx/bus/names.h"
+#include "cx/bus/needed.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/topic.h"
 #include "scenarios/rcll/world.h"
@@ -66,7 +67,7 @@ Expected<std::unique_ptr<LeagueClient>> LeagueClient::make(const LeagueClientCon
 }
 
 Status LeagueClient::advertise(const char* topic, const char* message) {
-  auto type = bus_.registry().message(std::string(kInterfaces) + "msg/" + message);
+  auto type = bus::needed_message(bus_.registry(), std::string(kInterfaces) + "msg/" + message);
   if (!type) return type.error();
   auto made = bus_.advertise(node_, topic, **type);
   if (!made) return made.error();
@@ -98,14 +99,14 @@ Status LeagueClient::open() {
                                        {"machine_report_info", "MachineReportInfo"}})
     if (Status s = advertise(topic, message); !s) return s;
   const auto hear = [this](const char* topic, const char* message, auto handler) -> Status {
-    auto type = bus_.registry().message(std::string(kInterfaces) + "msg/" + message);
+    auto type = bus::needed_message(bus_.registry(), std::string(kInterfaces) + "msg/" + message);
     if (!type) return type.error();
     auto made = bus_.subscribe(node_, topic, **type, [this, handler](const bus::Delivery& d) { (this->*handler)(d); });
     return made ? Status() : Status(made.error());
   };
   if (Status s = hear("machine_report", "MachineReport", &LeagueClient::take_report); !s) return s;
   if (Status s = hear("set_robot_maintenance", "SetRobotMaintenance", &LeagueClient::take_maintenance); !s) return s;
-  auto action = bus_.registry().action(std::string(kInterfaces) + "action/InstructMachine");
+  auto action = bus::needed_action(bus_.registry(), std::string(kInterfaces) + "action/InstructMachine");
   if (!action) return action.error();
   instruct_ = *action;
   auto server = bus_.serve_action(node_, "factory/instruct_machine", *instruct_,
@@ -135,7 +136,7 @@ Status LeagueClient::open(Robot& robot) {
                                     {"transport", "Transport"},
                                     {"explore", "Explore"},
                                     {"discard", "Discard"}}) {
-    auto known = bus_.registry().action(std::string("cxlab_skills/action/") + type);
+    auto known = bus::needed_action(bus_.registry(), std::string("cxlab_skills/action/") + type);
     if (!known) return known.error();
     Skill& made = robot.skills[skill];
     made = {skill, *known, {}};
@@ -145,7 +146,7 @@ Status LeagueClient::open(Robot& robot) {
     if (!server) return server.error();
     made.server = *server;
   }
-  auto type = bus_.registry().message("cxlab_skills/msg/Sightings");
+  auto type = bus::needed_message(bus_.registry(), "cxlab_skills/msg/Sightings");
   if (!type) return type.error();
   auto sightings = bus_.advertise(node_, name + "sightings", **type);
   if (!sightings) return sightings.error();
@@ -410,7 +411,7 @@ void LeagueClient::take_robot(Robot& robot, google::protobuf::Message& message) 
     robot.beacon = copy();
   } else if (type == "MachineReport") {
     robot.seen = copy();
-    auto known = bus_.registry().message("cxlab_skills/msg/Sightings");
+    auto known = bus::needed_message(bus_.registry(), "cxlab_skills/msg/Sightings");
     bus::Message sightings(**known);
     Fields report(message);
     for (int i = 0; i < report.size("machines"); ++i) {

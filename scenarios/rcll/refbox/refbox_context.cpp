@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cx/bus/needed.h"
 #include "cx/network/host.h"
 #include "scenarios/rcll/topic.h"
 
@@ -70,7 +71,7 @@ pb::MessagePtr RefboxContext::robots(bool poses) const {
 }
 
 Expected<const bus::MessageType*> RefboxContext::interface(std::string_view type) const {
-  return bus.registry().message(std::string(kInterfaces) + "msg/" + std::string(type));
+  return bus::needed_message(bus.registry(), std::string(kInterfaces) + "msg/" + std::string(type));
 }
 
 Status RefboxContext::hear(const std::string& topic, std::string_view type, Heard& heard) {

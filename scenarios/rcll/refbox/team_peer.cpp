@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "cx/bus/needed.h"
 #include "scenarios/rcll/team_channel.h"
 #include "scenarios/rcll/topic.h"
 
@@ -27,7 +28,7 @@ Status TeamPeer::open() {
   report_rate_ = {kReportPeriod, context_.now};
   if (Status s = context_.hear(prefix + "/machine_info", "MachineInfo", machines_); !s) return s;
   if (Status s = context_.hear(prefix + "/machine_report_info", "MachineReportInfo", reports_); !s) return s;
-  auto action = context_.bus.registry().action(std::string(kInterfaces) + "action/InstructMachine");
+  auto action = bus::needed_action(context_.bus.registry(), std::string(kInterfaces) + "action/InstructMachine");
   if (!action) return action.error();
   action_ = *action;
   auto client = context_.bus.create_action_client(context_.node, prefix + "/factory/instruct_machine", *action_,
