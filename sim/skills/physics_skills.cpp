@@ -72,6 +72,7 @@ void PhysicsSkills::begin(const SkillGoal& goal, SimTime now) {
   cancelled_ = false;
   failure_ = SkillCode::kNone;
   started_ = now;
+  waited_ = SimTime::zero();
   tries_ = 0;
   piece_.reset();
   spot_ = nullptr;
@@ -181,10 +182,12 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
   state_ = world_.robot(robot_);
   traffic_.observe(robot_, state_.pose_in_world, now);
   if (!active_) return std::nullopt;
-  if (now - started_ > kSkillTimeout && phase_ != SkillPhase::kStop) return end(SkillCode::kUnableToMove, now);
+  if (now - started_ > kSkillTimeout + waited_ && phase_ != SkillPhase::kStop)
+    return end(SkillCode::kUnableToMove, now);
   switch (phase_) {
     case SkillPhase::kWait:
     case SkillPhase::kDrive: return sense_drive(now);
+    case SkillPhase::kLook: return goal_.kind == SkillKind::kPick && !piece_ ? sense_drive(now) : sense_work(now);
     case SkillPhase::kStop: {
       const bool stands = !traffic_.moving(robot_) && speed_of(state_) < kStill;
       const bool home = state_.gripper.x() < kWithinHull;
@@ -199,7 +202,13 @@ std::optional<SkillResult> PhysicsSkills::sense(SimTime now) {
 std::optional<SkillResult> PhysicsSkills::sense_drive(SimTime now) {
   if (traffic_.arrived(robot_)) {
     if (goal_.kind != SkillKind::kDriveTo && goal_.kind != SkillKind::kExplore) {
-      if (const auto code = obstacle()) return end(*code, now);
+      const auto code = obstacle();
+      if (code == SkillCode::kNoWorkpiece && waited_ < goal_.wait) {
+        if (phase_ != SkillPhase::kLook) enter(SkillPhase::kLook, now);
+        waited_ = now - entered_;
+        return std::nullopt;
+      }
+      if (code) return end(*code, now);
       if (goal_.kind == SkillKind::kPick) {
         piece_ = world_.at(*goal_.spot)->id;
       } else {

@@ -74,6 +74,7 @@ class PhysicsSkills final : public RobotSkills {
   SkillCode failure_ = SkillCode::kNone;  ///< the result, once the robot has backed off
   SkillPhase phase_ = SkillPhase::kDrive;
   SimTime started_{}, entered_{};
+  SimTime waited_{};  ///< for the piece
   int tries_ = 0;
   std::optional<PieceId> piece_;        ///< in hand, or wanted
   Vec3 carried_offset_ = Vec3::Zero();  ///< of the held piece's underside from the gripper, in the robot's frame

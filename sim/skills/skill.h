@@ -45,7 +45,8 @@ enum class SkillPhase : std::uint8_t {
   kWait,  ///< others are in the way
   kDrive,
   kAlign,     ///< 0.5 m from the face, in line with the spot
-  kLook,      ///< stands there until the camera has found the spot, or read the markers in a zone
+  kLook,      ///< stands there until the camera has found the spot, or read the markers in a zone, or until a
+              ///< piece comes that it waits for
   kApproach,  ///< base to the working distance, gripper forward
   kLower,
   kGrip,
@@ -65,6 +66,7 @@ struct SkillGoal {
   Pose2 pose;                  ///< where to stand; of a discard without a target: where the robot stands; of
                                ///< explore: the middle of the zone
   std::optional<SpotId> to{};  ///< transport, whose `spot` and `pose` say where from
+  SimTime wait{};              ///< pick: how long it stands there until a piece lies at the spot
 };
 
 /// The parts of a transport.
@@ -86,6 +88,10 @@ inline constexpr SimTime kDriveTimeout{95'000'000'000};
 inline constexpr SimTime kSkillTimeout{115'000'000'000};
 /// A transport finds its spots while it drives the last metre.
 inline constexpr double kLookAhead = 1.0;
+/// The longest that a pick waits for its piece; that time is added to `kSkillTimeout`.
+inline constexpr SimTime kLongestWait{60'000'000'000};
+/// How often it looks meanwhile.
+inline constexpr SimTime kWaitPeriod{200'000'000};
 /// How long an explore looks.
 inline constexpr SimTime kExploreTime{2'000'000'000};
 

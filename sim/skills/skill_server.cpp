@@ -4,6 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "cx/base/number_text.h"
+#include "cx/bus/needed.h"
+
 namespace cxlab::sim {
 
 SkillServer::SkillServer(RobotId robot, const FloorPlan& plan, const Places& places, RobotSkills& skills, bus::Bus& bus,
@@ -28,7 +31,7 @@ Expected<std::unique_ptr<SkillServer>> SkillServer::create(RobotId robot, const 
 }
 
 Status SkillServer::open(const SkillWord& skill) {
-  auto known = bus_.registry().action(std::string(skill.type));
+  auto known = bus::needed_action(bus_.registry(), std::string(skill.type));
   if (!known) return known.error();
   Action& action = actions_.emplace_back();
   action.kind = skill.kind;
@@ -91,6 +94,12 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
   }
   if (goal.spot = plan_.find_spot(goal.target); goal.spot) {
     goal.pose = plan_.spot(*goal.spot).align_in_world;
+    if (const bus::Field* wait = message.type().find("wait_s"); wait && action.kind == SkillKind::kPick) {
+      const double seconds = message.real(*wait), longest = to_seconds(kLongestWait);
+      if (!(seconds >= 0 && seconds <= longest))
+        return input_error("wait_s: found " + shortest_text(seconds) + ", expected 0 to " + shortest_text(longest));
+      goal.wait = from_seconds(seconds);
+    }
     return goal;
   }
   const bool by_place = action.kind == SkillKind::kDriveTo || action.kind == SkillKind::kDiscard;

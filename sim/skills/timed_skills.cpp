@@ -130,6 +130,13 @@ SimTime TimedSkills::drawn_duration(SimTime now) {
   return from_seconds(std::max(config_.shortest_s, duration));
 }
 
+std::optional<SkillResult> TimedSkills::begin_handling(SimTime now) {
+  if (const auto code = obstacle()) return end(*code, now);
+  phase_ = SkillPhase::kHandle;
+  due_ = now + drawn_duration(now);
+  return std::nullopt;
+}
+
 SkillCode TimedSkills::handle() {
   if (const auto code = obstacle()) return *code;
   if (goal_.kind == SkillKind::kDiscard) {
@@ -160,6 +167,13 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
     active_ = false;
     return SkillResult::cancel();
   }
+  if (phase_ == SkillPhase::kLook && goal_.kind == SkillKind::kPick) {
+    if (obstacle() == SkillCode::kNoWorkpiece && now < wait_until_) {
+      due_ = std::min(wait_until_, now + kWaitPeriod);
+      return std::nullopt;
+    }
+    return begin_handling(now);
+  }
   if (phase_ == SkillPhase::kLook) {
     if (now < due_) return std::nullopt;
     SkillResult result = end(SkillCode::kNone, now);
@@ -182,10 +196,13 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
       due_ = now + kExploreTime;
       return std::nullopt;
     }
-    if (const auto code = obstacle()) return end(*code, now);
-    phase_ = SkillPhase::kHandle;
-    due_ = now + drawn_duration(now);
-    return std::nullopt;
+    if (goal_.wait > SimTime::zero() && obstacle() == SkillCode::kNoWorkpiece) {
+      phase_ = SkillPhase::kLook;
+      wait_until_ = now + goal_.wait;
+      due_ = now + kWaitPeriod;
+      return std::nullopt;
+    }
+    return begin_handling(now);
   }
   if (traffic_.unreachable(robot_)) return end(SkillCode::kNoPath, now);
   if (now >= due_) return end(SkillCode::kUnableToMove, now);

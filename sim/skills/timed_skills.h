@@ -35,6 +35,8 @@ class TimedSkills final : public RobotSkills {
   std::optional<SkillCode> obstacle() const;
   void begin(const SkillGoal& goal, SimTime now);
   SimTime drawn_duration(SimTime now);
+  /// It stands before the spot: what hinders it ends it.
+  std::optional<SkillResult> begin_handling(SimTime now);
   SkillCode handle();
 
   RobotId robot_;
@@ -49,6 +51,7 @@ class TimedSkills final : public RobotSkills {
   std::optional<SkillGoal> next_;  ///< the second part of a transport
   bool blended_ = false;           ///< a part of a transport
   SimTime begun_{};
+  SimTime wait_until_{};      ///< for the piece
   Vec2 zone_ = Vec2::Zero();  ///< that is explored
   bool active_ = false;
   SkillPhase phase_ = SkillPhase::kDrive;

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cctype>
 
+#include "cx/bus/needed.h"
+
 namespace cxlab::rcll {
 
 namespace {
 
 constexpr std::size_t kFinishedTold = 10;
+constexpr double kWaitAtBelt = 30;  // s; as long as the robots of the league's simulation
 
 // Codes of AgentTask.
 constexpr std::int64_t kWrongTeam = 101, kWrongRobot = 102, kInvalidTarget = 103, kNotSupported = 104,
@@ -49,7 +52,7 @@ Status RobotPeer::open() {
                                    {"place", "Place"},
                                    {"transport", "Transport"},
                                    {"explore", "Explore"}}) {
-    auto known = context_.bus.registry().action(std::string("cxlab_skills/action/") + type);
+    auto known = bus::needed_action(context_.bus.registry(), std::string("cxlab_skills/action/") + type);
     if (!known) return known.error();
     auto client =
         context_.bus.create_action_client(context_.node, "/" + identity_.name + "/" + name, **known,
@@ -60,7 +63,7 @@ Status RobotPeer::open() {
     if (!client) return client.error();
     actions_[name] = {*known, *client};
   }
-  auto type = context_.bus.registry().message("cxlab_skills/msg/Sightings");
+  auto type = bus::needed_message(context_.bus.registry(), "cxlab_skills/msg/Sightings");
   if (!type) return type.error();
   auto heard = context_.bus.subscribe(context_.node, "/" + identity_.name + "/sightings", **type,
                                       [this](const bus::Delivery& d) { take_sightings(d); });
@@ -136,8 +139,10 @@ RobotPeer::Plan RobotPeer::plan_of(const Fields& task) const {
   } else if (task.has("retrieve") || task.has("deliver")) {
     const bool retrieve = task.has("retrieve");
     const Fields at = task.part(retrieve ? "retrieve" : "deliver");
-    for (const std::string& spot : spots_of(upper(at.text("machine_id")), at.text("machine_point")))
-      plan.steps.push_back({retrieve ? "pick" : "place", {{"target", spot}}, true});
+    const std::vector<std::string> spots = spots_of(upper(at.text("machine_id")), at.text("machine_point"));
+    const bool belt = spots.front().ends_with("-INPUT") || spots.front().ends_with("-OUTPUT");
+    for (const std::string& spot : spots)
+      plan.steps.push_back({retrieve ? "pick" : "place", {{"target", spot}}, true, retrieve && belt ? kWaitAtBelt : 0});
     plan.steps.back().or_next = false;
   } else if (task.has("buffer")) {
     const std::string machine = upper(task.part("buffer").text("machine_id"));
@@ -169,6 +174,7 @@ void RobotPeer::next_step() {
   const Action& action = actions_.at(step.action);
   bus::Message goal(*action.type->goal);
   for (const auto& [field, value] : step.fields) goal->set(field, value);
+  if (step.wait_s > 0 && action.type->goal->find("wait_s")) goal->set("wait_s", step.wait_s);
   goal_ = context_.bus.send_goal(action.client, std::make_shared<bus::Message>(std::move(goal)));
 }
 

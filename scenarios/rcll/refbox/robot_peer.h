@@ -56,6 +56,7 @@ class RobotPeer {
     std::string_view action;
     std::vector<std::pair<std::string_view, std::string>> fields;
     bool or_next = false;  ///< if nothing lies there the next step is tried
+    double wait_s = 0;     ///< of a pick: how long it waits for the piece
   };
   struct Action {
     const bus::ActionType* type = nullptr;

@@ -128,6 +128,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
     } else {
       message->view().set("target", target);
     }
+    if (kind == SkillKind::kPick) message->view().set("wait_s", wait_s);
     if (kind == SkillKind::kDriveTo)
       message->view().nested("pose").set("x", pose.x).set("y", pose.y).set("theta", pose.yaw);
     const bus::GoalId goal = bus.send_goal(last_client, std::move(message));
@@ -171,6 +172,7 @@ class Skills : public ::testing::TestWithParam<Tier> {
     return !h.ended;
   }
 
+  double wait_s = 0;                     ///< of picks
   TimedSkillsConfig config;              ///< of the timed tier
   std::optional<double> jammed_fingers;  ///< physics: robot1's fingers stay there whatever the skill commands
   std::optional<Vec3> jammed_arm;        ///< physics: so does its gripper
@@ -870,6 +872,61 @@ TEST_P(Skills, WhatCannotBeDoneEndsOnArrival) {
   const Heard& place = send("robot1", SkillKind::kPlace, "C-BS-OUTPUT");
   EXPECT_LT(finish(place), 3);
   EXPECT_EQ(place.code, 209);
+}
+
+TEST_P(Skills, APickWaitsForItsPiece) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+  wait_s = 30;
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  wait(28);
+  ASSERT_FALSE(pick.ended);
+  EXPECT_EQ(pick.phases.back(), "look");
+  EXPECT_NEAR(robot1().pose_in_world.y, world->plan().spot(spot("C-BS-OUTPUT")).align_in_world.y, 0.03);
+  base_at("C-BS-OUTPUT");
+  EXPECT_LT(finish(pick), 30);
+  EXPECT_EQ(pick.code, 0) << pick.error;
+  EXPECT_TRUE(robot1().held);
+}
+
+TEST_P(Skills, APickWaitsAsLongAsItMayAndNoLonger) {
+  for (const double longest : {5.0, 30.0}) {
+    ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+    wait_s = longest;
+    const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+    EXPECT_NEAR(finish(pick), longest, 1);
+    EXPECT_EQ(pick.code, 202);
+  }
+}
+
+TEST_P(Skills, AWaitEndsWhenItIsCancelledAndBeginsAnewWithTheNextGoal) {
+  ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+  wait_s = 20;
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  wait(15);
+  bus.cancel_goal(last_client, pick.goal);
+  EXPECT_LT(finish(pick), 3);
+  EXPECT_EQ(pick.status, bus::GoalStatus::kCanceled);
+  const Heard& again = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  EXPECT_GT(finish(again), 19);
+  EXPECT_EQ(again.code, 202);
+}
+
+TEST_P(Skills, NothingIsWaitedForWithAFullGripper) {
+  base_at("C-BS-OUTPUT");
+  ASSERT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 0);
+  wait_s = 30;
+  const Heard& pick = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+  EXPECT_LT(finish(pick), 3);
+  EXPECT_EQ(pick.code, 207);
+}
+
+TEST_P(Skills, TheWaitOfAPickIsATime) {
+  for (const double wrong : {-1.0, 60.1, std::numeric_limits<double>::quiet_NaN()}) {
+    wait_s = wrong;
+    const Heard& pick = done("robot1", SkillKind::kPick, "C-BS-OUTPUT");
+    EXPECT_EQ(pick.code, 103);
+    EXPECT_TRUE(pick.error.starts_with("wait_s: found ")) << pick.error;
+  }
 }
 
 TEST_P(Skills, APoseMustBeFinite) {
