@@ -2,7 +2,37 @@
 
 #include <algorithm>
 
+#include "cx/bus/needed.h"
+
 namespace cxlab {
+
+namespace {
+
+/// Deactivates the agents. What goes wrong then in a run that went well is told as a warning, because its game was
+/// played; findings of --strict-cx count as before.
+std::vector<std::string> shut_down(std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents, bool strict,
+                                   std::optional<Error>& failure, std::vector<std::size_t>& load_errors) {
+  std::vector<std::string> warnings;
+  const bool went_well = !failure;
+  const auto warn = [&](const Error& error) {
+    const std::string text = "while the agent shut down: " + error.text();
+    if (std::ranges::find(warnings, text) == warnings.end()) warnings.push_back(text);
+  };
+  for (auto& agent : agents) {
+    const std::size_t before = agent->load_errors().size();
+    const Status ended = agent->deactivate();
+    const std::vector<Error>& all = agent->load_errors();
+    // Rules that a signal has stopped have no hashes: that stays an end of its own.
+    const bool forgiven = went_well && (ended || ended.error().code != kStoppedCode);
+    if (!ended && forgiven) warn(ended.error());
+    if (!ended && !forgiven && !failure) failure = ended.error();
+    load_errors.push_back(forgiven && !strict ? before : all.size());
+    for (std::size_t i = load_errors.back(); i < all.size(); ++i) warn(all[i]);
+  }
+  return warnings;
+}
+
+}  // namespace
 
 Episode::Episode(Scenario scenario, EpisodeOptions options)
     : scenario_(std::move(scenario)), options_(std::move(options)), limits_(options_.limits) {}
@@ -17,6 +47,9 @@ Status Episode::start() {
   for (std::size_t i = 0; i < agents_.size(); ++i)
     if (starts(i))
       if (Status s = agents_[i]->activate(); !s) return s;
+  if (options_.log && !options_.replay)
+    for (const std::string& text : bus::not_offered())
+      options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
   return write_out();
 }
 
@@ -47,17 +80,23 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   if (scenario_.stop_on_rule_error)
     for (auto& agent : agents_)
       if (agent->gave_up()) note(*agent->gave_up());
-  for (auto& agent : agents_) note(agent->deactivate());
+  // A node beside the world may say that the run has failed; before the agents go, who would answer it.
+  if (const Result so_far = result(); so_far.reason && status != RunStatus::kInterrupted && !failure)
+    failure = so_far.reason;
+  std::vector<std::size_t> load_errors;  // by agent: how many count
+  const std::vector<std::string> at_the_end = shut_down(agents_, options_.strict, failure, load_errors);
   const bool stopped = failure && failure->code == kStoppedCode;  // amid a tick: its inputs are not whole
   if (!stopped) note(write_out());
-  for (auto& agent : agents_) {
-    note(agent->flush_logs());
-    if (!agent->load_errors().empty()) note(agent->load_errors().front());
+  for (std::size_t i = 0; i < agents_.size(); ++i) {
+    note(agents_[i]->flush_logs());
+    if (load_errors[i] > 0) note(agents_[i]->load_errors().front());
   }
   note(files_->keep_interfaces(registry_));
   note(inputs_->close());
   note(journal_.close());
   Result out = result();
+  for (const auto& more : {bus::not_offered(), at_the_end})
+    out.warnings.insert(out.warnings.end(), more.begin(), more.end());
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;
   if (failure && failure->code == kStoppedCode) {
