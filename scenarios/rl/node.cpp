@@ -2,6 +2,7 @@
 
 #include "cx/base/file.h"
 #include "cx/bus/names.h"
+#include "scenarios/result.h"
 #include "scenarios/rl/trainer.h"
 
 namespace cxlab::rl {
@@ -69,6 +70,13 @@ Status add_trainer(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     };
   auto trainer = Trainer::create(std::move(options), setup.bus, setup.sink);
   if (!trainer) return trainer.error();
+  stage.reports.push_back([&node = **trainer](Result& result) {
+    const std::string text = node.unfinished();
+    if (const Status hangs = node.hanging(); !hangs)
+      result.reason = hangs.error();
+    else if (!text.empty())
+      result.warnings.push_back(text);
+  });
   stage.servers.push_back(*std::move(trainer));
   return {};
 }

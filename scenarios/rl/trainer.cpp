@@ -1,15 +1,32 @@
 #include "scenarios/rl/trainer.h"
 
 #include <algorithm>
+#include <array>
 
 #include "cx/base/number_text.h"
+#include "cx/bus/needed.h"
 
 namespace cxlab::rl {
 
 namespace {
 
 constexpr const char* kPackage = "cx_rl_interfaces";
-constexpr SimTime kPatience = std::chrono::seconds(5);  // with an agent that does not serve reset_env
+constexpr SimTime kPatience = std::chrono::seconds(5);  // with an agent that does not serve reset_env, or a space
+/// After the spaces: CX's trainer makes its net of them first, so that agents of any rate have done what they do at the
+/// start.
+constexpr SimTime kGetReady = std::chrono::seconds(1);
+/// Without an answer, and with an action that the agent has accepted: nothing more is hoped for.
+constexpr SimTime kHangs = std::chrono::seconds(10), kHangsAtWork = std::chrono::seconds(300);
+constexpr SimTime kPoll = std::chrono::milliseconds(100);
+
+/// What CX's trainer asks for before it trains, in its order.
+struct Space {
+  const char *name, *type;
+};
+constexpr std::array<Space, 4> kSpaces{{{"get_predefined_observables", "GetPredefinedObservables"},
+                                        {"get_observable_predicates", "GetObservablePredicates"},
+                                        {"get_predefined_actions", "GetPredefinedActions"},
+                                        {"get_observable_actions", "GetObservableActions"}}};
 
 std::vector<std::string> texts_of(const bus::MessageView& message, const char* field) {
   const bus::Field* found = message.type().find(field);
@@ -56,6 +73,8 @@ struct Trainer::Clients {
   };
   Service observations, actions, episode_end, end_training;  // of the agent
   Service status, selection;                                 // of this node
+  std::array<Service, kSpaces.size()> spaces;                // of the agent
+  Service objects;                                           // of the agent: of a type
   Goal reset, free_robot, select;
 };
 
@@ -78,7 +97,7 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
   Clients& c = *self.clients_;
   Status failed;
   const auto type = [&](const char* name) -> const bus::ServiceType* {
-    auto found = bus.registry().service(std::string(kPackage) + "/srv/" + name);
+    auto found = bus::needed_service(bus.registry(), std::string(kPackage) + "/srv/" + name);
     if (!found && failed) failed = found.error();
     return found ? *found : nullptr;
   };
@@ -102,17 +121,19 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
   };
   const auto action = [&](Clients::Goal& to, const char* name, const char* of, bus::Handler result,
                           std::function<void()> rejected) {
-    auto found = bus.registry().action(std::string(kPackage) + "/action/" + of);
+    auto found = bus::needed_action(bus.registry(), std::string(kPackage) + "/action/" + of);
     if (!found) {
       if (failed) failed = found.error();
       return;
     }
     to.type = *found;
     bus::Bus::ActionClientHandlers handlers;
-    handlers.goal_response = [rejected = std::move(rejected)](const bus::Delivery& d) {
-      if (!d.accepted) rejected();
+    handlers.goal_response = [&self, rejected = std::move(rejected)](const bus::Delivery& d) {
+      if (!d.accepted) return rejected();
+      self.wait_.at_work = true;
+      self.wait_.since = self.bus_.now();
     };
-    handlers.feedback = [](const bus::Delivery&) {};
+    handlers.feedback = [&self](const bus::Delivery&) { self.wait_.since = self.bus_.now(); };
     handlers.result = std::move(result);
     handlers.cancel_response = [](const bus::Delivery&) {};
     auto opened = bus.create_action_client(self.node_, std::string("~/") + name, **found, std::move(handlers));
@@ -133,6 +154,10 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
     const bus::MessageView answer = *d.message;
     self.ended(answer.integer("episode_end") != 0, answer.integer("reward"));
   });
+  for (std::size_t i = 0; i < kSpaces.size(); ++i)
+    client(c.spaces[i], kSpaces[i].name, kSpaces[i].type, [&self](const D& d) { self.take_space(*d.message); });
+  client(c.objects, "get_observable_objects", "GetObservableObjects",
+         [&self](const D& d) { self.take_space(*d.message); });
   client(c.end_training, "end_training", "EndTraining", [](const D&) {});
   action(
       c.reset, "reset_env", "ResetEnv",
@@ -162,18 +187,44 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
   return made;
 }
 
+SimTime Trainer::patience() const { return wait_.at_work ? kHangsAtWork : kHangs; }
+
+std::string Trainer::unfinished() const {
+  if (!options_.training || over_ || wait_.name.empty()) return {};
+  return options_.node.full_name() + ": the training has not ended: in episode " + std::to_string(episode_ + 1) +
+         " of " + std::to_string(options_.max_episodes) + " it waits since " + shortest_text(to_seconds(wait_.since)) +
+         " s for " + wait_.name + (wait_.at_work ? ", which the agent has accepted" : "");
+}
+
+Status Trainer::hanging() const {
+  if (const std::string text = unfinished(); !text.empty() && bus_.now() - wait_.since >= patience())
+    return run_error(text + "; the agent does not answer").with_code("trainer_hangs");
+  return {};
+}
+
 SimTime Trainer::next_due() const {
-  if (!options_.training || warned_ || bus_.action_ready(clients_->reset.endpoint)) return kNever;
-  return kPatience;
+  if (!options_.training || over_) return kNever;
+  SimTime due = begun_ ? kNever : std::min(begins_, bus_.now() + kPoll);
+  if (!warned_ && !bus_.action_ready(clients_->reset.endpoint)) due = std::min(due, kPatience);
+  if (!wait_.name.empty() && !wait_.warned) due = std::min(due, wait_.since + patience());
+  return due;
 }
 
 Status Trainer::act(SimTime now) {
   bus_.deliver(node_);
-  if (options_.training && !begun_) {
-    begun_ = true;
-    begin_episode();
+  if (!options_.training) return std::exchange(failure_, Status());
+  if (!begun_) {
+    ask_for_spaces(now);
+    if (now >= begins_) {
+      begun_ = true;
+      begin_episode();
+    }
   }
-  if (now >= next_due()) {
+  if (!wait_.warned && !hanging()) {
+    wait_.warned = true;
+    log(cx::LogLevel::kWarn, unfinished());
+  }
+  if (!warned_ && now >= kPatience && !bus_.action_ready(clients_->reset.endpoint)) {
     warned_ = true;
     log(cx::LogLevel::kWarn,
         "nobody serves the action " + options_.node.full_name() + "/reset_env; the training begins when an agent does");
@@ -181,9 +232,62 @@ Status Trainer::act(SimTime now) {
   return std::exchange(failure_, Status());
 }
 
+// --- The spaces
+
+void Trainer::ask_for_spaces(SimTime now) {
+  if (begins_ != kNever || space_asked_) return;
+  Clients& c = *clients_;
+  const bool of_type = space_ == kSpaces.size() && type_ < types_.size();
+  if (space_ == kSpaces.size() && !of_type) {
+    begins_ = now + kGetReady;
+    wait_ = {};
+    if (!not_served_.empty()) {
+      std::string names;
+      for (const std::string& name : not_served_) names += (names.empty() ? "" : ", ") + name;
+      log(cx::LogLevel::kInfo,
+          "nobody serves " + names + ": the training begins without, where CX's trainer would wait");
+    }
+    return;
+  }
+  const std::string name = of_type ? "get_observable_objects" : kSpaces[space_].name;
+  const Clients::Service& service = of_type ? c.objects : c.spaces[space_];
+  if (wait_.name.empty()) wait_for("the service " + name);
+  if (!bus_.service_ready(service.endpoint)) {
+    if (!bus_.action_ready(c.reset.endpoint)) return;  // no agent is there yet
+    if (ready_since_ == kNever) ready_since_ = now;
+    if (now - ready_since_ < kPatience) return;
+    not_served_.push_back(name);
+    if (of_type)
+      type_ = types_.size();
+    else
+      ++space_;
+    wait_ = {};
+    return ask_for_spaces(now);
+  }
+  auto request = std::make_shared<bus::Message>(*service.type->request);
+  if (of_type) request->view().set("type", types_[type_]);
+  wait_for("the service " + name);
+  space_asked_ = true;
+  bus_.call(service.endpoint, std::move(request));
+}
+
+void Trainer::take_space(bus::MessageView response) {
+  space_asked_ = false;
+  wait_ = {};
+  if (space_ == kSpaces.size()) {
+    ++type_;
+    return;
+  }
+  ++space_;
+  if (!response.type().find("param_types")) return;
+  for (const std::string& type : texts_of(response, "param_types"))
+    if (std::ranges::find(types_, type) == types_.end()) types_.push_back(type);
+}
+
 // --- An episode
 
 void Trainer::begin_episode() {
+  wait_for("the action reset_env");
   steps_ = 0;
   reward_ = step_reward_ = 0;
   chosen_.reset();
@@ -192,6 +296,7 @@ void Trainer::begin_episode() {
 }
 
 void Trainer::observe() {
+  wait_for("the service get_current_observations");
   bus_.call(clients_->observations.endpoint, std::make_shared<bus::Message>(*clients_->observations.type->request));
 }
 
@@ -203,12 +308,14 @@ void Trainer::observed(bus::MessageView response) {
 }
 
 void Trainer::ask_for_robot() {
+  wait_for("the action get_free_robot");
   bus_.send_goal(clients_->free_robot.endpoint, std::make_shared<bus::Message>(*clients_->free_robot.type->goal));
 }
 
 void Trainer::ask_for_actions(const std::string& robot) {
   auto request = std::make_shared<bus::Message>(*clients_->actions.type->request);
   request->view().set("robot", robot);
+  wait_for("the service get_action_list_executable_for_robot");
   bus_.call(clients_->actions.endpoint, std::move(request));
 }
 
@@ -243,6 +350,7 @@ std::size_t Trainer::pick(const std::string& state, const std::vector<Action>& a
 void Trainer::select(const Action& action) {
   auto goal = std::make_shared<bus::Message>(*clients_->select.type->goal);
   goal->view().set("action_id", action.id);
+  wait_for("the action action_selection");
   bus_.send_goal(clients_->select.endpoint, std::move(goal));
 }
 
@@ -253,6 +361,7 @@ void Trainer::selected(bool done, std::int64_t reward, const std::string& info) 
 }
 
 void Trainer::ask_for_end() {
+  wait_for("the service get_episode_end");
   bus_.call(clients_->episode_end.endpoint, std::make_shared<bus::Message>(*clients_->episode_end.type->request));
 }
 
@@ -286,6 +395,8 @@ void Trainer::end_episode(const std::string& how) {
 }
 
 void Trainer::end_training() {
+  over_ = true;
+  wait_ = {};
   log(cx::LogLevel::kInfo, "trained " + std::to_string(episode_) + " episodes, " + std::to_string(total_steps_) +
                                " steps, " + std::to_string(table_.states()) + " states");
   if (options_.write && failure_ && !options_.chance_only) failure_ = options_.write("model.json", table_.to_text());

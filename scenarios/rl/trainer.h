@@ -1,7 +1,8 @@
 #pragma once
 // The side that trains in the reinforcement learning interfaces of CX (package cx_rl_interfaces): it resets the agent's
-// world, looks at what the agent observes, chooses one of the actions that a free robot can execute, and takes the
-// reward; episode by episode. In mode EXECUTION it chooses actions only when the agent asks for one.
+// world after it has asked for the spaces, as CX's trainer does, looks at what the agent observes, chooses one of the
+// actions that a free robot can execute, and takes the reward; episode by episode. In mode EXECUTION it chooses actions
+// only when the agent asks for one.
 
 #include <functional>
 #include <memory>
@@ -42,13 +43,29 @@ class Trainer final : public Server {
   Status sense(SimTime) override { return {}; }
   Status act(SimTime now) override;
   SimTime next_due() const override;
+  /// What it still waits for when the run ends: for people, empty where the training is over or there is none.
+  std::string unfinished() const;
+  /// The same as an error, where it has waited so long that nothing will come any more.
+  Status hanging() const;
 
  private:
   struct Clients;
+  /// What it waits for: a service, or an action that the agent has accepted or not.
+  struct Wait {
+    std::string name;  ///< "the service get_episode_end"; empty = nothing
+    SimTime since{};   ///< or of the last sign of life
+    bool at_work = false, warned = false;
+  };
   struct Action {
     std::string id, text;
   };
   Trainer(TrainerOptions options, bus::Bus& bus, RecordSink& sink);
+
+  void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }
+  SimTime patience() const;
+  /// Asks for the next space, or goes on without one that the agent does not serve; sets when the training begins.
+  void ask_for_spaces(SimTime now);
+  void take_space(bus::MessageView response);
 
   // What it waits for; each answer leads to the next.
   void begin_episode();
@@ -79,7 +96,15 @@ class Trainer final : public Server {
   RandomStream chance_;
   QTable table_;
   // Of the episode
-  bool begun_ = false, warned_ = false;
+  bool begun_ = false, warned_ = false, over_ = false;
+  Wait wait_;
+  // Before the first
+  std::size_t space_ = 0;  // that is asked for next, or was asked for
+  bool space_asked_ = false;
+  SimTime ready_since_ = kNever, begins_ = kNever;
+  std::vector<std::string> not_served_;
+  std::vector<std::string> types_;  // of parameters, whose objects are asked for
+  std::size_t type_ = 0;
   int episode_ = 0, steps_ = 0, total_steps_ = 0;
   double reward_ = 0;         // of the episode
   double step_reward_ = 0;    // since the last choice
