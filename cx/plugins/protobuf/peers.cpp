@@ -1,6 +1,7 @@
 #include "cx/plugins/protobuf/peers.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "cx/base/charge.h"
 #include "cx/base/number_text.h"
@@ -89,8 +90,15 @@ Expected<std::int64_t> ProtobufPeers::connect(const std::string& address, std::i
   auto host = this->host();
   if (!host) return host.error();
   streams_.emplace(++last_id_, Stream{.host = address, .port = number});
-  streams_.at(last_id_).link = (*host)->connect(*port, environment_.engine().cause());
+  const auto causes = environment_.engine().cause();
+  connecting_.push_back({last_id_, *port, {causes.begin(), causes.end()}});
   return last_id_;
+}
+
+void ProtobufPeers::connect_now() {
+  for (const Connecting& wanted : std::exchange(connecting_, {}))
+    if (const auto stream = streams_.find(wanted.id); stream != streams_.end())
+      stream->second.link = host_->connect(wanted.port, wanted.causes);
 }
 
 void ProtobufPeers::disconnect(std::int64_t id) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cx/executive/environment.h"
 #include "cx/network/host.h"
@@ -46,8 +47,11 @@ class ProtobufPeers {
   /// Nothing happens if there is one, or the port is none.
   Status enable_server(std::int64_t port);
   void disable_server();
-  /// 0 where the port is none.
+  /// 0 where the port is none. The connection is asked for by `connect_now`, in the next tick: then a server is there
+  /// that others open later in this one.
   Expected<std::int64_t> connect(const std::string& host, std::int64_t port);
+  bool is_connecting() const { return !connecting_.empty(); }
+  void connect_now();
   void disconnect(std::int64_t id);
 
   // --- Both
@@ -97,6 +101,12 @@ class ProtobufPeers {
   std::unique_ptr<net::Host> host_;  ///< none before something is opened
   std::map<std::int64_t, Peer> peers_;
   std::map<std::int64_t, Stream> streams_;
+  struct Connecting {
+    std::int64_t id = 0;
+    std::uint16_t port = 0;
+    std::vector<RecordRef> causes;
+  };
+  std::vector<Connecting> connecting_;
   std::optional<net::LinkId> server_;
   std::int64_t last_id_ = 0;
 };

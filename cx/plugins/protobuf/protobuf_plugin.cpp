@@ -115,13 +115,27 @@ class ProtobufPlugin final : public Plugin {
     add_network(e.engine(), connection);
     if (added_ && !e.engine().has("deftemplate", "protobuf-msg"))
       added_ = e.engine().load_text(kRules, "cx_protobuf_plugin/protobuf.clp", LoadMode::kBatch).status();
-    if (!added_) connections_.remove(e);
+    if (!added_)
+      connections_.remove(e);
+    else
+      log(e, LogLevel::kInfo, "Initialised context!");
     return added_;
+  }
+
+  SimTime next_due(const Environment& environment) const override {
+    const Connection* connection = connections_.find(environment);
+    return connection && connection->peers.is_connecting() ? SimTime::zero() : kNever;
+  }
+
+  Status perceive(EnvironmentGuard environment) override {
+    if (Connection* connection = connections_.find(*environment)) connection->peers.connect_now();
+    return {};
   }
 
   void clips_env_destroyed(EnvironmentGuard environment) override {
     if (const Connection* connection = connections_.find(*environment); connection && context().run.strict)
       report_leaks(*environment, *connection);
+    if (connections_.find(*environment)) log(*environment, LogLevel::kInfo, "Destroying clips context!");
     connections_.remove(*environment);
   }
 
