@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 
+#include "cx/base/remedy.h"
 #include "cx/engine/version.h"
 #include "internal/builtins.h"
 
@@ -132,9 +133,27 @@ int RuleEngine::Impl::read_terminal() {
     return character;
   }
   const auto read = [] { return Value::integer(std::getchar()); };
-  if (!engine.options_.trust_rules) return EOF;
-  LookOutside* outside = engine.options_.outside;
-  return static_cast<int>((outside != nullptr ? outside->look("terminal", read) : read()).as_integer());
+  int character = EOF;
+  if (engine.options_.trust_rules) {
+    if (engine.options_.on_output) engine.options_.on_output("stdin", "");
+    LookOutside* outside = engine.options_.outside;
+    character = static_cast<int>((outside != nullptr ? outside->look("terminal", read) : read()).as_integer());
+  }
+  if (character == EOF) count_read_at_end();
+  return character;
+}
+
+void RuleEngine::Impl::count_read_at_end() {
+  if (++reads_at_end != kMostReadsAtEnd) return;
+  PrintErrorID(env, "CXLAB", 3, false);
+  const std::string text =
+      "The terminal was read " + std::to_string(kMostReadsAtEnd) + " times at its end in one action: stopped" +
+      (engine.options_.trust_rules
+           ? ".\n"
+           : "; it is at its end for rules that are not trusted (" + std::string(kTrustRemedy) + ").\n");
+  WriteString(env, STDERR, text.c_str());
+  SetHaltExecution(env, true);
+  SetEvaluationError(env, true);
 }
 
 void RuleEngine::reset() {

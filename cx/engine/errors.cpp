@@ -615,6 +615,7 @@ HostCall::HostCall(RuleEngine::Impl& impl, const RuleEngine::Impl::Context& cont
     ResetErrorFlags(impl.env);
     impl.turns = 0;
     impl.begin_act();
+    impl.reads_at_end = 0;
   } else {
     GCBlockStart(impl.env, &block_);
   }

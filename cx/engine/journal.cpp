@@ -168,6 +168,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.rule_open = true;
   impl.rule_acting = true;
   impl.turns = 0;
+  impl.reads_at_end = 0;
   impl.rule_depth = impl.contexts.size();
   impl.note_firing(*activation);
   impl.glance_at_limits();

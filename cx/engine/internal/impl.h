@@ -73,6 +73,9 @@ struct RuleEngine::Impl {
   bool rule_open = false;
   bool rule_acting = false;
   std::size_t rule_depth = 0;
+  int reads_at_end = 0;  ///< of the terminal in one act: questions that are asked until they are answered
+  static constexpr int kMostReadsAtEnd = 1000;
+  void count_read_at_end();
   clips::CLIPSLexeme* rule_atom = nullptr;    ///< its name, retained
   clips::CLIPSLexeme* module_atom = nullptr;  ///< that of its module, retained
   std::string_view rule_name, rule_module;    ///< the texts of them
