@@ -5,6 +5,7 @@
 #include "cx/executive/environment_manager.h"
 #include "cx/executive/plugin_library.h"
 #include "cx/node/parameter_services.h"
+#include "cx/node/rcl_yaml.h"
 
 namespace cxlab::cx {
 
@@ -43,6 +44,7 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   }
   auto manager = std::unique_ptr<EnvironmentManager>(
       new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
+  if (manager->options_.strict) manager->note_each(refused_by_rcl(manager->options_.config));
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();

@@ -1,13 +1,17 @@
 #include "cx/node/parameters.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <sstream>
+#include <utility>
 
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
+#include "cx/node/rcl_yaml.h"
 #include "cx/yaml/yaml.h"
 
 namespace cxlab::cx {
@@ -44,6 +48,23 @@ Parameter scalar(Parameter::Type type, std::string text, const char* file) {
 
 constexpr const char* kDefault = "default";
 
+/// Of a scalar that is not in quotes; `text` becomes the value as it is kept.
+Parameter::Type type_of_plain(std::string& text) {
+  bool truth = false;
+  std::int64_t integer = 0;
+  if (is_integer(text, integer)) {
+    text = std::to_string(integer);
+    return Parameter::Type::kInteger;
+  }
+  if (const auto number = read_real(text)) {
+    text = shortest_text(*number);
+    return Parameter::Type::kDouble;
+  }
+  if (!YAML::convert<bool>::decode(YAML::Node(text), truth)) return Parameter::Type::kString;
+  text = truth ? "true" : "false";
+  return Parameter::Type::kBool;
+}
+
 Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   Parameter p;
   p.file = file;
@@ -55,18 +76,7 @@ Parameter to_parameter(const YAML::Node& node, const std::string& file) {
   }
   if (!node.IsScalar()) return p;
   p.text = node.Scalar();
-  bool truth = false;
-  std::int64_t integer = 0;
-  if (node.Tag() == "!")
-    p.type = Parameter::Type::kString;  // quoted
-  else if (is_integer(p.text, integer))
-    p.type = Parameter::Type::kInteger, p.text = std::to_string(integer);
-  else if (const auto number = read_real(p.text))
-    p.type = Parameter::Type::kDouble, p.text = shortest_text(*number);
-  else if (YAML::convert<bool>::decode(node, truth))
-    p.type = Parameter::Type::kBool, p.text = truth ? "true" : "false";
-  else
-    p.type = Parameter::Type::kString;
+  p.type = node.Tag() == "!" ? Parameter::Type::kString : type_of_plain(p.text);  // "!": in quotes
   return p;
 }
 
@@ -123,6 +133,79 @@ bool matches(const std::vector<std::string>& pattern, std::size_t p, const std::
   return n < name.size() && (pattern[p] == "*" || pattern[p] == name[n]) && matches(pattern, p + 1, name, n + 1);
 }
 
+/// Reads a file as the parser of rcl does, which knows less of YAML, and keeps what that refuses.
+class RclParser final : public YAML::EventHandler {
+ public:
+  explicit RclParser(std::string file) : file_(std::move(file)) {}
+  std::vector<Error> take() { return std::move(errors_); }
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { value(mark, Parameter::Type::kNone); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    refuse(mark, "an alias, which it does not know");
+    value(mark, Parameter::Type::kNone);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, const std::string& text) override {
+    if (!open_.empty() && !open_.back().is_list && !open_.back().has_key) {
+      open_.back().has_key = true;
+      open_.back().key = text;
+      return;
+    }
+    std::string kept = text;
+    value(mark, tag == "!" ? Parameter::Type::kString : type_of_plain(kept));
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    if (in_list()) refuse(mark, "a list in a list");
+    open_.push_back({.is_list = true, .parameters = below_parameters()});
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    if (in_list()) refuse(mark, "a map in a list");
+    open_.push_back({.is_list = false, .parameters = below_parameters()});
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Open {
+    bool is_list = false, parameters = false, has_key = false, mixed = false;
+    std::string key = {};
+    Parameter::Type type = Parameter::Type::kNone;  // of the values of a list
+  };
+
+  bool in_list() const { return !open_.empty() && open_.back().is_list; }
+  bool below_parameters() const {
+    return !open_.empty() && (open_.back().parameters || open_.back().key == "ros__parameters");
+  }
+  void close() {
+    open_.pop_back();
+    if (!open_.empty()) open_.back().has_key = false;
+  }
+  void refuse(const YAML::Mark& mark, const std::string& what) {
+    errors_.push_back(input_error("strict-cx: yaml: found " + what +
+                                      ": rcl's parser refuses the file, and the node does "
+                                      "not start",
+                                  file_, mark.line + 1));
+  }
+  void value(const YAML::Mark& mark, Parameter::Type type) {
+    if (open_.empty()) return;
+    Open& in = open_.back();
+    if (!in.is_list) {
+      if (!in.parameters && type != Parameter::Type::kNone)
+        refuse(mark, "a value of '" + in.key + "' outside of ros__parameters");
+      in.has_key = false;
+      return;
+    }
+    if (in.type == Parameter::Type::kNone) in.type = type;
+    if (type == Parameter::Type::kNone || in.type == type || std::exchange(in.mixed, true)) return;
+    refuse(mark, "a list with " + std::string(to_string(in.type)) + " and " + std::string(to_string(type)));
+  }
+
+  std::string file_;
+  std::vector<Open> open_;
+  std::vector<Error> errors_;
+};
+
 Error wrong_type(const Parameter& p, std::string_view name, std::string_view expected) {
   using Type = Parameter::Type;
   std::string found(to_string(p.type));
@@ -170,6 +253,19 @@ Expected<Parameters> Parameters::load(const std::filesystem::path& file, const s
     return yaml::syntax_error(e, *text, out.file_);
   }
   return out;
+}
+
+std::vector<Error> refused_by_rcl(const std::filesystem::path& file) {
+  const auto text = read_file(file);
+  if (!text) return {};
+  RclParser parser(file.string());
+  std::istringstream in(*text);
+  try {
+    YAML::Parser(in).HandleNextDocument(parser);
+  } catch (const YAML::Exception&) {
+    return {};  // `load` has told it
+  }
+  return parser.take();
 }
 
 const Parameter* Parameters::find(std::string_view name) const {

@@ -66,7 +66,6 @@ Expected<Value> value_of(const Parameter& p, Type type) {
       return Value::number(number);
   } else if (p.type == Type::kDouble) {
     const double number = read_number<double>(p.text).value_or(NAN);
-    if (!std::isfinite(number)) return input_error("found '" + p.text + "', expected a finite number");
     if (type == Type::kDouble) return Value::number(number);
     if (type == Type::kInteger && std::abs(number) <= 0x1p53 && std::trunc(number) == number)
       return Value::integer(static_cast<std::int64_t>(number));
