@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import tempfile
 import unittest
@@ -54,6 +55,82 @@ class Testing(unittest.TestCase):
         self.assertEqual([(r["rule"], r["state"]) for r in rules],
                          [("first", "fired"), ("late", "activated but never fired"), ("deaf", "never matched")])
 
+    def test_readers_accept_the_coverage(self):
+        """The consistency rules of lcov's man page, which genhtml of lcov 2 enforces, and genhtml itself."""
+        (self.folder / "c.clp").write_text("(deftemplate lamp (slot state))\n"
+                                           "(defrule on ?l <- (lamp (state OFF)) (bell) => (modify ?l (state ON))) (defrule deaf (nothing) => (halt))\n"
+                                           "(defrule blocked (declare (salience -5))\n  (bell) (lamp (state OFF)) => (assert (b)))\n"
+                                           "(defrule never (never) => (assert (c))) (defrule twin (bell) => (assert (d)))\n"
+                                           "(defmodule OTHER (import MAIN ?ALL))\n(defrule OTHER::twin (bell) => (assert (e)))\n")
+        (self.folder / "c.story.yaml").write_text("common: {rules: [c.clp], given: ['(lamp (state OFF))']}\nstories:\n"
+                                                  "  - story: on\n    steps: [{at: 1, assert: (bell)}]\n    expect: [{fires: on, within_s: 2}]\n  - story: nothing\n    expect: [{not_fires: on}]\n")
+        done = cxlab("test", "--coverage", "c.info", cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = (self.folder / "c.info").read_text()
+        lines, functions, counts, branches, totals = {}, {}, {}, {}, {}
+        for line in text.splitlines():
+            tag, _, rest = line.partition(":")
+            if tag == "DA":
+                number, hits = map(int, rest.split(","))
+                self.assertNotIn(number, lines, "a line is told once")
+                lines[number] = hits
+            elif tag == "FN":
+                number, name = rest.split(",", 1)
+                self.assertNotIn(name, functions, "a function is told once")
+                functions[name] = int(number)
+            elif tag == "FNDA":
+                counts[rest.split(",", 1)[1]] = int(rest.split(",")[0])
+            elif tag == "BRDA":
+                number, block, branch, taken = rest.split(",")
+                key = (int(number), int(block), int(branch))
+                self.assertNotIn(key, branches, "a branch is told once")
+                branches[key] = taken
+            elif tag in ("LF", "LH", "FNF", "FNH", "BRF", "BRH"):
+                totals[tag] = int(rest)
+        self.assertEqual(set(functions), set(counts))
+        self.assertEqual(set(functions.values()), set(lines))
+        for number, hits in lines.items():
+            blocks = sorted({block for n, block, _ in branches if n == number})
+            self.assertEqual(blocks, list(range(len(blocks))), "blocks of a line are numbered")
+            of_line = [taken for (n, _, _), taken in branches.items() if n == number]
+            self.assertEqual(hits > 0, any(taken != "-" for taken in of_line), f"line {number} is hit where a branch of it was evaluated")
+            for block in blocks:
+                unknown = {branches[number, block, branch] == "-" for branch in (0, 1)}
+                self.assertEqual(len(unknown), 1, "a block was reached or not")
+        for name, number in functions.items():
+            if counts[name] > 0:
+                self.assertGreater(lines[number], 0, "a function that was called is on a line that was hit")
+        self.assertEqual(totals, {"LF": len(lines), "LH": sum(h > 0 for h in lines.values()), "FNF": len(functions), "FNH": sum(c > 0 for c in counts.values()),
+                                  "BRF": len(branches), "BRH": sum(t not in "-0" for t in branches.values())})
+        self.assertIn("BRDA:3,0,0,1\nBRDA:3,0,1,0\n", text)
+        self.assertIn("BRDA:2,1,0,-\nBRDA:2,1,1,-\n", text)
+        if shutil.which("genhtml"):
+            made = subprocess.run(["genhtml", "--branch-coverage", "c.info", "-o", "html"], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            self.assertEqual(made.returncode, 0, made.stdout)
+            self.assertNotRegex(made.stdout.lower(), "error|warning")
+            self.assertRegex(made.stdout, r"functions\.*: .*2 of 6")
+
+    def test_readers_accept_the_junit_file(self):
+        """As Jenkins, GitLab and junitparser read it: counts agree, and any text is XML."""
+        (self.folder / "a.clp").write_text("(deftemplate t (slot s))\n(defrule go (start) => (assert (t (s \"a\u0001<&]]>\u20ac\"))))\n")
+        (self.folder / "a.story.yaml").write_text("- story: passes\n  rules: a.clp\n  given: [(start)]\n  expect: [{fires: go}]\n"
+                                                  "- story: fails twice \\\" ' > \n  rules: a.clp\n  given: [(start)]\n  expect: [{fact: '(t (s \"b\"))', within_s: 1}, {not_fires: go}]\n"
+                                                  "- story: is bad\n  rules: none.clp\n  expect: [{fires: go}]\n")
+        cxlab("test", "--junit", "j.xml", cwd=self.folder)
+        suite = xml.etree.ElementTree.parse(self.folder / "j.xml").getroot()
+        self.assertEqual(suite.tag, "testsuite")
+        cases = suite.findall("testcase")
+        self.assertEqual([len(c.findall("failure")) + len(c.findall("error")) > 0 for c in cases], [False, True, True])
+        self.assertEqual((int(suite.get("tests")), int(suite.get("failures")), int(suite.get("errors"))),
+                         (len(cases), sum(c.find("failure") is not None for c in cases), sum(c.find("error") is not None for c in cases)))
+        for case in cases:
+            self.assertTrue(case.get("name") and case.get("classname"))
+            self.assertGreaterEqual(float(case.get("time")), 0)
+            for outcome in case:
+                self.assertIn(outcome.tag, ("failure", "error", "skipped", "system-out", "system-err", "properties"))
+                self.assertTrue(outcome.get("message"))
+        self.assertGreaterEqual(float(suite.get("time")), sum(float(c.get("time")) for c in cases) - 0.01)
+
     def test_a_failure_is_exit_1_with_line_also_in_processes(self):
         self.story("not_fires: go")
         for more in [], ["-j", "3"]:
@@ -86,6 +163,14 @@ class Testing(unittest.TestCase):
         self.assertEqual([line.split(":")[:2] for line in failed], [["kept", f" empty broken seed {seed}"] for seed in (1, 2)])
         self.assertTrue(played.startswith("[6/6] empty long seed 2: completed, exit 0"), played)
         self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
+        # As pandas reads them: one header, as many fields in each row, numbers where there are some, JSON without NaN.
+        with open(self.folder / "o/rows.csv", newline="") as rows:
+            header, *body = list(csv.reader(rows, strict=True))
+        self.assertEqual(len(header), len(set(header)))
+        self.assertTrue(all(len(row) == len(header) for row in body), header)
+        for name in ("seed", "exit"):
+            self.assertTrue(all(row[header.index(name)].lstrip("-").isdigit() for row in body), name)
+        json.loads(again.stdout, parse_constant=self.fail)
 
     def test_bench_looks_for_all_files_first(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\nagents: [{config: none.yaml}]\n")
