@@ -26,6 +26,7 @@ constexpr Ports kRobots{2116, 2126};  // of the first robot; the next ones follo
 constexpr SimTime kBeaconPeriod = std::chrono::seconds(1), kGamePeriod = std::chrono::seconds(1);
 constexpr SimTime kRobotPeriod = std::chrono::milliseconds(2500);
 constexpr SimTime kVersionPeriod = std::chrono::seconds(5);
+constexpr SimTime kNobodyComes = std::chrono::seconds(60);
 constexpr int kOrderBurst = 10;  // OrderInfos after a new order
 constexpr const char* kVersion = CXLAB_VERSION;
 
@@ -109,6 +110,7 @@ Status RefboxServer::begin() {
   if (Status s = context_.hear("/game_state", "GameState", game_state_); !s) return s;
   if (Status s = context_.hear("/order_info", "OrderInfo", order_info_); !s) return s;
   if (Status s = context_.hear("/ring_info", "RingInfo", ring_info_); !s) return s;
+  begun_ = context_.now;
   beacon_rate_ = {kBeaconPeriod, context_.now};
   game_rate_ = {kGamePeriod, context_.now};
   order_rate_ = {kInfoPeriod, context_.now};
@@ -169,7 +171,7 @@ void RefboxServer::take(const net::Event& event) {
   }
   for (auto& team : teams_)
     if (team->channel().owns(event.link)) {
-      if (const auto message = read(team->channel()))
+      if (const auto message = read(team->channel()); message && (somebody_came_ = true))
         team->take(Fields(*message), message->GetDescriptor()->full_name(), event.host);
       return;
     }
@@ -177,6 +179,7 @@ void RefboxServer::take(const net::Event& event) {
     if (!robot->channel().owns(event.link)) continue;
     const auto message = read(robot->channel());
     if (!message) return;
+    somebody_came_ = true;
     const std::string& type = message->GetDescriptor()->full_name();
     if (type != "llsf_msgs.AgentTask")
       return context_.complain(robot->channel().name() + ": found a " + type + ", expected a llsf_msgs.AgentTask" +
@@ -189,7 +192,27 @@ void RefboxServer::take(const net::Event& event) {
 
 // --- What all hear
 
+/// An agent that sends no beacon looks for its team's name in GameState, and waits for it.
+void RefboxServer::tell_that_nobody_came() {
+  if (somebody_came_ || context_.now < begun_ + kNobodyComes) return;
+  somebody_came_ = true;  // said once
+  const auto told = [](const auto& name) { return name.has_value(); };
+  if (std::ranges::any_of(context_.team_names, told)) return;
+  std::string names, settings;
+  for (const Team team : context_.teams) {
+    const bool cyan = team == Team::kCyan;
+    names += (names.empty() ? "" : " and ") + context_.team_name(team);
+    settings += std::string(settings.empty() ? "" : ", ") + (cyan ? "refbox.team_cyan" : "refbox.team_magenta");
+  }
+  context_.complain(
+      "nobody has taken the field for 60 s: no beacon, task or instruction of a team has come, and GameState "
+      "calls the teams " +
+      names + ". An agent without beacons waits for its own name there: set " + settings +
+      " (--param rcll.refbox.team_cyan=NAME of cxlab env)");
+}
+
 void RefboxServer::speak() {
+  tell_that_nobody_came();
   speak_public();
   for (auto& team : teams_) team->speak(ring_info_.message);
   controllers_->speak();

@@ -53,6 +53,7 @@ class RefboxServer final : public Server {
   bool is_heard() const;
   void take(const net::Event& event);
 
+  void tell_that_nobody_came();
   void speak();
   void speak_public();
   /// To controllers as well.
@@ -66,7 +67,8 @@ class RefboxServer final : public Server {
   std::function<Status(const std::string&, const std::filesystem::path&)> keep_;
   RefboxContext context_;
   std::unique_ptr<net::Host> host_;
-  bool ports_shared_ = false;
+  bool ports_shared_ = false, somebody_came_ = false;
+  SimTime begun_{};
   Status status_;
 
   std::optional<Channel> public_;
