@@ -195,10 +195,10 @@ class Definitions(Workspace):
         said = self.play({"cx_msgs/msg/Log.msg": "string env_name\nstring text\n", "lifecycle_msgs/msg/TransitionEvent.msg": "uint64 timestamp\n",
                           "rcl_interfaces/msg/ParameterEvent.msg": "string node\n"}, "--param", "clips_manager.main.log_clips_to_topic=true")
         self.assertIn("good morning", said)
-        self.assertEqual(said.count("log lines are not published: "), 1)
+        self.assertIn("topic /clips_manager/clips_log is not offered: ", said)
         self.assertIn("'cx_msgs/msg/Log' has no field 'logical_name' (string)", said)
-        self.assertIn("transitions are not published: ", said)
-        self.assertIn("changes of parameters are not published: ", said)
+        self.assertIn("topic /clips_manager/transition_event is not offered: ", said)
+        self.assertIn("topic /parameter_events is not offered: ", said)
         said = self.play({"cx_pddl_interfaces/action/PlanTemporal.action": "string pddl_instance\n---\nbool success\n---\n",
                           "cx_pddl_interfaces/srv/AddFluents.srv": "---\nbool success\nstring error\n"}, "--with", "pddl_manager")
         self.assertIn("action /pddl_manager/temp_plan is not offered: ", said)
