@@ -199,6 +199,7 @@ class Definitions(Workspace):
         self.assertIn("'cx_msgs/msg/Log' has no field 'logical_name' (string)", said)
         self.assertIn("topic /clips_manager/transition_event is not offered: ", said)
         self.assertIn("topic /parameter_events is not offered: ", said)
+        self.setUp()
         said = self.play({"cx_pddl_interfaces/action/PlanTemporal.action": "string pddl_instance\n---\nbool success\n---\n",
                           "cx_pddl_interfaces/srv/AddFluents.srv": "---\nbool success\nstring error\n"}, "--with", "pddl_manager")
         self.assertIn("action /pddl_manager/temp_plan is not offered: ", said)
