@@ -361,6 +361,40 @@ TEST_P(Faults, ATransportFindsItsWayToEachOfItsSpots) {
   EXPECT_EQ(strikes("lost", 0).size(), 1u);
 }
 
+TEST_P(Faults, DelaysOfAnInstructionAddUpAndOneThatIsLostAsWellIsAborted) {
+  const auto instruct = [](double at) {
+    return "  - {at: " + std::to_string(at) +
+           ", send_goal: /factory/instruct_machine, type: rcll_interfaces/action/InstructMachine, goal: {machine: "
+           "C-BS, side: OUTPUT, base_color: BASE_RED}}\n";
+  };
+  std::string ticks;
+  for (const char* t : {"6.5", "8.8", "9.2"})
+    ticks += std::string("  - {at: ") + t + ", publish: /tick, type: std_msgs/msg/Empty}\n";
+  auto episode = load(floor("delays", instruct(2) + ticks + instruct(40),
+                            "  - {kind: instruction_late, at: 0, machine: C-BS, seconds: 3}\n"
+                            "  - {kind: instruction_late, at: 0, machine: C-BS, seconds: 4}\n"
+                            "  - {kind: instruction_lost, at: 30, machine: C-BS}\n"
+                            "  - {kind: instruction_late, at: 30, machine: C-BS, seconds: 4}\n",
+                            GetParam()),
+                      {}, "run");
+  begin(*episode);
+  const auto at = [&](double t) {
+    play(*episode, t);
+    return state(*episode, "C-BS");
+  };
+  EXPECT_EQ(at(6.5), "IDLE");
+  EXPECT_EQ(at(8.8), "IDLE");
+  EXPECT_NE(at(9.2), "IDLE");
+  play(*episode, 55);
+  (void)episode->close(RunStatus::kCompleted);
+  std::vector<std::pair<double, std::int64_t>> results;
+  for (const JournalRecord& r : records("run", "node/factory"))
+    if (r.kind == RecordKind::kBus && r.data.text("op") == "result")
+      results.emplace_back(std::round(to_seconds(r.t)), r.data.find("result")->integer("error_code"));
+  ASSERT_FALSE(results.empty());
+  EXPECT_EQ(results.back(), (std::pair<double, std::int64_t>{50, 2}));
+}
+
 TEST_P(Faults, AnInstructionThatIsCanceledOnItsWayComesAllTheSame) {
   auto episode = load(floor("canceled",
                             "  - {at: 2, send_goal: /factory/instruct_machine, type: "
