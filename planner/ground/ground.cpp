@@ -479,9 +479,23 @@ void ask_for_values(GroundTask& task) {
         ask_read(*condition, effect.value);
         if (!linear_form(effect.value).is_linear) ask(*condition, effect.value);
       }
+    // What the action itself assigns at its start has a value from then on.
+    const auto assigns = [&](int number) {
+      const auto is_it = [&](const NumericEffect& effect) {
+        return effect.number == number && effect.kind == NumericEffect::Kind::kAssign;
+      };
+      bool found = false;
+      for_each_share(action, [&](const ConditionalEffects& share) {
+        found = found || std::ranges::any_of(share.at_start.numbers, is_it);
+      });
+      return found;
+    };
+    const auto ask_before = [&](int number) {
+      if (!assigns(number)) ask_number(action.start, number);
+    };
     for (const ContinuousEffect& effect : action.continuous) {
-      ask_number(action.start, effect.number);
-      ask_read(action.start, effect.rate);
+      ask_before(effect.number);
+      effect.rate.for_each_number(ask_before);
     }
     sort_unique(action.start.comparisons);
     sort_unique(action.end.comparisons);
