@@ -1,4 +1,5 @@
 #include "tests/planner/random/check_many.h"
+#include "tests/planner/random/check_numeric.h"
 #include "tests/planner/random/check_planted.h"
 
 namespace cxlab::planner {
@@ -9,6 +10,15 @@ TEST(RandomProblems, TenThousandProblems) {
               tally.unsolvable, tally.ended, tally.missed);
   EXPECT_GT(tally.plans, 2000);
   EXPECT_LT(tally.missed, 10);
+}
+
+TEST(RandomProblems, FiveThousandWithNumbersLinearChangeAndTimedValues) {
+  const NumericTally tally = check_numeric(100'000, 5'000, 2'000'000);
+  std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
+              tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
+              tally.missed);
+  EXPECT_GT(tally.plans, 1'000);
+  EXPECT_EQ(tally.missed, 0);
 }
 
 TEST(RandomProblems, TwentyThousandWithTinyAndHugeConstants) {
