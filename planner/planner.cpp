@@ -7,6 +7,7 @@
 #include "planner/ground/ground.h"
 #include "planner/pddl/text.h"
 #include "planner/strategies/clock_strategy.h"
+#include "planner/strategies/happening_strategy.h"
 #include "planner/strategies/improvement.h"
 #include "planner/strategies/late_repair.h"
 #include "planner/strategies/sequence_search.h"
@@ -19,14 +20,15 @@ namespace {
 
 constexpr std::int64_t kFirstTurn = 20'000;  ///< units, at least; the turns of each round are half as long again
 constexpr std::int64_t kLongestTurn = 1'000'000'000'000;
-constexpr std::int64_t kTurnOfOperator = 20;    ///< units of the first turn by operator
-constexpr std::int64_t kShareOfUnlikely = 4;    ///< of a turn, for overlaps where nothing hints at them
-constexpr std::int64_t kSearchTurn = 400'000;   ///< units of a search that is to give another plan to improve
-constexpr std::int64_t kShareBeforeRepair = 8;  ///< of the first turn, where a plan may come too late for events
-constexpr std::int64_t kShareOfWarmStart = 8;   ///< of the budget, for each half of a warm start
-constexpr std::int64_t kIdle = 2000;            ///< moves without a better plan that end the first improvements
-constexpr std::uint64_t kKindsOfRounds = 4;     ///< of improvement
-constexpr std::size_t kMostMissing = 5;         ///< numbers that an answer names
+constexpr std::int64_t kTurnOfOperator = 20;      ///< units of the first turn by operator
+constexpr std::int64_t kShareOfUnlikely = 4;      ///< of a turn, for overlaps where nothing hints at them
+constexpr std::int64_t kSearchTurn = 400'000;     ///< units of a search that is to give another plan to improve
+constexpr std::int64_t kHappeningsTurn = 20'000;  ///< units of a search for better orders of happenings
+constexpr std::int64_t kShareBeforeRepair = 8;    ///< of the first turn, where a plan may come too late for events
+constexpr std::int64_t kShareOfWarmStart = 8;     ///< of the budget, for each half of a warm start
+constexpr std::int64_t kIdle = 2000;              ///< moves without a better plan that end the first improvements
+constexpr std::uint64_t kKindsOfRounds = 4;       ///< of improvement
+constexpr std::size_t kMostMissing = 5;           ///< numbers that an answer names
 
 /// Strategies in turns, until a plan is found and proved best or the budget ends.
 class Portfolio {
@@ -38,6 +40,7 @@ class Portfolio {
  private:
   void find_first();
   bool prove_in(const Turn& turn);
+  bool prove_by_happenings(const Turn& turn);
   void improve_makespan();
   void improve_metric();
   bool is_improving(std::uint64_t round);
@@ -46,6 +49,7 @@ class Portfolio {
   SequenceSearch sequences_{context_, Cut::kNothing}, envelopes_{context_, Cut::kEnvelopes},
       everything_{context_, Cut::kEverything};
   ClockStrategy clock_{context_};
+  HappeningStrategy happenings_{context_, false}, better_happenings_{context_, true};
   std::optional<Conclusion> proof_;    ///< tried to its end
   std::int64_t units_of_rounds_ = -1;  ///< when the last rounds of all kinds began
   Conclusion without_plan_{PlanStatus::kBudget, "the budget ended before a plan was found"};
@@ -62,12 +66,13 @@ void Portfolio::find_first() {
       return;
     }
     const Turn turn{round, units};
-    context_.begin_round(round);
     const bool repairs = context_.has_events();
     if (sequences_.run({round, repairs && round == 0 ? units / kShareBeforeRepair : units})) return;
     if (repairs && repair_late(context_, sequences_, turn)) return;
     if (envelopes_.run(turn)) return;
     if (clock_.run(turn)) return;
+    if (happenings_.run(turn)) return;
+    if (happenings_.exhausted() && prove_by_happenings(turn)) return;
     if (sequences_.exhausted() && prove_in(turn)) return;
     if (round == 0 && !(sequences_.exhausted() && envelopes_.exhausted())) continue;
     const bool likely = envelopes_.space() || round == 1;  // something needs others to be under way, or never tried
@@ -92,6 +97,18 @@ bool Portfolio::prove_in(const Turn& turn) {
   return true;
 }
 
+/// Whether no plan exists, or at least none that a search could find.
+bool Portfolio::prove_by_happenings(const Turn& turn) {
+  if (happenings_.prove(turn)) {
+    without_plan_ = {PlanStatus::kUnsolvable, "no order of starts, ends and events reaches the goal"};
+    return true;
+  }
+  if (!happenings_.has_ended_proof() || !happenings_.has_seen_all()) return false;
+  if (sequences_.exhausted() && !proof_ && !prove_in(turn) && !proof_) return false;
+  without_plan_ = proof_ && proof_->status == PlanStatus::kUnsolvable ? *proof_ : kNoPlan;
+  return true;
+}
+
 /// False as well when a round of each kind had nothing to do.
 bool Portfolio::is_improving(std::uint64_t round) {
   Budget& budget = context_.budget;
@@ -111,7 +128,11 @@ void Portfolio::improve_makespan() {
     }
     const Turn turn{round, kSearchTurn};
     const auto kind = round % kKindsOfRounds;
-    if (kind == 2) clock_.run(turn);
+    if (kind == 2) {
+      clock_.run(turn);
+      better_happenings_.run({round, kHappeningsTurn});
+      if (better_happenings_.has_seen_all()) return;
+    }
     std::optional<Sequence> other = kind == 3 ? sequences_.find(turn) : std::nullopt;
     const Sequence list = other ? *std::move(other) : context_.best_list();
     if (!list.empty() && kind == 1) {
@@ -123,7 +144,7 @@ void Portfolio::improve_makespan() {
       if (kind == 3) (cut == envelopes_.space() ? envelopes_ : everything_).run(turn);
       improve.of_parts(*cut, context_.best_parts().list, round, idle);
       idle += idle / 4;
-    } else if (clock_.exhausted()) {
+    } else if (clock_.exhausted() && better_happenings_.exhausted()) {
       return;
     } else {
       clock_.run(turn);
@@ -153,12 +174,16 @@ void Portfolio::improve_metric() {
         improve.of_parts(*all, to_parts(all->split, context_.best_list()), round, idle);
     } else {
       std::optional<Sequence> other = kind == 2 ? better_list.run(turn) : std::nullopt;
-      if (kind == 2) clock_.run(turn);
+      if (kind == 2) {
+        clock_.run(turn);
+        better_happenings_.run({round, kHappeningsTurn});
+        if (better_happenings_.has_seen_all()) return;
+      }
       const Sequence list = other ? *std::move(other) : context_.best_list();
       const bool improved = improve.of_list(list, round, idle);
       if (improved && kind == 2) idle += idle / 2;
       const bool others = !better_list.exhausted() || (better_parts && !better_parts->exhausted());
-      if (list.empty() && !others && clock_.exhausted()) return;
+      if (list.empty() && !others && clock_.exhausted() && better_happenings_.exhausted()) return;
     }
   }
 }
@@ -170,6 +195,7 @@ Conclusion Portfolio::run() {
   sequences_.forget();
   envelopes_.forget();
   everything_.forget();
+  happenings_.forget();
   if (!context.best.exists()) return without_plan_;
   if (!context.options.anytime || context.best.by_metric()) context.bound.keep_first_slice_short();
   if (context.options.bound || !context.best.by_metric() || context.bound.may_prove(context.best))

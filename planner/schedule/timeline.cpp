@@ -17,7 +17,7 @@ void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_star
 
 }  // namespace
 
-Touches::Touches(const GroundTask& task)
+Touches::Touches(const GroundTask& task, Continuous continuous)
     : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
   bases_.resize(task.facts.size());
   for (std::size_t f = 0; f < task.facts.size(); ++f)
@@ -63,6 +63,7 @@ Touches::Touches(const GroundTask& task)
     for (const GroundDuration& duration : action.duration)
       read(touches, duration.bound, !duration.at_end, duration.at_end);
     for (const ContinuousEffect& effect : action.continuous) {
+      if (continuous == kPointsOnly) break;
       read(touches, effect.rate, true, true);
       touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown,
             true, true);

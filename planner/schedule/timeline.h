@@ -30,7 +30,11 @@ struct Touch {
 /// Touches of all actions and events.
 class Touches {
  public:
-  explicit Touches(const GroundTask& task);
+  enum Continuous {
+    kOnlyLater,   ///< what changes all along counts as changed at both ends: who reads it comes before or after
+    kPointsOnly,  ///< only what the ends themselves read and change, as validators judge what may share an instant
+  };
+  explicit Touches(const GroundTask& task, Continuous continuous = kOnlyLater);
 
   int keys() const { return keys_; }
   std::span<const Touch> of(int action) const { return actions_[action]; }

@@ -36,18 +36,14 @@ Micros turn(const GroundComparison& comparison, double value, double rate) {
 }  // namespace
 
 ClockSearch::ClockSearch(const GroundTask& task, const Simulator& simulator, const Touches& touches)
-    : task_(task),
-      simulator_(simulator),
-      touches_(touches),
-      loose_(loosened(task, true)),
-      loose_simulator_(loose_),
-      relaxed_(loose_simulator_, true) {
-  int fact = static_cast<int>(task.facts.size());
+    : task_(task), simulator_(simulator), touches_(touches), loose_(task) {
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
-    loose_origin_.push_back(static_cast<int>(a));
-    if (action.durative) loose_origin_.push_back(static_cast<int>(a));
-    loose_running_.push_back(action.durative ? fact++ : -1);
+    const auto reads_length = [&](int c) { return task.comparisons[c].expression.mentions_duration(); };
+    starts_by_length_.push_back(std::ranges::any_of(action.start.comparisons, reads_length) ||
+                                std::ranges::any_of(action.at_start.numbers, [](const NumericEffect& effect) {
+                                  return effect.value.mentions_duration();
+                                }));
     // Where only the way matters in which numbers change, the end is a decision of its own.
     const bool copy = action.stretch > 0 || action.aim >= 0;
     if (!copy || reads_duration(action)) candidates_.push_back(static_cast<int>(a));
@@ -112,6 +108,7 @@ bool ClockSearch::advance(Moment& moment, Micros to) const {
   for (std::size_t n = 0; n < rates.size(); ++n)
     if (rates[n] != 0) {
       numbers[n] = sum(numbers[n], product(rates[n], in_seconds(to - moment.time)));
+      if (std::isnan(numbers[n])) return false;
       changed = true;
     }
   moment.time = to;
@@ -130,6 +127,7 @@ bool ClockSearch::begin(Moment& moment, int index) const {
   if (action.durative) {
     range = simulator_.durations_of_copy(index, moment.state.data());
     if (!range) return false;
+    if (starts_by_length_[index]) range->most = range->least;
     for (bool moved = range->least == range->most; moved;) {  // keep the end clear of ends and events to come
       moved = false;
       const auto keep_clear = [&](Micros other, int by, bool at_end) {
@@ -222,40 +220,14 @@ bool ClockSearch::wait(Moment& moment) const {
   return true;
 }
 
-int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment, ById<char>& preferred) const {
-  PackedState state(static_cast<std::size_t>(loose_simulator_.words()), 0);
-  const auto fact_words = static_cast<std::size_t>(task_.words());
-  std::copy(moment.state.begin(), moment.state.begin() + static_cast<std::ptrdiff_t>(fact_words), state.begin());
-  for (const Running& running : moment.running) {
-    set(state.data(), loose_running_[running.action]);
-    for (const int f : task_.actions[running.action].at_end.add) set(state.data(), f);
+int ClockSearch::estimate(RelaxedHeuristic& heuristic, const Moment& moment) {
+  std::vector<LooseEstimate::Running> running;
+  for (const Running& each : moment.running) {
+    running.push_back({each.action, {}, each.range.least});
+    if (each.is_fixed()) running.back().left = each.last_end() - moment.time;
   }
-  double* numbers = reinterpret_cast<double*>(state.data() + loose_.words());
-  std::copy_n(simulator_.numbers(moment.state.data()), task_.numbers.size(), numbers);
-  preferred.assign(task_.actions.size(), 0);
-  const auto evaluate = [&] {
-    const int found = heuristic.evaluate(state.data(), moment.next_event);
-    for (const int action : heuristic.preferred())
-      if (action >= 0) preferred[loose_origin_[action]] = 1;
-    return found;
-  };
-  int best = evaluate();
-  bool projected = false;
-  for (const Running& running : moment.running) {
-    if (!running.is_fixed()) continue;
-    const GroundAction& action = task_.actions[running.action];
-    const double left = in_seconds(running.last_end() - moment.time), length = in_seconds(running.range.least);
-    for (const ContinuousEffect& effect : action.continuous) {
-      numbers[effect.number] += effect.rate.evaluate(numbers, length) * left;
-      projected = true;
-    }
-    for (const NumericEffect& effect : action.at_end.numbers) {
-      change(numbers[effect.number], effect.kind, effect.value.evaluate(numbers, length));
-      projected = true;
-    }
-  }
-  if (projected) best = std::min(best, evaluate());
-  return best;
+  return loose_.evaluate(heuristic, moment.state.data(), simulator_.numbers(moment.state.data()), moment.next_event,
+                         running);
 }
 
 std::vector<Word> ClockSearch::key(const Moment& moment, bool with_time) const {
@@ -279,14 +251,13 @@ bool ClockSearch::too_late(const Moment& moment, Micros before) const {
 SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& budget,
                            const std::function<bool(const std::vector<ClockStep>&)>& accept) {
   RandomStream random(options.seed, "planner clock search");
-  RelaxedHeuristic heuristic(loose_simulator_, relaxed_);
+  RelaxedHeuristic heuristic = loose_.heuristic();
   std::int64_t reported = 0;
   ById<Moment> moments;
   ById<std::vector<int>> preferred_of;  // by moment
   std::set<std::vector<Word>> known;
   std::size_t words = 0;
   BucketQueue<int> queue;  // of moments
-  ById<char> preferred;
 
   const auto plan_of = [&](const Moment& last) {
     std::vector<ClockStep> steps = last.ended;
@@ -303,15 +274,15 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     std::vector<Word> name = key(made, time_matters);
     const std::size_t size = 2 * name.size() + 20;
     if (!known.insert(std::move(name)).second) return false;
-    if (made.running.empty() && simulator_.is_lasting_goal(made.state.data(), made.next_event, options.late_goal) &&
-        accept(plan_of(made)))
+    if (made.running.empty() && simulator_.is_lasting_goal(made.state.data(), made.next_event) && accept(plan_of(made)))
       return true;
-    const int found = estimate(heuristic, made, preferred);
+    const int found = estimate(heuristic, made);
     budget.spend(Work::kReach, heuristic.work() - reported);
     reported = heuristic.work();
     if (found == RelaxedHeuristic::kDeadEnd) return false;
     queue.push(2 * std::min(found, 1 << 15) + !wanted, static_cast<int>(moments.size()));
     std::vector<int> best;
+    const ById<char>& preferred = loose_.preferred();
     for (std::size_t a = 0; a < preferred.size(); ++a)
       if (preferred[a]) best.push_back(static_cast<int>(a));
     words += size + best.size();

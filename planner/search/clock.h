@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planner/search/lazy_search.h"
+#include "planner/search/loose.h"
 
 namespace cxlab::planner {
 
@@ -72,19 +73,16 @@ class ClockSearch {
     return action < 0 ? touches_.of_event(-2 - action) : touches_.of(action);
   }
 
-  int estimate(RelaxedHeuristic& heuristic, const Moment& moment, ById<char>& preferred) const;
+  int estimate(RelaxedHeuristic& heuristic, const Moment& moment);
   std::vector<Word> key(const Moment& moment, bool with_time) const;
   bool too_late(const Moment& moment, Micros before) const;
 
   const GroundTask& task_;
   const Simulator& simulator_;
   const Touches& touches_;
-  GroundTask loose_;
-  Simulator loose_simulator_;
-  RelaxedTask relaxed_;
+  LooseEstimate loose_;
   std::vector<int> candidates_;  ///< actions that may begin
-  ById<int> loose_origin_;       ///< by action of the relaxed task: the action
-  ById<int> loose_running_;      ///< by action: the fact that it has begun; -1: it has no duration
+  ById<char> starts_by_length_;  ///< by action: its beginning reads how long it lasts, which is then the shortest
 };
 
 }  // namespace cxlab::planner

@@ -162,7 +162,7 @@ SearchEnd LazySearch::run(Budget& budget, Sequence& found) {
   for (;;) {
     if (node >= 0) {
       const int next_event = nodes[node].next_event;
-      if (simulator_.is_lasting_goal(state.data(), next_event, options.late_goal)) {
+      if (simulator_.is_lasting_goal(state.data(), next_event)) {
         found = path(node);
         if (!check_ || check_->accepts_goal(found)) return SearchEnd::kFound;
       }

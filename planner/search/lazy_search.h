@@ -37,7 +37,6 @@ struct LazyOptions {
   std::uint64_t seed = 0;                         ///< 0: actions in their order; else shuffled
   double random_choice = 0;                       ///< probability of taking any state of the queue instead of the first
   double cost_noise = 0;                          ///< actions cost up to this much more, as a share, each by chance
-  bool late_goal = false;                         ///< the goal may come about by events after the last action
   std::size_t most_words = std::size_t{1} << 27;  ///< memory of states, in words of 8 bytes
 };
 

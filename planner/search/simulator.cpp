@@ -276,6 +276,8 @@ bool Simulator::end(int action, Word* state, Micros duration, const Remembered& 
   const double seconds = in_seconds(duration);
   if (!a.continuous.empty()) {
     apply_continuous(a.continuous, mutable_numbers(state), seconds);
+    for (const ContinuousEffect& effect : a.continuous)
+      if (std::isnan(numbers(state)[effect.number])) return false;
     derive(state);
     if (!over_all_holds(action, state, duration)) return false;  // linear in time: both ends decide
   }
@@ -310,10 +312,9 @@ bool Simulator::over_all_holds(int action, const Word* state, Micros duration) c
   return holds(task_.actions[action].over_all, state, in_seconds(duration));
 }
 
-bool Simulator::is_lasting_goal(const Word* state, int next_event, bool late) const {
+bool Simulator::is_lasting_goal(const Word* state, int next_event) const {
   const int events = static_cast<int>(task_.events.size());
   if (next_event == events) return is_goal(state);
-  if (!late && !is_goal(state)) return false;
   PackedState later(state, state + words());
   for (int event = next_event; event < events; ++event) apply_event(event, later.data());
   return is_goal(later.data());
@@ -329,27 +330,7 @@ void Simulator::apply_effects(const GroundEffects& effects, Word* state, double 
 }
 
 void Simulator::derive(Word* state) const {
-  if (task_.axioms.empty()) return;
-  for (const Axiom& axiom : task_.axioms) {
-    reset(state, axiom.head);
-    if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) set(state, opposite);
-  }
-  for (std::size_t f = 0; f < task_.facts.size(); ++f)  // derived, and no axiom is left
-    if (task_.facts[f].derived && task_.facts[f].is_complement && !is_set(state, task_.facts[f].complement))
-      set(state, static_cast<int>(f));
-  for (std::size_t begin = 0, stop = 0; begin < task_.axioms.size(); begin = stop) {
-    while (stop < task_.axioms.size() && task_.axioms[stop].stratum == task_.axioms[begin].stratum) ++stop;
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (std::size_t i = begin; i < stop; ++i) {
-        const Axiom& axiom = task_.axioms[i];
-        if (is_set(state, axiom.head) || !holds(axiom.body, state)) continue;
-        set(state, axiom.head);
-        if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) reset(state, opposite);
-        changed = true;
-      }
-    }
-  }
+  derive(state, [&](const GroundCondition& body) { return holds(body, state); });
 }
 
 }  // namespace cxlab::planner

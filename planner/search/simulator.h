@@ -32,9 +32,9 @@ class Simulator {
 
   bool holds(const GroundCondition& condition, const Word* state, double duration_s = 0) const;
   bool is_goal(const Word* state) const { return holds(task_.goal, state); }
-  /// Whether the goal holds and will after all events from `next_event` on. Validators ask for the latter only
-  /// (`late`), other readers of plans for both.
-  bool is_lasting_goal(const Word* state, int next_event, bool late = false) const;
+  /// Whether the goal holds after all events from `next_event` on: a plan ends with its last step, and what validators
+  /// judge is what the events leave.
+  bool is_lasting_goal(const Word* state, int next_event) const;
 
   /// What must be true for an action to run from beginning to end with nothing beside it; `impossible` if it cannot.
   const GroundCondition& whole_condition(int action) const { return whole_[action].condition; }
@@ -65,6 +65,9 @@ class Simulator {
 
   /// Sets the derived facts.
   void derive(Word* state) const;
+  /// The same where `is_true` judges the conditions of axioms.
+  template <class IsTrue>
+  void derive(Word* state, const IsTrue& is_true) const;
 
  private:
   struct Whole {
@@ -92,5 +95,30 @@ class Simulator {
   int words_ = 0, significant_words_ = 0;
   ById<Whole> whole_;
 };
+
+template <class IsTrue>
+void Simulator::derive(Word* state, const IsTrue& is_true) const {
+  if (task_.axioms.empty()) return;
+  for (const Axiom& axiom : task_.axioms) {
+    reset(state, axiom.head);
+    if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) set(state, opposite);
+  }
+  for (std::size_t f = 0; f < task_.facts.size(); ++f)  // derived, and no axiom is left
+    if (task_.facts[f].derived && task_.facts[f].is_complement && !is_set(state, task_.facts[f].complement))
+      set(state, static_cast<int>(f));
+  for (std::size_t begin = 0, stop = 0; begin < task_.axioms.size(); begin = stop) {
+    while (stop < task_.axioms.size() && task_.axioms[stop].stratum == task_.axioms[begin].stratum) ++stop;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = begin; i < stop; ++i) {
+        const Axiom& axiom = task_.axioms[i];
+        if (is_set(state, axiom.head) || !is_true(axiom.body)) continue;
+        set(state, axiom.head);
+        if (const int opposite = task_.facts[axiom.head].complement; opposite >= 0) reset(state, opposite);
+        changed = true;
+      }
+    }
+  }
+}
 
 }  // namespace cxlab::planner

@@ -23,7 +23,7 @@ bool ClockStrategy::run(const Turn& turn) {
   const SearchEnd end =
       search_->run(context_.search_options(turn.round), before, context_.budget,
                    [this](const std::vector<ClockStep>& steps) { return context_.best.offer(steps); });
-  exhausted_ = context_.is_exhausted(end);
+  exhausted_ = end == SearchEnd::kExhausted;
   return end == SearchEnd::kFound;
 }
 

@@ -39,24 +39,14 @@ void PlanningContext::offer_found(const Sequence& list) {
   best.offer(to_plan(whole.split, ground, whole.space.simulator, list));
 }
 
-void PlanningContext::begin_round(std::uint64_t round) {
-  late_goal_ = has_events() && (early_exhausted_ || round % 2 == 1);
-}
-
 LazyOptions PlanningContext::search_options(std::uint64_t seed) const {
   LazyOptions how;
   how.seed = seed;
-  how.late_goal = late_goal_;
   how.random_choice = seed == 0 ? 0 : kRandomChoice;
   if (seed % 2 == 1) how.cost_noise = kCostNoise;
   const std::size_t searches = has_durations ? 4 : 2;  // that exist at the same time
   how.most_words = options.most_memory_mb * 1024 * 1024 / sizeof(Word) / searches;
   return how;
-}
-
-bool PlanningContext::is_exhausted(SearchEnd end) {
-  if (end == SearchEnd::kExhausted && !late_goal_) early_exhausted_ = true;
-  return end == SearchEnd::kExhausted && (late_goal_ || !has_events());
 }
 
 }  // namespace cxlab::planner

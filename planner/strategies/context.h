@@ -52,18 +52,11 @@ class PlanningContext {
   };
   const PartsList& best_parts() const { return best_parts_; }
 
-  /// Before each round of searches for a first plan: plans after whose last action events bring about the goal are
-  /// accepted in every other round, and in all once no other plan is left.
-  void begin_round(std::uint64_t round);
   LazyOptions search_options(std::uint64_t seed) const;
-  /// Whether a search that ended like that can find nothing more, whether or not events may bring about the goal.
-  bool is_exhausted(SearchEnd end);
 
  private:
   Sequence best_list_;
   PartsList best_parts_;
-  bool late_goal_ = false;        ///< searches accept plans after which events bring about the goal
-  bool early_exhausted_ = false;  ///< a search for other plans has come to its end
 };
 
 }  // namespace cxlab::planner

@@ -54,10 +54,8 @@ bool SequenceSearch::run(const Turn& turn) {
   const bool continues = continues_first(turn) && !context_.best.exists();
   std::unique_ptr<LazySearch> once;
   std::unique_ptr<LazySearch>& search = continues ? first_ : once;
-  if (!search || late_goal_ != how.late_goal) {
+  if (!search)
     search = std::make_unique<LazySearch>(simulator, relaxed, landmarks, simulator.initial(), how, check_.get());
-    if (continues) late_goal_ = how.late_goal;
-  }
   Sequence found;
   SearchEnd end = SearchEnd::kBudget;
   {
@@ -65,7 +63,7 @@ bool SequenceSearch::run(const Turn& turn) {
     end = search->run(context_.budget, found);
   }
   if (end != SearchEnd::kBudget) search.reset();
-  exhausted_ = context_.is_exhausted(end);
+  exhausted_ = end == SearchEnd::kExhausted;
   if (end != SearchEnd::kFound) return false;
   if (cut_ == Cut::kNothing)
     context_.offer_found(found);

@@ -37,7 +37,6 @@ class SequenceSearch {
   std::unique_ptr<SplitSpace> cut_space_;
   std::unique_ptr<PathCheck> check_;   ///< none where every sequence has times
   std::unique_ptr<LazySearch> first_;  ///< continues as long as it looks for the same
-  bool late_goal_ = false;             ///< of `first_`
 };
 
 }  // namespace cxlab::planner

@@ -10,6 +10,9 @@ struct Conclusion {
   std::string reason;
 };
 
+/// Everything was tried, without a plan or a proof.
+inline const Conclusion kNoPlan{PlanStatus::kEnded, "no plan was found by any search; that none exists is not proved"};
+
 /// Looks whether any order of happenings reaches the goal, whatever their times; takes all that is left of the budget.
 /// Without durations and events the searches were the proof.
 Conclusion prove_unsolvable(PlanningContext& context);

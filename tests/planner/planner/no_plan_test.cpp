@@ -163,11 +163,11 @@ TEST(FindPlan, WithoutDurationsOneSearchThroughAllOrdersIsTheProof) {
   EXPECT_EQ(found.reason, "no order of actions reaches the goal");
 }
 
-TEST(FindPlan, EndsWithoutProofWhereOnlyTimesRuleOutPlans) {
+TEST(FindPlan, ProvesThatTimesRuleOutAllPlans) {
   const std::string domain = R"((:predicates (lit) (done))
     (:durative-action flash :parameters () :duration (= ?duration 1) :condition () :effect (and (at start (lit)) (at end (not (lit)))))
     (:durative-action work :parameters () :duration (= ?duration 2) :condition (over all (lit)) :effect (at end (done))))";
-  EXPECT_EQ(answer(parse(domain, "(:init) (:goal (done))")).status, PlanStatus::kEnded);
+  EXPECT_EQ(answer(parse(domain, "(:init) (:goal (done))")).status, PlanStatus::kUnsolvable);
 }
 
 TEST(FindPlan, ReportsThatTheBudgetEnded) {

@@ -1,0 +1,168 @@
+// Small problems in which times decide: a table of problems with what is right, judged by a person. Each has a plan of
+// this makespan, or none, which is proved.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "answers.h"
+#include "planner/validator/validator.h"
+
+namespace cxlab::planner {
+namespace {
+
+struct Row {
+  const char* name;
+  const char* domain;
+  const char* problem;
+  std::optional<double> makespan;  ///< of the best plan; none: there is no plan
+};
+
+void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
+
+constexpr const char* kWalk = R"((:predicates (open) (crossed))
+  (:durative-action cross :parameters () :duration (= ?duration 3) :condition (and (at start (open)) (at end (open)))
+   :effect (at end (crossed))))";
+constexpr const char* kShop = R"((:predicates (open) (done))
+  (:durative-action serve :parameters () :duration (= ?duration 4) :condition (at start (open))
+   :effect (and (at start (not (open))) (at end (open)) (at end (done)))))";
+constexpr const char* kWork = R"((:predicates (free) (open) (a) (b))
+  (:durative-action make-a :parameters () :duration (= ?duration 4) :condition (and (at start (free)) (at end (open)))
+   :effect (and (at start (not (free))) (at end (free)) (at end (a))))
+  (:durative-action make-b :parameters () :duration (= ?duration 4) :condition (and (at start (free)) (at end (open)))
+   :effect (and (at start (not (free))) (at end (free)) (at end (b)))))";
+constexpr const char* kCandles = R"((:predicates (fresh ?c) (light ?c) (read))
+  (:durative-action burn :parameters (?c) :duration (= ?duration 3) :condition (at start (fresh ?c))
+   :effect (and (at start (not (fresh ?c))) (at start (light ?c)) (at end (not (light ?c)))))
+  (:durative-action study :parameters () :duration (= ?duration 7) :condition (over all (exists (?c) (light ?c)))
+   :effect (at end (read))))";
+constexpr const char* kMatch = R"((:predicates (unused ?m) (light) (mended ?f))
+  (:durative-action strike :parameters (?m) :duration (= ?duration 5) :condition (at start (unused ?m))
+   :effect (and (at start (not (unused ?m))) (at start (light)) (at end (not (light)))))
+  (:durative-action mend :parameters (?f) :duration (= ?duration 6) :condition (over all (light)) :effect (at end (mended ?f))))";
+constexpr const char* kCoins = R"((:predicates (bought)) (:functions (coins))
+  (:durative-action insert :parameters () :duration (= ?duration 4) :condition (at start (<= (coins) 2))
+   :effect (at end (increase (coins) 1)))
+  (:durative-action buy :parameters () :duration (= ?duration 3) :condition (at start (>= (coins) 3))
+   :effect (and (at start (decrease (coins) 3)) (at end (bought)))))";
+constexpr const char* kGear = R"((:predicates (there) (low)) (:functions (speed) (way))
+  (:durative-action shift :parameters () :duration (= ?duration 2) :condition (at start (low))
+   :effect (and (at start (not (low))) (at end (scale-up (speed) 3))))
+  (:durative-action drive :parameters () :duration (= ?duration (/ (way) (speed))) :condition () :effect (at end (there))))";
+constexpr const char* kTimer = R"((:predicates (done) (idle)) (:functions (watch))
+  (:durative-action measure :parameters () :duration (= ?duration 6) :condition (and (at start (idle)) (over all (<= (watch) 12)))
+   :effect (and (at start (not (idle))) (at start (assign (watch) 0)) (increase (watch) (* #t 2)) (at end (done)))))";
+
+const Row kRows[] = {
+    {"EventsInTheMiddle", kWalk,
+     "(:init (at 2 (open)) (at 3 (not (open))) (at 5 (open)) (at 6 (not (open)))) (:goal (crossed))", 5.001},
+    {"NoTwoWindowsFit",
+     kWalk,
+     "(:init (at 2 (open)) (at 3 (not (open))) (at 7 (open)) (at 8 (not (open)))) (:goal (crossed))",
+     {}},
+    {"ClosesMeanwhile", kShop, "(:init (at 1 (open)) (at 2 (not (open)))) (:goal (done))", 5.001},
+    {"ClosesBeforeItOpens", kShop, "(:init (at 1 (open)) (at 1.001 (not (open)))) (:goal (done))", {}},
+    {"DeadlineOfBoth", kWork, "(:init (free) (open) (at 9 (not (open)))) (:goal (and (a) (b)))", 8.001},
+    {"DeadlineBeforeTheSum", kWork, "(:init (free) (open) (at 7.5 (not (open)))) (:goal (and (a) (b)))", {}},
+    {"RelayOfThree", kCandles, "(:objects x y z) (:init (fresh x) (fresh y) (fresh z)) (:goal (read))", 7.002},
+    {"RelayOfTwoIsTooShort", kCandles, "(:objects x y) (:init (fresh x) (fresh y)) (:goal (read))", {}},
+    {"NoMatchLastsLongEnough", kMatch, "(:objects m n f) (:init (unused m) (unused n)) (:goal (mended f))", {}},
+    {"OverlappingCopies", kCoins, "(:init (= (coins) 0)) (:goal (bought))", 7.001},
+    {"AFasterGearFirst", kGear, "(:init (low) (= (speed) 1) (= (way) 12)) (:goal (there))", 6.001},
+    {"ANumberOfItsOwn", kTimer, "(:init (idle)) (:goal (and (done) (= (watch) 12)))", 6},
+    {"ANumberOfItsOwnThatGrowsTooFar", kTimer, "(:init (idle)) (:goal (and (done) (= (watch) 13)))", {}},
+    {"TakesAwayWhatItNeeds",
+     R"((:predicates (p) (g))
+  (:durative-action a :parameters () :duration (= ?duration 2) :condition (over all (p)) :effect (and (at start (not (p))) (at end (g))))
+  (:durative-action b :parameters () :duration (= ?duration 1) :condition () :effect (at end (p))))",
+     "(:init (p)) (:goal (g))",
+     {}},
+    {"NoDurationIsAllowed",
+     R"((:predicates (g)) (:functions (x))
+  (:durative-action a :parameters () :duration (and (>= ?duration (x)) (<= ?duration 3)) :condition () :effect (at end (g))))",
+     "(:init (= (x) 4)) (:goal (g))",
+     {}},
+    {"DurationAtEnd", R"((:predicates (g)) (:functions (x))
+  (:durative-action wait :parameters () :duration (at end (= ?duration (x))) :condition () :effect (at end (g)))
+  (:durative-action grow :parameters () :duration (= ?duration 1) :condition () :effect (at end (assign (x) 3))))",
+     "(:init (= (x) 2)) (:goal (g))", 2},
+    {"BothBeginAtOnce", R"((:predicates (a) (b) (ga) (gb))
+  (:durative-action left :parameters () :duration (= ?duration 4) :condition (over all (b)) :effect (and (at start (a)) (at end (ga))))
+  (:durative-action right :parameters () :duration (= ?duration 4) :condition (over all (a)) :effect (and (at start (b)) (at end (gb)))))",
+     "(:init) (:goal (and (ga) (gb)))", 4},
+    {"FillsUpToALine", R"((:predicates (full) (free)) (:functions (level))
+  (:durative-action fill :parameters () :duration (>= ?duration 0) :condition (and (at start (free)) (over all (<= (level) 7)))
+   :effect (and (at start (not (free))) (increase (level) (* #t 2))))
+  (:action check :parameters () :precondition (>= (level) 7) :effect (full)))",
+     "(:init (free) (= (level) 1)) (:goal (full))", 3.001},
+    {"LeaksFasterThanItFills",
+     R"((:predicates (g) (free)) (:functions (level))
+  (:durative-action fill :parameters () :duration (= ?duration 3) :condition (at start (free))
+   :effect (and (at start (not (free))) (at end (free)) (increase (level) (* #t 1)) (at end (assign (level) 0))))
+  (:action check :parameters () :precondition (>= (level) 4) :effect (g)))",
+     "(:init (free) (= (level) 0)) (:goal (g))",
+     {}},
+    {"TheGoalComesByItself", kWalk, "(:init (at 4 (crossed))) (:goal (crossed))", 0},
+    {"ValueFromOutside", R"((:predicates (g)) (:functions (price))
+  (:durative-action buy :parameters () :duration (= ?duration 1) :condition (at start (<= (price) 2)) :effect (at end (g))))",
+     "(:init (= (price) 5) (at 3 (= (price) 2)) (at 4 (= (price) 9))) (:goal (g))", 4.001},
+};
+
+class SmallSpaces : public testing::TestWithParam<Row> {};
+
+TEST_P(SmallSpaces, EndWithTheBestPlanOrAProof) {
+  const Row& row = GetParam();
+  const Task task = parse(row.domain, row.problem);
+  const PlanAnswer found = *find_plan(task, {.budget = 3'000'000, .anytime = true});
+  if (!row.makespan) {
+    EXPECT_EQ(found.status, PlanStatus::kUnsolvable) << found.reason;
+    EXPECT_FALSE(found.plan) << to_text(found.plan->steps, task.domain, task.problem);
+    return;
+  }
+  ASSERT_TRUE(found.plan) << found.reason;
+  EXPECT_NEAR(found.plan->makespan_s, *row.makespan, 0.003) << to_text(found.plan->steps, task.domain, task.problem);
+  EXPECT_LE(found.lower_bound_s, *row.makespan + 1e-6);
+  const Expected<Verdict> verdict = Validator(task.domain, task.problem).check(found.plan->steps);
+  EXPECT_TRUE(verdict && verdict->valid);
+  const PlanAnswer again = *find_plan(task, {.budget = 3'000'000, .anytime = true});
+  EXPECT_EQ(again.units, found.units);
+  EXPECT_EQ(to_text(again.plan->steps, task.domain, task.problem),
+            to_text(found.plan->steps, task.domain, task.problem));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SmallSpaces, testing::ValuesIn(kRows),
+                         [](const testing::TestParamInfo<Row>& row) { return row.param.name; });
+
+TEST(SmallSpaces, ABatteryThatNeverSufficesIsSearchedToItsEnd) {
+  const PlanAnswer found = answer(
+      parse(
+          R"((:types wp) (:predicates (at ?w - wp) (dock ?w - wp) (seen ?w - wp) (road ?a ?b - wp)) (:functions (soc))
+  (:durative-action move :parameters (?a ?b - wp) :duration (= ?duration 10)
+   :condition (and (at start (road ?a ?b)) (at start (at ?a)) (at start (>= (soc) 70)))
+   :effect (and (at start (not (at ?a))) (at start (decrease (soc) 70)) (at end (at ?b))))
+  (:durative-action look :parameters (?a - wp) :duration (= ?duration 5) :condition (over all (at ?a)) :effect (at end (seen ?a)))
+  (:durative-action charge :parameters (?a - wp) :duration (= ?duration 5)
+   :condition (and (over all (at ?a)) (over all (dock ?a)) (at start (<= (soc) 100))) :effect (at end (assign (soc) 100))))",
+          R"((:objects c w1 w2 - wp) (:init (at c) (dock w2) (road c w1) (road w1 c) (road c w2) (road w2 c) (= (soc) 99))
+  (:goal (and (seen w1) (seen w2))))"),
+      {.budget = 3'000'000});
+  EXPECT_FALSE(found.plan);
+  EXPECT_NE(found.status, PlanStatus::kBudget) << found.reason;
+}
+
+TEST(SmallSpaces, MetricsOfProductsAndRatiosGetAsGoodAsTheyCan) {
+  const char* tokens = R"((:predicates (g)) (:functions (left) (a) (b) (c))
+  (:action to-a :parameters () :precondition (>= (left) 1) :effect (and (decrease (left) 1) (increase (a) 1) (g)))
+  (:action to-b :parameters () :precondition (>= (left) 1) :effect (and (decrease (left) 1) (increase (b) 2) (g))))";
+  const auto best = [&](const std::string& metric) {
+    const PlanAnswer found = answer(
+        parse(tokens, "(:init (= (left) 4) (= (a) 1) (= (b) 1) (= (c) 12)) (:goal (g)) (:metric " + metric + ")"),
+        {.budget = 2'000'000, .anytime = true});
+    return found.plan && found.plan->metric ? *found.plan->metric : -1;
+  };
+  EXPECT_DOUBLE_EQ(best("maximize (* (a) (b))"), 15) << "a = 3, b = 5";
+  EXPECT_DOUBLE_EQ(best("minimize (/ (c) (b))"), 12.0 / 9);
+}
+
+}  // namespace
+}  // namespace cxlab::planner
