@@ -9,7 +9,7 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::int64_t kPortion = 1000;     ///< combinations of objects between two looks at the budget
+constexpr std::int64_t kPortion = 20;       ///< combinations of objects between two looks at the budget
 constexpr std::int64_t kGrace = 500'000;    ///< of them, for plans that were found when the budget ended
 constexpr std::int64_t kStatesOfStep = 10;  ///< work of judging a step of a plan, in pieces of Work::kNode
 
