@@ -23,7 +23,7 @@ namespace {
 using lab::ControlClient;
 using Event = ControlClient::Event;
 
-struct Options {
+struct AttachOptions {
   std::string where, token;
   std::vector<std::string> commands;
   bool quiet = false;
@@ -64,7 +64,7 @@ class Script {
   bool ended_ = false;
 };
 
-int play_script(ControlClient& client, const Options& options) {
+int play_script(ControlClient& client, const AttachOptions& options) {
   Script script(client, options.quiet);
   for (const std::string& line : options.commands)
     if (const auto code = script.carry_out(line)) return *code;
@@ -197,7 +197,7 @@ class Terminal {
 };
 Terminal* Terminal::at_work_ = nullptr;
 
-int attach(const Options& options) {
+int attach(const AttachOptions& options) {
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(options.where, ignored);
   const auto address = lab::ControlAddress::parse(
@@ -214,7 +214,7 @@ int attach(const Options& options) {
 }  // namespace
 
 void add_attach(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AttachOptions>();
   CLI::App* command = app.add_subcommand("attach", "A terminal on a run that is played with --control or --break");
   command->add_option("run", options->where, "Folder of the run, its socket, or 127.0.0.1:PORT")->required();
   command->add_option("--token", options->token, "What a run at a port has printed (or $CXLAB_CONTROL_TOKEN)");

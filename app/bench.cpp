@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct BenchOptions {
   std::string suite, out;
   int jobs = 1;
   bool json = false, quiet = false;
 };
 
-int bench(const Options& options) {
+int bench(const BenchOptions& options) {
   auto suite = lab::Suite::load(options.suite);
   if (!suite) return fail(suite.error());
   suite->catalogue = &catalogue();
@@ -46,7 +46,7 @@ int bench(const Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/bench.md)");
   command->footer("Example:\n  cxlab bench benchmarks/rcll.yaml -j 2");
   add_limit_options(*command);

@@ -12,7 +12,7 @@ namespace cxlab::app {
 
 namespace {
 
-struct Options {
+struct DocOptions {
   std::string name;
   lab::PackageOptions packages;
   bool json = false, markdown = false;
@@ -84,7 +84,7 @@ Error unknown(const std::vector<lab::PluginReference>& reference, const std::str
                      (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }
 
-int show_interface(const Options& options, const std::map<std::string, std::string>& packages) {
+int show_interface(const DocOptions& options, const std::map<std::string, std::string>& packages) {
   if (options.markdown) return fail(usage_error("--markdown: an interface is shown as text, or with --json"));
   const std::string& name = options.name;
   auto interfaces = lab::Interfaces::load(packages);
@@ -96,7 +96,7 @@ int show_interface(const Options& options, const std::map<std::string, std::stri
   return 0;
 }
 
-int doc(const Options& options) {
+int doc(const DocOptions& options) {
   // A class of a family (cx::CX<Pkg><Name>Plugin) is made from its name.
   const bool is_class = options.name.starts_with("cx::");
   auto packages = lab::find_packages(options.packages);
@@ -136,7 +136,7 @@ int doc(const Options& options) {
 }  // namespace
 
 void add_doc(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DocOptions>();
   CLI::App* command = app.add_subcommand(
       "doc", "Shows what rules can use: all plugins with their functions and templates, one of them, or an interface");
   command->footer(

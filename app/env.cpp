@@ -12,7 +12,7 @@ namespace cxlab::app {
 
 namespace {
 
-struct Options {
+struct EnvOptions {
   lab::EnvOptions env;
   PlayCommand run;
 };
@@ -23,7 +23,7 @@ std::vector<std::string> companion_names() {
   return names;
 }
 
-int env(const Options& options) {
+int env(const EnvOptions& options) {
   lab::EnvOptions env = options.env;
   if (options.run.play.until) env.until = *options.run.play.until;
   if (options.run.seed) env.seed = options.run.seed;
@@ -45,7 +45,7 @@ int env(const Options& options) {
   return code;
 }
 
-void declare(CLI::App& command, Options& options) {
+void declare(CLI::App& command, EnvOptions& options) {
   command
       .add_option("config", options.env.configs,
                   "Configurations of the CLIPS-Executive (YAML), one environment manager each")
@@ -82,7 +82,7 @@ void declare(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_env(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EnvOptions>();
   CLI::App* command = app.add_subcommand(
       "env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
   command->footer(

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RenderOptions {
   std::string what, size = "960x720", camera;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
@@ -35,7 +35,7 @@ Status check_name(const std::string& out) {
   return usage_error("--out: found '" + out + "', expected a name that ends in .png");
 }
 
-Expected<Scenario> load_scenario(const Options& options) {
+Expected<Scenario> load_scenario(const RenderOptions& options) {
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   const auto file = find_scenario(options.what);
@@ -43,7 +43,7 @@ Expected<Scenario> load_scenario(const Options& options) {
   return Scenario::load(*file, catalogue(), overrides);
 }
 
-Status draw(const Options& options, const lab::Host& host) {
+Status draw(const RenderOptions& options, const lab::Host& host) {
   const bool film = !options.film.video.file.empty();
   if (is_folder(options.what)) {
     if (options.seed || !options.overrides.empty())
@@ -59,7 +59,7 @@ Status draw(const Options& options, const lab::Host& host) {
               : lab::render_scenario(*std::move(scenario), options.picture, host);
 }
 
-int render(Options options) {
+int render(RenderOptions options) {
   lab::RenderOptions& picture = options.picture;
   lab::VideoOptions& video = options.film.video;
   const std::string out = video.file.empty() ? picture.out.string() : video.file;
@@ -82,7 +82,7 @@ int render(Options options) {
 }  // namespace
 
 void add_render(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario");
   add_limit_options(*command);
   suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then"),

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ReplayOptions {
   std::string run;
   bool rules = false, physics = false, trust_programs = false, json = false;
 };
@@ -47,7 +47,7 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
   if (!outcome.first_difference.empty()) std::printf("  first difference: %s\n", outcome.first_difference.c_str());
 }
 
-int replay(const Options& options) {
+int replay(const ReplayOptions& options) {
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   run->options.programs = options.trust_programs;
@@ -89,7 +89,7 @@ int replay(const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Plays a run again from its input log and says whether the hashes agree");
   add_limit_options(*command);

@@ -13,12 +13,12 @@ namespace cxlab::app {
 
 namespace {
 
-struct Options {
+struct RerunOptions {
   std::string run, out;
   bool force = false, json = false, quiet = false, trust_rules = false, trust_programs = false;
 };
 
-int rerun(const Options& options) {
+int rerun(const RerunOptions& options) {
   auto run = lab::RecordedRun::open(options.run, catalogue());
   if (!run) return fail(run.error());
   run->options.programs = options.trust_programs;
@@ -53,7 +53,7 @@ int rerun(const Options& options) {
 }  // namespace
 
 void add_rerun(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RerunOptions>();
   CLI::App* command =
       app.add_subcommand("rerun", "Plays a run again into a new folder and says whether the hashes agree");
   add_limit_options(*command);

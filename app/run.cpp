@@ -13,12 +13,12 @@ namespace cxlab::app {
 
 namespace {
 
-struct Options : PlayCommand {
+struct RunOptions : PlayCommand {
   std::string scenario, tier, video_size = "960x720";
   std::vector<std::string> overrides;
 };
 
-int run(Options options) {
+int run(RunOptions options) {
   read_size(options.video_size, options.play.video.width, options.play.video.height);
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
@@ -49,7 +49,7 @@ int run(Options options) {
   return code;
 }
 
-void declare(CLI::App& command, Options& options) {
+void declare(CLI::App& command, RunOptions& options) {
   suggest(
       command.add_option("scenario", options.scenario,
                          "Scenario: a file (YAML), or the name of one that comes with cxlab (cxlab list scenarios)"),
@@ -76,7 +76,7 @@ void declare(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_run(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Plays a scenario");
   command->footer(
       "Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed "

@@ -23,7 +23,7 @@ namespace {
 using planner::time_text;
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ValidateOptions {
   std::string domain, problem, plan, data;
   planner::ValidateOptions rules;
   bool robust = false;
@@ -76,7 +76,7 @@ void print_json(const planner::Verdict& verdict, const std::optional<planner::Ro
   std::printf("%s\n", json_text(out, 2).c_str());
 }
 
-int validate(const Options& options) {
+int validate(const ValidateOptions& options) {
   const auto data = read_template_data(options.data, options.domain, options.problem);
   if (!data) return fail_planning(data.error());
   const auto task = planner::load_task(options.domain, options.problem, {}, *data);
@@ -138,7 +138,7 @@ double rounded_metric(double metric) {
 std::string metric_text(double metric) { return planner::number_text(rounded_metric(metric)); }
 
 void add_validate(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ValidateOptions>();
   CLI::App* command = app.add_subcommand("validate", "Says whether a plan is right, and what is wrong first");
   command->add_option("domain", options->domain, "PDDL file of the domain")->required();
   command->add_option("problem", options->problem, "PDDL file of the problem")->required();

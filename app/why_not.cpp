@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct WhyNotOptions {
   std::string run, rule;
   std::optional<double> at;
   std::vector<std::string> where;
@@ -118,7 +118,7 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
   return wanted;
 }
 
-int why_not(const Options& options) {
+int why_not(const WhyNotOptions& options) {
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
   auto run = lab::RecordedRun::open(options.run, catalogue());
@@ -143,7 +143,7 @@ int why_not(const Options& options) {
 }  // namespace
 
 void add_why_not(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WhyNotOptions>();
   CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();

@@ -11,12 +11,12 @@ namespace cxlab::lab {
 
 namespace {
 
-std::string seconds(double value) { return general_text(value, 9) + " s"; }
+std::string seconds_text(double value) { return general_text(value, 9) + " s"; }
 
 Status check_end(const std::string& option, double at, SimTime end) {
   if (from_seconds(at) <= end) return {};
-  return usage_error(option + ": there is no picture at " + seconds(at) + ": the run ends at " +
-                     seconds(to_seconds(end)));
+  return usage_error(option + ": there is no picture at " + seconds_text(at) + ": the run ends at " +
+                     seconds_text(to_seconds(end)));
 }
 
 Status draw(const RenderOptions& options, Expected<std::unique_ptr<View>> view) {
@@ -60,7 +60,8 @@ Status play_until(Episode& episode, double end, const Host& host, Look look) {
 
 Status check_span(double from, double to) {
   if (from <= to) return {};
-  return usage_error("--from: found " + seconds(from) + ", which is after the end of the film at " + seconds(to));
+  return usage_error("--from: found " + seconds_text(from) + ", which is after the end of the film at " +
+                     seconds_text(to));
 }
 
 }  // namespace

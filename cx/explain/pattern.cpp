@@ -140,7 +140,7 @@ void add_variables(const std::vector<Constraint>& constraints, std::vector<std::
 }
 
 /// Those that expressions of the constraints name, each once.
-std::vector<std::string> globals_of(const std::vector<Constraint>& constraints) {
+std::vector<std::string> globals_in(const std::vector<Constraint>& constraints) {
   std::vector<std::string> names;
   for (const Constraint& constraint : constraints)
     for (const auto& together : constraint.any_of)
@@ -378,7 +378,7 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
         out += before + ('?' + name) + " = " + value;
         before = ", ";
       }
-    for (const std::string& name : globals_of(constraints))
+    for (const std::string& name : globals_in(constraints))
       if (const auto value = evaluator ? evaluator->global(name) : Expected<Value>(input_error("unknown"))) {
         out += before + ('?' + name) + " = " + value->print();
         before = ", ";

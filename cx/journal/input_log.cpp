@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kMagic = "CXLABIN2";
 constexpr std::size_t kChunkBytes = 32 * 1024, kMostWaiting = 512;  // chunks
-constexpr SimTime kFlushInterval = std::chrono::seconds(10);
+constexpr SimTime kInputFlushInterval = std::chrono::seconds(10);
 
 enum EntryType : std::uint8_t { kTake = 1, kResult = 2, kWorld = 3, kReached = 4 };
 
@@ -189,7 +189,7 @@ void InputLogWriter::reach(SimTime t) {
   if (!status() || !writes_at(t)) return;
   begin(kReached, t);
   (void)flush();
-  flush_due_ = t + std::clamp(t, SimTime{1}, kFlushInterval);
+  flush_due_ = t + std::clamp(t, SimTime{1}, kInputFlushInterval);
 }
 
 void InputLogWriter::end_chunk() {

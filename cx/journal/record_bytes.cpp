@@ -14,7 +14,7 @@ namespace {
 
 using record_data::put;
 
-constexpr int kDeepest = 64;
+constexpr int kDeepestRecord = 64;
 
 enum class ItemType { kBad, kNil, kTruth, kInteger, kUnsigned, kReal, kText, kList, kMap };
 
@@ -160,7 +160,7 @@ struct JsonWriter {
 
   bool value(int depth) {
     const Item item = reader.next();
-    if (depth > kDeepest) return fail("nested too deep");
+    if (depth > kDeepestRecord) return fail("nested too deep");
     switch (item.type) {
       case ItemType::kBad: return fail("cut off, or a byte that starts no value");
       case ItemType::kNil: end = put(end, "null"); break;

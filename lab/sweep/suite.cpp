@@ -78,7 +78,7 @@ std::vector<SuiteGame> read_games(const yaml::Value& value, const fs::path& from
 }
 
 /// Single-quoted YAML.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
   return out + '\'';
@@ -147,7 +147,7 @@ std::vector<Cell> Suite::cells() const {
           Cell& cell =
               out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides, game.name});
           if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
-          if (!games.empty()) cell.overrides.push_back("world.game=" + quoted(game.file.string()));
+          if (!games.empty()) cell.overrides.push_back("world.game=" + in_quotes(game.file.string()));
           cell.overrides.push_back("seed=" + std::to_string(seed));
         }
   return out;

@@ -29,7 +29,7 @@ std::string extreme(const Summary& s, double value) {
   return s.n == 0 ? "-" : out;
 }
 
-Json json(const Summary& s) {
+Json summary_json(const Summary& s) {
   const auto of_any = [&s](double value) { return s.n == 0 ? Json() : Json(value); };
   return {{"n", s.n},
           {"mean", of_any(s.mean)},
@@ -162,11 +162,11 @@ std::string to_json(const std::vector<TableLine>& table) {
     out.push_back({{"scenario", l.scenario},
                    {"strategy", l.strategy},
                    {"episodes", l.episodes},
-                   {"points", json(l.points)},
-                   {"deliveries", json(l.deliveries)},
-                   {"busy", json(l.busy)},
-                   {"real_time_factor", json(l.real_time_factor)},
-                   {"points_against_first", json(l.against_first)},
+                   {"points", summary_json(l.points)},
+                   {"deliveries", summary_json(l.deliveries)},
+                   {"busy", summary_json(l.busy)},
+                   {"real_time_factor", summary_json(l.real_time_factor)},
+                   {"points_against_first", summary_json(l.against_first)},
                    {"errors", std::move(errors)}});
   }
   return json_text(out, 2) + '\n';

@@ -8,7 +8,6 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr PairTime kNever = PairTimes::kNever;
 constexpr std::size_t kMostInOrder = 12;  ///< activities of which all orders are tried
 
 class Sequences {
@@ -70,7 +69,7 @@ class Sequences {
         if (chosen.size() < 2) continue;
         std::int64_t sum = 0, longest = 0;
         for (const int k : chosen) {
-          PairTime next = kNever;
+          PairTime next = PairTimes::kNever;
           for (const int other : chosen)
             if (other != k) next = std::min(next, activities_.apart[k][other]);
           next = std::min(next, PairTimes::kMost);  // it can only be the last
@@ -89,17 +88,17 @@ class Sequences {
     for (;;) {
       const PairTime next = shortest_beyond(group, best_);
       if (next <= best_) return;
-      if (next >= kNever) return;
+      if (next >= PairTimes::kNever) return;
       best_ = next;
       if (budget_.slice_over()) return;
     }
   }
 
-  /// `limit` if some order ends by it, else the least end that an order gave up for; kNever: there is none.
+  /// `limit` if some order ends by it, else the least end that an order gave up for; PairTimes::kNever: there is none.
   PairTime shortest_beyond(const std::vector<int>& group, PairTime limit) {
     const std::size_t n = group.size(), all = (std::size_t{1} << n) - 1;
-    earliest_.assign((all + 1) * n, kNever);
-    PairTime beyond = kNever;
+    earliest_.assign((all + 1) * n, PairTimes::kNever);
+    PairTime beyond = PairTimes::kNever;
     const auto reach = [&](std::size_t set, std::size_t last, PairTime time) {
       const PairTime end = time + activities_.tails[group[last]];
       if (end > limit)
@@ -111,17 +110,17 @@ class Sequences {
     for (std::size_t set = 1; set < all; ++set)
       for (std::size_t last = 0; last < n; ++last) {
         const PairTime time = earliest_[set * n + last];
-        if (time >= kNever) continue;
+        if (time >= PairTimes::kNever) continue;
         for (std::size_t next = 0; next < n; ++next) {
           if ((set >> next) & 1) continue;
           const PairTime gap = activities_.apart[group[last]][group[next]];
-          if (gap < kNever)
+          if (gap < PairTimes::kNever)
             reach(set | (std::size_t{1} << next), next, std::max(time + gap, activities_.heads[group[next]]));
         }
       }
     budget_.spend(Work::kBound, static_cast<std::int64_t>(all * n * n / 16));
     for (std::size_t last = 0; last < n; ++last)
-      if (earliest_[all * n + last] < kNever) return limit;
+      if (earliest_[all * n + last] < PairTimes::kNever) return limit;
     return beyond;
   }
 

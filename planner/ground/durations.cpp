@@ -6,8 +6,8 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::size_t kMostAims = 8;     ///< copies of an action that last until a comparison turns
-constexpr std::int64_t kActionWork = 4;  ///< of a copy, in pieces of Work::kGround
+constexpr std::size_t kMostAims = 8;   ///< copies of an action that last until a comparison turns
+constexpr std::int64_t kCopyWork = 4;  ///< of a copy, in pieces of Work::kGround
 
 /// Comparisons that the length of the action may turn, those of the goal and its own first.
 std::vector<int> aims(const GroundTask& task, const GroundAction& action) {
@@ -49,8 +49,8 @@ void offer_durations(GroundTask& task, Budget& budget) {
       offered.push_back(std::move(action));
       continue;
     }
-    budget.spend(Work::kGround, static_cast<std::int64_t>(task.comparisons.size()) +
-                                    kActionWork * static_cast<std::int64_t>(kMostAims));
+    budget.spend(Work::kGround,
+                 static_cast<std::int64_t>(task.comparisons.size()) + kCopyWork * static_cast<std::int64_t>(kMostAims));
     for (const int aim : aims(task, action)) {
       offered.push_back(action);
       offered.back().aim = aim;

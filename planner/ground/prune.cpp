@@ -10,8 +10,9 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::int64_t kActionWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
-constexpr std::size_t kLooksOfWork = 32;  ///< looks at whether a comparison or an axiom is known already, in one piece
+constexpr std::int64_t kLookWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
+constexpr std::size_t kLooksOfPruning =
+    32;  ///< looks at whether a comparison or an axiom is known already, in one piece
 
 /// Whether an event may bring about a part of the goal.
 bool events_help_goal(const GroundTask& task) {
@@ -78,7 +79,7 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
       for (const int action : adders[f]) take(action);
       if (!task.facts[f].derived) continue;
       const int head = task.facts[f].is_complement ? task.facts[f].complement : f;
-      budget.spend(Work::kGround, static_cast<std::int64_t>(1 + task.axioms.size() / kLooksOfWork));
+      budget.spend(Work::kGround, static_cast<std::int64_t>(1 + task.axioms.size() / kLooksOfPruning));
       for (const Axiom& axiom : task.axioms) {
         if (axiom.head != head) continue;
         facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());
@@ -102,7 +103,7 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
   while (!queue.empty()) {
     const GroundAction& action = task.actions[queue.back()];
     queue.pop_back();
-    budget.spend(Work::kGround, kActionWork);
+    budget.spend(Work::kGround, kLookWork);
     if (budget.over()) return;
     ask(action.start);
     ask(action.over_all);
@@ -125,7 +126,7 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
 void drop_copies(GroundTask& task, Budget& budget) {
   std::vector<std::pair<std::string, std::size_t>> keys;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
-    budget.spend(Work::kGround, kActionWork);
+    budget.spend(Work::kGround, kLookWork);
     if (budget.over()) return;
     const GroundAction& action = task.actions[a];
     if (!action.conditional.empty() || !action.continuous.empty()) continue;
@@ -201,7 +202,7 @@ bool keep_useful(GroundTask& task, Budget& budget) {
   std::erase_if(task.axioms, [&](const Axiom& axiom) { return !relaxation.reaches(axiom.body); });
   drop_irrelevant(task, budget);
   if (budget.over()) return true;
-  budget.spend(Work::kGround, kActionWork * static_cast<std::int64_t>(task.actions.size()));
+  budget.spend(Work::kGround, kLookWork * static_cast<std::int64_t>(task.actions.size()));
   drop_facts(task);
   if (!budget.over()) drop_numbers(task, budget);
   return true;

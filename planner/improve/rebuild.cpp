@@ -7,7 +7,7 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr std::size_t kHistory = 20;
+constexpr std::size_t kRebuildHistory = 20;
 constexpr std::int64_t kSearchUnits = 30'000;  ///< a gap that takes longer to fill is not filled
 
 }  // namespace
@@ -18,7 +18,7 @@ Rebuild::Rebuild(Decoder& decoder, const RelaxedTask& relaxed, std::uint64_t see
 bool Rebuild::start(const Sequence& plan) {
   if (!decoder_.decode(plan, std::numeric_limits<double>::infinity(), current_)) return false;
   best_ = current_;
-  history_.assign(kHistory, current_.cost);
+  history_.assign(kRebuildHistory, current_.cost);
   return true;
 }
 

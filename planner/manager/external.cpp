@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 /// s between happenings that interfere: planners keep them apart by different times.
 constexpr double kLeastSeparation = 0.0001;
-constexpr std::int64_t kMostCombinations = 100'000'000;  ///< of objects, while its plan is judged
+constexpr std::int64_t kMostJudged = 100'000'000;  ///< of objects, while its plan is judged
 
 /// Exit codes of a shell that cannot run a command (POSIX, 2.8.2).
 constexpr int kNotExecutable = 126, kNotFound = 127;
@@ -109,7 +109,7 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
   if (!text) return text.error();
   auto steps = parse_plan(*text, "plan.txt", task.domain, task.problem);
   if (!steps) return steps.error();
-  Meter meter(kMostCombinations);
+  Meter meter(kMostJudged);
   auto verdict = Validator(task.domain, task.problem, &meter).check(*steps, {.epsilon = kLeastSeparation});
   if (!verdict) return verdict.error();
   if (!verdict->valid) {

@@ -15,8 +15,8 @@ namespace {
 
 // What a transport saves of a pick and a place: it looks while it drives the last metre, and checks its grip on the
 // way.
-constexpr double kLookAheadTime = 2.3, kCheckTime = 2.0;  // s
-constexpr double kShortestDrive = 0.4;                    // of the planned time
+constexpr double kLookAheadTime = 2.3, kCheckSeconds = 2.0;  // s
+constexpr double kShortestDrive = 0.4;                       // of the planned time
 
 }  // namespace
 
@@ -126,7 +126,7 @@ SimTime TimedSkills::drawn_duration(SimTime now) {
           ? std::pair(spot == SpotKind::kSlide ? means.place_slide : means.place, config_.place_sigma_s)
           : std::pair(means.discard, config_.discard_sigma_s);
   double duration = durations_.normal(mean, sigma);
-  if (blended_) duration -= std::min(kLookAheadTime, to_seconds(now - begun_)) + (next_ ? kCheckTime : 0);
+  if (blended_) duration -= std::min(kLookAheadTime, to_seconds(now - begun_)) + (next_ ? kCheckSeconds : 0);
   return from_seconds(std::max(config_.shortest_s, duration));
 }
 

@@ -10,7 +10,7 @@ namespace cxlab::cx {
 
 namespace {
 
-constexpr const char* kTemplate = R"((deftemplate tf2-tracked-pose
+constexpr const char* kPoseTemplate = R"((deftemplate tf2-tracked-pose
   (slot parent (type STRING))
   (slot child (type STRING))
   (slot stamp (type FLOAT))
@@ -68,7 +68,7 @@ class Tf2PoseTrackerPlugin final : public Plugin {
     Environment& e = *environment;
     RuleEngine& engine = e.engine();
     if (!engine.has("deftemplate", "tf2-tracked-pose"))
-      if (Status s = engine.build(kTemplate, "cx_tf2_pose_tracker_plugin/tf2-tracked-pose.clp", 1); !s) return s;
+      if (Status s = engine.build(kPoseTemplate, "cx_tf2_pose_tracker_plugin/tf2-tracked-pose.clp", 1); !s) return s;
     auto listener = bus::TransformListener::create(
         e.bus(), e.participant(), [this, &e](const std::string& why) { log(e, LogLevel::kError, why); });
     if (!listener) return listener.error();

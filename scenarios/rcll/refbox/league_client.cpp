@@ -16,10 +16,10 @@ namespace cxlab::rcll {
 
 namespace {
 
-constexpr SimTime kPeriod = std::chrono::seconds(1);           // messages without an answer are sent again
-constexpr SimTime kNotTaken = std::chrono::seconds(10);        // of an instruction
-constexpr int kBroken = 1, kNoMachine = 203, kNotReady = 209;  // errors of instructions
-constexpr std::int64_t kNotSupported = 104;
+constexpr SimTime kPeriod = std::chrono::seconds(1);               // messages without an answer are sent again
+constexpr SimTime kNotTaken = std::chrono::seconds(10);            // of an instruction
+constexpr int kBroken = 1, kNoMachineCode = 203, kNotReady = 209;  // errors of instructions
+constexpr std::int64_t kNotSupportedCode = 104;
 
 /// "C-CS1-SHELF-LEFT": machine and point.
 std::pair<std::string, std::string> split_spot(const std::string& spot) {
@@ -274,7 +274,8 @@ void LeagueClient::take_instruction(const bus::Delivery& delivery) {
   instruction.since = now_;
   instruction.reset = goal.text("operation") == "RESET";
   const auto machine = machines_.find(instruction.machine);
-  if (machine == machines_.end()) return finish(instruction, kNoMachine, "no machine '" + instruction.machine + "'");
+  if (machine == machines_.end())
+    return finish(instruction, kNoMachineCode, "no machine '" + instruction.machine + "'");
   if (!instruction.reset && machine->second != "IDLE")
     return finish(instruction, kNotReady, instruction.machine + " is " + machine->second);
   const bool delivers = instruction.machine.ends_with("DS") || goal.text("operation") == "STORE";
@@ -375,7 +376,7 @@ void LeagueClient::take_goal(Robot& robot, const Skill& skill, const bus::Delive
     const bus::MessageView pose = goal.nested("pose");
     move("", robot.target.empty() ? zone_at(pose.real("x"), pose.real("y")) : robot.target);
   } else {
-    return finish(robot, kNotSupported);
+    return finish(robot, kNotSupportedCode);
   }
   send_part(robot);
 }
