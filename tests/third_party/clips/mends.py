@@ -105,6 +105,103 @@ class Mends(unittest.TestCase):
 (undefrule *)
 """), ["right"])
 
+    def test_value_stays_while_an_expression_around_holds_it(self):
+        self.assertEqual(printed("""
+(defglobal ?*g* = (create$ a 1.25 c))
+(deffunction bind-g (?x) (bind ?*g* (create$ (gensym*) 9.75)) (gensym*) ?x)
+(deffunction pop () (bind ?x (nth$ 1 ?*g*)) (bind ?*g* (rest$ ?*g*)) ?x)
+(printout t "= global " (create$ ?*g* (pop)) (bind-g ?*g*) crlf)
+(bind ?*g* (create$ a 1.25 c))
+(foreach ?v ?*g* (bind-g 1) (printout t "= each " ?v crlf))
+(defclass Q (is-a USER) (role concrete) (multislot m))
+(defmessage-handler Q change () (create$ ?self:m (bind ?self:m (bind-g 2.5)) (dynamic-get m)))
+(make-instance i of Q (m a 1.25 c))
+(printout t "= slot " (create$ (send [i] get-m) (send [i] put-m z) (send [i] change)) crlf)
+(do-for-all-instances ((?i Q)) TRUE (printout t "= query " (create$ ?i:m (unmake-instance ?i) (bind-g 1)) crlf))
+(deftemplate t (multislot m))
+(assert (t (m a 1.25 c)))
+(deffunction gone () (do-for-all-facts ((?f t)) TRUE (retract ?f)) (gensym*) 1)
+(do-for-all-facts ((?f t)) TRUE (printout t "= fact " (create$ ?f:m (gone)) crlf))
+"""), ["each 1.25", "each a", "each c", "fact (a 1.25 c 1)", "global (a 1.25 c a)(1.25 c)", "query (2.5 TRUE 1)",
+            "slot (a 1.25 c z z 2.5 2.5)"])
+
+    def test_delayed_query_gives_what_its_last_action_gave(self):
+        self.assertEqual(printed("""
+(deftemplate t (slot x))
+(assert (t (x 1)) (t (x 2)))
+(printout t "= " (create$ (delayed-do-for-all-facts ((?f t)) TRUE (create$ a 0.5 ?f:x)) (delayed-do-for-all-facts ((?f t)) TRUE (create$ 1.5 ?f:x))) crlf)
+(defclass Q (is-a USER) (role concrete))
+(make-instance i of Q)
+(printout t "= " (delayed-do-for-all-instances ((?i Q)) TRUE (create$ b 0.5)) crlf)
+"""), ["(a 0.5 2 1.5 2)", "(b 0.5)"])
+
+    def test_modify_and_duplicate_say_what_is_wrong(self):
+        said = run("""
+(deftemplate t (slot x) (multislot m))
+(bind ?f (assert (t (x 1) (m a b))))
+(modify ?f (x (progn (retract ?f) 5)))
+(bind ?f (assert (t (x 1) (m a b))))
+(modify ?f (m (progn (retract *) (create$ 5 6))))
+(bind ?f (assert (t (x 1) (m a b))))
+(duplicate ?f (x))
+(duplicate ?f (x (create$ 1 2)))
+(duplicate ?f (m c) (x (progn (retract ?f) 5)))
+(facts)
+""")
+        self.assertEqual(said.returncode, 0)
+        for index in (1, 2):
+            self.assertIn(f"The fact f-{index} has been retracted.", said.stderr)
+        self.assertEqual(said.stderr.count("multifield value into the single field slot 'x'"), 2)
+        self.assertIn("(t (x 5) (m c))", said.stdout)
+
+    def test_functions_with_parsers_are_not_called_by_name(self):
+        calls = ["(sort modify 1 100000000)", "(sort assert 3 1 2)", "(sort switch 3 1 2)", '(funcall "(query-fact)" 1)',
+                 '(funcall "(get-loop-count)" 1)', '(sort (sym-cat "(query-instance)") 3 1)']
+        said = run("\n" + "\n".join(calls) + """
+(deffunction less (?a ?b) (> ?a ?b))
+(printout t (sort less (progn (undeffunction less) 3) 1 2) crlf)
+""")
+        self.assertEqual(said.returncode, 0)
+        self.assertEqual(said.stderr.count("function without specialized parser"), len(calls), said.stderr)
+        self.assertIn("(1 2 3)", said.stdout)
+
+    def test_names_of_colons_alone_are_names_of_nothing(self):
+        said = run("""
+(defclass Q (is-a USER) (role concrete))
+(funcall :: 1)
+(funcall MAIN:: 1)
+(unmake-instance [::])
+(send [::] print)
+(make-instance [MAIN::] of Q)
+""")
+        self.assertEqual(said.returncode, 0)
+        self.assertIn("Invalid module specifier in new instance name.", said.stderr)
+        self.assertEqual(printed("""
+(printout t "= " (instance-existp [::]) (instance-existp [MAIN::]) (instance-existp [::x]) crlf)
+"""), ["FALSEFALSEFALSE"])
+
+    def test_cardinality_is_at_most_a_million(self):
+        for least in (1000001, 2**61, 2**63 - 1):
+            for form in ("(deftemplate r (multislot m (cardinality {} ?VARIABLE)))\n(assert (r))",
+                         "(defclass R (is-a USER) (role concrete) (multislot m (cardinality {} ?VARIABLE)))"):
+                self.assertIn("Minimum 'cardinality' value must be less than", run("\n" + form.format(least) + "\n").stderr)
+
+    def test_call_has_more_than_65535_arguments(self):
+        self.assertEqual(printed("""
+(deffunction long () (bind ?l (create$ 1)) (while (< (length$ ?l) 70000) (bind ?l (create$ ?l ?l))) ?l)
+(deffunction count ($?l) (length$ ?l))
+(printout t "= " (length$ (create$ (expand$ (long)))) " " (count (expand$ (long))) crlf)
+"""), ["131072 131072"])
+
+    def test_pattern_of_an_object_has_more_than_255_fields(self):
+        many = range(300)
+        self.assertEqual(printed(f"""
+(defclass Q (is-a USER) (role concrete) (pattern-match reactive) (multislot m))
+(defrule r (object (is-a Q) (m {" ".join(f"?v{i}" for i in many)})) => (printout t "= " ?v0 " " ?v255 " " ?v256 " " ?v299 crlf))
+(make-instance q of Q (m {" ".join(map(str, many))}))
+(run)
+"""), ["0 255 256 299"])
+
     # These fail under AddressSanitizer alone.
     def test_error_of_a_slot_that_is_there_twice_names_it(self):
         self.assertIn("The 'x' slot for class 'Q' is already specified.", run("""
