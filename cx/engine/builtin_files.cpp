@@ -8,6 +8,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/remedy.h"
+#include "cx/engine/form_reader.h"
 #include "internal/builtins.h"
 
 namespace cxlab {
@@ -83,8 +84,15 @@ void seek_function(Environment* env, UDFContext* context, UDFValue* result) {
 
 void read_file_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
-  if (!arguments(context, args) || !take_path(context, args[0], result, true)) return;
+  if (!arguments(context, args)) return;
+  const std::string named = args[0].lexemeValue->contents;
+  if (!take_path(context, args[0], result, true)) return;
   count_parsed(context, size_of(args[0].lexemeValue->contents));
+  if (UDFContextFunctionName(context) != std::string_view("fetch")) {
+    const auto text = read_file(args[0].lexemeValue->contents);
+    if (const std::string excess = text ? excess_of(*text) : std::string(); !excess.empty())
+      return refuse(context, result, "'" + named + "': " + excess);
+  }
   call_original(context, result, args);
 }
 

@@ -201,8 +201,8 @@ void nested_function(Environment*, UDFContext* context, UDFValue* result) {
   std::vector<UDFValue> args;
   if (!arguments(context, args)) return;
   count_parsed(context, std::strlen(args[0].lexemeValue->contents));
-  if (depth_of(args[0].lexemeValue->contents) > kDeepestForm)
-    return refuse(context, result, "parentheses are nested more than " + std::to_string(kDeepestForm) + " deep");
+  if (const std::string excess = excess_of(args[0].lexemeValue->contents); !excess.empty())
+    return refuse(context, result, excess);
   const Nesting nesting(context, result);
   if (!nesting) return;
   const bool asserts = UDFContextFunctionName(context) == std::string_view("assert-string");

@@ -39,6 +39,15 @@ int router_unread(Environment*, const char*, int character, void* context) noexc
   return character;
 }
 
+/// CLIPS calls it where it would end the process: it has found its data in disorder, and no rule may act any more.
+void router_exit(Environment* env, int, void* context) noexcept {
+  RuleEngine::Impl& impl = *static_cast<RuleEngine::Impl*>(context);
+  if (impl.engine.options().limits == nullptr) return;
+  impl.broken = true;
+  impl.engine.exceed_limits(bug_error("CLIPS found its own data in disorder (the log has its message)"));
+  AbortExit(env);
+}
+
 /// Our own data of an environment: the way back to its engine.
 constexpr unsigned kOwnData = USER_ENVIRONMENT_DATA + 17;
 struct OwnData {
@@ -101,7 +110,7 @@ RuleEngine::~RuleEngine() {
   for (auto& [name, record] : impl_->functions) impl_->show(*record);
   for (auto& record : impl_->replaced_functions) impl_->show(*record);
   if (options_.limits) options_.limits->held -= impl_->counted_memory;
-  DestroyEnvironment(environment_);
+  if (!impl_->broken) DestroyEnvironment(environment_);
 }
 
 RuleEngine* RuleEngine::at_work() { return g_at_work; }
@@ -112,7 +121,7 @@ RuleEngine* RuleEngine::of(Environment* environment) {
 }
 
 void RuleEngine::Impl::install_router() {
-  AddRouter(env, "cxlab", 40, router_query, router_write, router_read, router_unread, nullptr, this);
+  AddRouter(env, "cxlab", 40, router_query, router_write, router_read, router_unread, router_exit, this);
 }
 
 void RuleEngine::Impl::print(const char* logical_name, const char* text) {

@@ -90,16 +90,48 @@ int count_lines(std::string_view text) {
   return lines;
 }
 
+/// How large a form gets while its tokens are added, and where it first gets too large.
+class Extent {
+ public:
+  void add(const Token& token) {
+    if (token.kind == Token::Kind::kConnective) return;
+    if (token.kind == Token::Kind::kClose) {
+      if (!parts_.empty()) parts_.pop_back();
+      return;
+    }
+    if (!parts_.empty() && ++parts_.back() == kWidestForm + 1)
+      exceed("found a form with more than " + std::to_string(kWidestForm) + " parts on one level", token.line);
+    if (token.kind != Token::Kind::kOpen) return;
+    parts_.push_back(0);
+    if (parts_.size() == kDeepestForm + 1)
+      exceed("found parentheses nested more than " + std::to_string(kDeepestForm) + " deep", token.line);
+  }
+
+  /// Lists that are open.
+  std::size_t depth() const { return parts_.size(); }
+
+  struct Excess {
+    std::string what;  ///< empty: none
+    int line = 0;
+  };
+  const Excess& excess() const { return excess_; }
+
+ private:
+  void exceed(std::string what, int line) {
+    if (excess_.what.empty()) excess_ = {std::move(what), line};
+  }
+
+  std::vector<int> parts_;  ///< of each list that is open
+  Excess excess_;
+};
+
 }  // namespace
 
-int depth_of(std::string_view text) {
+std::string excess_of(std::string_view text) {
   Scanner scanner(text, 0, 1);
-  int depth = 0, deepest = 0;
-  for (Token token; scanner.next(token);) {
-    if (token.kind == Token::Kind::kOpen) deepest = std::max(deepest, ++depth);
-    if (token.kind == Token::Kind::kClose) --depth;
-  }
-  return deepest;
+  Extent extent;
+  for (Token token; scanner.next(token);) extent.add(token);
+  return extent.excess().what;
 }
 
 FormReading read_forms(std::string_view text, const std::string& file) {
@@ -124,31 +156,29 @@ FormReading read_forms(std::string_view text, const std::string& file) {
     Form form;
     form.line = token.line;
     form.list = token.kind == Token::Kind::kOpen;
-    int too_deep = 0;  // the line where it gets so
+    Extent extent;
+    extent.add(token);
     bool closed = token.kind != Token::Kind::kString || scanner.last_string_closed();
     int open_string = closed ? 0 : token.line;
     if (!form.list) {
       form.head = token.text;
     } else {
-      int depth = 1;
       std::size_t words = 0;
-      while (depth > 0 && scanner.next(token)) {
-        if (token.kind == Token::Kind::kOpen && ++depth == kDeepestForm + 1) too_deep = token.line;
-        if (token.kind == Token::Kind::kClose) --depth;
+      while (extent.depth() > 0 && scanner.next(token)) {
+        extent.add(token);
         if (token.kind == Token::Kind::kString && !scanner.last_string_closed()) open_string = token.line;
-        if (token.kind == Token::Kind::kWord && depth == 1 && words < 2) {
+        if (token.kind == Token::Kind::kWord && extent.depth() == 1 && words < 2) {
           (words == 0 ? form.head : form.name) = words == 0 ? token.text : without_module(token.text);
           ++words;
         } else {
           words = 2;
         }
       }
-      closed = depth == 0;
+      closed = extent.depth() == 0;
     }
 
-    if (closed && too_deep > 0) {
-      reading.errors.push_back(
-          input_error("found parentheses nested more than " + std::to_string(kDeepestForm) + " deep", file, too_deep));
+    if (closed && !extent.excess().what.empty()) {
+      reading.errors.push_back(input_error(extent.excess().what, file, extent.excess().line));
       continue;
     }
     if (closed) {

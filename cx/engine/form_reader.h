@@ -25,14 +25,16 @@ struct FormReading {
 
 /// Reads forms as the scanner of CLIPS would: `;` comments, strings with `\` escapes, words that end at
 /// `( ) " & | ~ ;` and blanks. A form that is never closed is an error at the line where it begins; reading goes on
-/// at the next line that begins with `(def`. A stray `)`, a zero byte and a form deeper than `kDeepestForm` are errors
-/// and skipped.
+/// at the next line that begins with `(def`. A stray `)`, a zero byte and a form beyond `kDeepestForm` or `kWidestForm`
+/// are errors and skipped.
 FormReading read_forms(std::string_view text, const std::string& file);
 
 /// CLIPS and our own readers use the stack for each level of parentheses.
 inline constexpr int kDeepestForm = 1000;
-/// How deep parentheses are nested in a text, strings and comments apart.
-int depth_of(std::string_view text);
+/// CLIPS counts the parts of a form in 16 bits, and looks for many of them in time with the square of their number.
+inline constexpr int kWidestForm = 30'000;
+/// Why a text that CLIPS is to read as one or more forms is too large for that; empty if it is not.
+std::string excess_of(std::string_view text);
 
 /// `go` of `MAIN::go`.
 inline std::string_view without_module(std::string_view name) {

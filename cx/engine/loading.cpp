@@ -385,6 +385,7 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
   evaluationData& counted = *evaluation_data(environment_);
   if (counted.CurrentExpression != nullptr) counted.Steps += kStepsOfAByte * text.size();  // rules load it
   for (const Form& form : reading.forms) {
+    if (counted.Steps > counted.LookAtStep) impl_->look_at_limits();  // reading takes steps, too
     if (options_.limits != nullptr && options_.limits->exceeded) break;
     add_reading_errors(form.line);
     if ((stopped = collect())) break;

@@ -230,6 +230,7 @@ struct RuleEngine::Impl {
   bool limit_reached = false;
   bool rule_halted = false;
   bool exit_requested = false;
+  bool broken = false;  ///< CLIPS cannot free what is in disorder: the environment stays
   bool anything_left() const;
   void count_firings(std::int64_t most);  ///< anew; from here on a loop ends there, with `limit_reached`
 

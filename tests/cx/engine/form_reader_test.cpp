@@ -95,11 +95,31 @@ TEST(FormReader, AFormThatIsNestedTooDeepIsAnErrorAndSkipped) {
   EXPECT_EQ(deep.errors.front().text(), "f.clp:2: found parentheses nested more than 1000 deep");
 }
 
-TEST(FormReader, DepthIsThatOfParenthesesOutsideOfStringsAndComments) {
-  EXPECT_EQ(depth_of("a b"), 0);
-  EXPECT_EQ(depth_of("(a (b) (c (d)))"), 3);
-  EXPECT_EQ(depth_of("(a \"(((\" ; (((\n (b))"), 2);
-  EXPECT_EQ(depth_of("))) (a)"), 0);
+TEST(FormReader, AFormThatIsTooWideIsAnErrorAndSkipped) {
+  const auto wide = [](int parts) {
+    std::string text = "(a\n(b";
+    for (int i = 1; i < parts; ++i) text += " 1&~2|";
+    return text + " (x)))\n(c)";
+  };
+  EXPECT_EQ(read_forms(wide(kWidestForm / 2), "f.clp").forms.size(), 2U);
+  const FormReading reading = read_forms(wide(kWidestForm / 2 + 2), "f.clp");
+  ASSERT_EQ(reading.forms.size(), 1U);
+  EXPECT_EQ(reading.forms.front().head, "c");
+  ASSERT_EQ(reading.errors.size(), 1U);
+  EXPECT_EQ(reading.errors.front().text(), "f.clp:2: found a form with more than 30000 parts on one level");
+}
+
+TEST(FormReader, ExcessIsThatOfListsOutsideOfStringsAndComments) {
+  const std::string deep(kDeepestForm + 1, '('), wide(2 * kWidestForm + 2, ' ');
+  EXPECT_EQ(excess_of("a b"), "");
+  EXPECT_EQ(excess_of("(a \"" + deep + "\" ; " + deep + "\n (b))"), "");
+  EXPECT_EQ(excess_of(deep.substr(1)), "");
+  EXPECT_EQ(excess_of(deep), "found parentheses nested more than 1000 deep");
+  EXPECT_EQ(excess_of("))) (a)" + wide), "");
+  std::string parts = wide;
+  for (std::size_t i = 0; i < parts.size(); i += 2) parts[i] = 'x';
+  EXPECT_EQ(excess_of(parts), "") << "forms, not parts of one";
+  EXPECT_EQ(excess_of("(a (" + parts + "))"), "found a form with more than 30000 parts on one level");
 }
 
 TEST(FormReader, TokensHaveTheirLineInTheFile) {
