@@ -39,7 +39,7 @@ RUNS = {
 TOLERANCE_S = 0.05
 OFTEN = 20          # an event of an agent that comes more often stands in the list once
 MOST_LINES = 60     # of a diff
-LEFT_OUT = {"facts", "fact", "position"}
+LEFT_OUT = {"facts", "fact", "position", "units"}
 
 
 def what(record):
