@@ -74,8 +74,7 @@ TEST_F(RosParam, NumbersAreConvertedWhereThatIsExact) {
             "error main: [CXLAB1] Function 'ros-param-get-value': parameter 'goal.exact': found '1.5' (a double), the "
             "default wants an integer (" +
                 lab_.options.config.string() + ":7)");
-  EXPECT_THAT(failure("goal.none", "0.0"),
-              HasSubstr("found 'nan', expected a finite number (" + lab_.options.config.string() + ":7)"));
+  EXPECT_EQ(get("goal.none", "0.0"), "nan");
   EXPECT_THAT(failure("goal.big", "0.0"),
               HasSubstr("found '9007199254740993' (an integer), the default wants a double"));
 }
