@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
@@ -29,6 +30,7 @@ int bench(const BenchOptions& options) {
   const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string())
                                               : fs::path(options.out);
   Console console(options.quiet);
+  if (options.quiet) stop_reporting();
   const auto rows = lab::sweep(*suite, {folder, options.jobs}, console.host());
   if (!rows) return fail(rows.error());
   if (const int code = interrupted(std::to_string(rows->size()) + " of " + std::to_string(suite->cells().size()) +

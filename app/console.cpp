@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -16,6 +18,7 @@
 #include <new>
 #include <utility>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "cx/base/number_text.h"
@@ -76,7 +79,76 @@ void end_at_once(int number) {
   _exit(written < 0 ? static_cast<int>(ErrorKind::kResource) : 128 + number);
 }
 
+/// What the program is doing, for a signal handler: nothing here allocates or locks.
+struct Activity {
+  static constexpr std::int64_t kFirst = 3, kMost = 30;  // s
+  std::array<std::array<char, 160>, 2> texts{};
+  std::atomic<int> text = -1;                      ///< the one that holds
+  std::atomic<std::int64_t> done = -1, total = 0;  ///< s of simulated time
+  std::atomic<std::int64_t> said = 0;              ///< when something was printed last, s
+  std::atomic<std::int64_t> wait = kFirst;
+  std::atomic<bool> drawn = false;  ///< a line of progress that is drawn anew
+};
+Activity g_activity;
+Shown g_shown;
+
+std::int64_t seconds_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec;
+}
+
+void has_said() { g_activity.said = seconds_now(); }
+
+void ring_after(std::int64_t seconds) {
+  itimerval timer{};
+  timer.it_value.tv_sec = seconds;
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+/// One line, put together for a signal handler.
+class SignalLine {
+ public:
+  SignalLine& operator<<(const char* text) {
+    while (*text != 0 && size_ < sizeof text_ - 1) text_[size_++] = *text++;
+    return *this;
+  }
+  SignalLine& operator<<(std::int64_t number) {
+    char digits[24];
+    std::size_t n = sizeof digits;
+    digits[--n] = 0;
+    do digits[--n] = static_cast<char>('0' + number % 10);
+    while ((number /= 10) > 0);
+    return *this << digits + n;
+  }
+  void print() {
+    text_[size_++] = '\n';
+    if (write(STDERR_FILENO, text_, size_) < 0) return;
+  }
+
+ private:
+  char text_[512];
+  std::size_t size_ = 0;
+};
+
+void report_activity() {
+  Activity& now = g_activity;
+  if (now.text < 0) return;
+  const std::int64_t silent = seconds_now() - now.said;
+  if (silent < now.wait) return ring_after(now.wait - silent);
+  SignalLine line;
+  if (now.drawn.exchange(false)) line << "\r\033[K";
+  line << "working: " << now.texts[static_cast<std::size_t>(now.text.load())].data();
+  if (now.done >= 0) line << ", at " << now.done << " s of " << now.total << " s";
+  if (const RuleEngine* engine = RuleEngine::at_work())
+    line << "; rules of environment '" << engine->name().c_str() << "' are at work";
+  line.print();
+  now.wait = std::min(2 * now.wait, Activity::kMost);
+  ring_after(now.wait);
+}
+
 void on_alarm(int) {
+  if (g_signal == 0) return report_activity();
   if (g_completing) return ring_in(kToEndOfRules);
   if (!g_stop_now.exchange(true)) return ring_in(kToEndOfRules);
   end_at_once(g_signal);
@@ -120,6 +192,24 @@ void on_no_memory() {
 }
 
 }  // namespace
+
+void doing(std::string_view what) {
+  Activity& now = g_activity;
+  const int next = now.text == 0 ? 1 : 0;
+  auto& text = now.texts[static_cast<std::size_t>(next)];
+  const std::string shown = printable(what);
+  text[shown.copy(text.data(), text.size() - 1)] = 0;
+  if (now.text < 0) {
+    has_said();
+    handle(SIGALRM, on_alarm);
+    ring_after(Activity::kFirst);
+  }
+  now.text = next;
+}
+
+void stop_reporting() { g_activity.text = -1; }
+
+void show_debug_lines(Shown shown) { g_shown = shown; }
 
 void end_at_signals() {
   for (const int number : {SIGINT, SIGTERM}) {
@@ -271,6 +361,7 @@ bool make_answers_printable() {
     const std::string given = std::exchange(cut, "") + std::string(bytes, size);
     cut = given.substr(given.size() - cut_off(given));
     const std::string text = printable(std::string_view(given).substr(0, given.size() - cut.size()));
+    has_said();
     for (std::size_t done = 0; done < text.size();) {
       const ssize_t written = write(STDOUT_FILENO, text.data() + done, text.size() - done);
       if (written < 0 && errno != EINTR) return 0;
@@ -311,10 +402,14 @@ lab::Host Console::host() {
 }
 
 void Console::progress(double done, double total) {
+  if (g_activity.done < 0 && g_activity.text >= 0) doing("playing");
+  g_activity.done = static_cast<std::int64_t>(done);
+  g_activity.total = static_cast<std::int64_t>(total);
   if (quiet_) return;
   const auto now = Clock::now();
   if (now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
   last_ = now;
+  has_said();
   const double wall = std::chrono::duration<double>(now - start_).count();
   const double share = total > 0 ? done / total : 0;
   const double left = share > 0 ? wall / share - wall : 0;
@@ -325,7 +420,7 @@ void Console::progress(double done, double total) {
     std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left", bar.c_str(), clock_text(done).c_str(),
                  clock_text(total).c_str(), done / wall, left);
     std::fflush(stderr);
-    drawn_ = true;
+    drawn_ = g_activity.drawn = true;
   } else {
     std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left\n", clock_text(done).c_str(),
                  clock_text(total).c_str(), done / wall, left);
@@ -334,13 +429,16 @@ void Console::progress(double done, double total) {
 
 void Console::note(std::string_view text) {
   if (quiet_) return;
+  has_said();
   clear();
   std::fprintf(stderr, "%s\n", printable(text).c_str());
 }
 
 void Console::line(const cx::LogLine& line) {
   const bool is_error = line.level == cx::LogLevel::kError;
-  if (quiet_ ? !(is_error && line.of_rules) : line.level == cx::LogLevel::kDebug) return;
+  const bool hidden = line.level == cx::LogLevel::kDebug && !(line.of_rules ? g_shown.others : g_shown.lives);
+  if (quiet_ ? !(is_error && line.of_rules) : hidden) return;
+  has_said();
   clear();
   if (is_error) errors_.emplace(line.text);
   const std::string text = printable(line.text), logger = printable(line.logger);
@@ -354,7 +452,7 @@ void Console::clear() {
   if (!drawn_) return;
   std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
-  drawn_ = false;
+  drawn_ = g_activity.drawn = false;
 }
 
 std::string seconds_text(SimTime t) {

@@ -30,6 +30,7 @@ int env(const EnvOptions& options) {
   auto scenario = lab::env_scenario(env, catalogue());
   if (!scenario) return fail(scenario.error());
   PlayCommand run = options.run;
+  run.lives = true;
   if (!run.play.until && !run.quiet)
     std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", env.until);
   run.play.until.reset();  // it is the scenario's duration

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "lab/report.h"
@@ -37,13 +38,17 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_flag("--sockets", play.sockets,
                    "Programs of this machine reach the ports of agents and nodes; sleeps between ticks");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
+  command.add_flag("-v,--verbose", options.verbose, "Shows the lives of nodes and lines of level debug as well");
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }
 
 Outcome play(const PlayCommand& command, Scenario scenario) {
+  show_debug_lines({.lives = command.lives || command.verbose, .others = command.verbose});
   Console console(command.quiet);
+  if (command.quiet) stop_reporting();
   lab::PlayOptions options = command.play;
   options.command = command_line();
+  if (!command.quiet) doing("loading " + scenario.name);
   auto played = lab::play_scenario(options, std::move(scenario), console.host());
   console.clear();
   if (!played) return {fail(played.error()), {}};
@@ -80,6 +85,7 @@ std::string what_there_is(const lab::Played& played) {
 }  // namespace
 
 int conclude(const lab::Played& played, const Console& console) {
+  if (!console.quiet()) doing("writing the page of the run");
   const Status page = lab::write_report(played);
   const bool failure_printed = console.quiet() && print_rule_errors(played);
   std::size_t shown = 0;  // of files that could not be loaded, while the run went on

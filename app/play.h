@@ -11,7 +11,8 @@ namespace cxlab::app {
 struct PlayCommand {
   lab::PlayOptions play;
   std::optional<std::uint64_t> seed = {};
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, verbose = false;
+  bool lives = false;  ///< the log shows the lives of nodes
 };
 /// Declares the options that all these commands have.
 void declare_play(CLI::App& command, PlayCommand& options);

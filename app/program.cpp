@@ -4,11 +4,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
@@ -67,6 +69,14 @@ void open_standard_streams() {
   std::_Exit(code);
 }
 
+/// Of commands that may take a while by themselves.
+void report_silence_of(const CLI::App& app) {
+  static constexpr std::string_view kLong[] = {"run",    "env",   "test",   "bench",   "plan",
+                                               "replay", "rerun", "render", "why-not", "validate"};
+  for (const CLI::App* command : app.get_subcommands())
+    if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
+}
+
 int run(int argc, char** argv) {
   end_at_signals();
   std::set_terminate(on_terminate);
@@ -114,6 +124,7 @@ int run(int argc, char** argv) {
     return usage_exit(app, e);
   }
   if (Status s = check_values(app); !s) return fail(s.error());
+  report_silence_of(app);
   return with_all_said(action());
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
@@ -25,17 +26,22 @@ int rerun(const RerunOptions& options) {
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   Console console(options.quiet);
+  if (options.quiet) stop_reporting();
   auto again = lab::rerun(*run, {options.out, options.force, command_line(), options.trust_rules}, console.host());
   console.clear();
   if (!again) return fail(again.error());
-  const auto& [played, differ, changed] = *again;
+  const auto& [played, differ, first, changed] = *again;
   const int code = conclude(played, console);
   if (signal_that_came()) return 128 + signal_that_came();
   if (played.result.stream_hashes.empty()) return code;
   if (options.json) {
-    const nlohmann::ordered_json out{
-        {"same", differ.empty()}, {"run", options.run},       {"again", played.folder.string()},
-        {"differ", differ},       {"changed_files", changed}, {"changed_surroundings", run->changed_surroundings()}};
+    const nlohmann::ordered_json out{{"same", differ.empty()},
+                                     {"run", options.run},
+                                     {"again", played.folder.string()},
+                                     {"differ", differ},
+                                     {"first_differences", first},
+                                     {"changed_files", changed},
+                                     {"changed_surroundings", run->changed_surroundings()}};
     std::printf("%s\n", json_text(out, 2).c_str());
   } else if (differ.empty()) {
     std::printf("the same: %zu streams%s; %s\n", run->stream_hashes.size(), run->physics_hash ? " and the physics" : "",
@@ -44,6 +50,7 @@ int rerun(const RerunOptions& options) {
     std::string list;
     for (const std::string& name : differ) list += (list.empty() ? "" : ", ") + name;
     std::printf("different: %s; %s\n", list.c_str(), played.folder.c_str());
+    for (const std::string& what : first) std::printf("  first: %s\n", what.c_str());
     for (const std::string& name : changed) std::printf("  not the file of then: %s\n", name.c_str());
     for (const std::string& what : run->changed_surroundings()) std::printf("  not as then: %s\n", what.c_str());
   }

@@ -18,6 +18,12 @@ struct RunOptions : PlayCommand {
   std::vector<std::string> overrides;
 };
 
+/// Of the page, for a browser; of the folder where a full disk has kept it from being written.
+std::string address_of(const std::filesystem::path& folder) {
+  const auto page = folder / "index.html";
+  return path_exists(page) ? "file://" + std::filesystem::absolute(page).lexically_normal().string() : folder.string();
+}
+
 int run(RunOptions options) {
   read_size(options.video_size, options.play.video.width, options.play.video.height);
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
@@ -39,13 +45,15 @@ int run(RunOptions options) {
       std::printf("interrupted after %s of simulated time; up to then:\n",
                   seconds_text(played.result.sim_time).c_str());
     std::fputs(played.result.score_board.c_str(), stdout);
+    if (!played.result.warnings.empty() || !played.result.rule_errors.empty())
+      std::printf("%zu warnings, %zu errors of rules\n", played.result.warnings.size(),
+                  played.result.rule_errors.size());
   }
   if (!options.quiet && played.result.status == RunStatus::kCompleted && until > duration &&
       to_seconds(played.result.sim_time) >= duration)
     std::fprintf(stderr, "ended after %s, the scenario's duration_s; for longer: --set duration_s=%g\n",
                  seconds_text(played.result.sim_time).c_str(), until);
-  const auto page = played.folder / "index.html";  // on a full disk there is none
-  if (!options.json && !played.folder.empty()) std::printf("%s\n", (path_exists(page) ? page : played.folder).c_str());
+  if (!options.json && !played.folder.empty()) std::printf("%s\n", address_of(played.folder).c_str());
   return code;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
@@ -46,6 +47,21 @@ void print(const PlayedStory& p) {
   for (const std::string& note : p.result.notes) std::printf("  note: %s\n", note.c_str());
 }
 
+/// One by one, so that a person can see which one takes long.
+Status play(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, int jobs, const lab::Host& host) {
+  if (jobs > 1) return lab::play_stories(stories, setup, jobs, host);
+  for (PlayedStory& story : stories) {
+    if (host.stopped()) break;
+    doing("playing story '" + story.spec.name + "' of " + story.spec.file);
+    std::vector<PlayedStory> one;
+    one.push_back(std::move(story));
+    Status played = lab::play_stories(one, setup, 1, host);
+    story = std::move(one.front());
+    if (!played) return played;
+  }
+  return {};
+}
+
 int test(const TestOptions& options) {
   auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
   if (!stories) return fail(stories.error());
@@ -55,8 +71,12 @@ int test(const TestOptions& options) {
   const lab::Host host = console.host();
   const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages),
                                   host.limits()};
-  if (Status s = lab::play_stories(*stories, setup, options.jobs, host); !s) return fail(s.error());
-  if (const int code = interrupted("not all stories were played")) return code;
+  if (Status s = play(*stories, setup, options.jobs, host); !s) return fail(s.error());
+  if (signal_that_came() != 0) {
+    for (const PlayedStory& p : *stories)
+      if (p.wall_s > 0) print(p);  // the last one has what it was stopped in
+    return interrupted("not all stories were played");
+  }
   std::size_t passed = 0;
   bool bad = false;
   nlohmann::json rows = nlohmann::json::array();

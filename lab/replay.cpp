@@ -31,7 +31,17 @@ bool same(const JournalRecord& a, const JournalRecord& b) {
   return a.t == b.t && a.kind == b.kind && a.data == b.data && a.causes == b.causes;
 }
 
-/// Where two journals of a stream part, as far as the recorded one was exported.
+Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const Host& host) {
+  if (Status s = episode.start(); !s) return s;
+  while (run.ticks > 0 && !episode.over() && !host.stopped()) {
+    if (Status s = episode.tick(); !s) return s;
+    host.show(to_seconds(episode.now()), to_seconds(end));
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string first_difference(const std::string& stream, const fs::path& recorded, const fs::path& replayed) {
   const auto then = records_of(stream, recorded), now = records_of(stream, replayed);
   if (!then || !now) return stream + ": " + (then ? now : then).error().text();
@@ -47,17 +57,6 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
          " records that were exported agree; the difference is in records that the run did not export (--journal full "
          "of cxlab run does)";
 }
-
-Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const Host& host) {
-  if (Status s = episode.start(); !s) return s;
-  while (run.ticks > 0 && !episode.over() && !host.stopped()) {
-    if (Status s = episode.tick(); !s) return s;
-    host.show(to_seconds(episode.now()), to_seconds(end));
-  }
-  return {};
-}
-
-}  // namespace
 
 Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   SimTime end = run.sim_time;

@@ -27,4 +27,9 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host = 
 /// kInput if the run has no physics.
 Expected<ReplayOutcome> replay_physics(const RecordedRun& run, const Host& host = {});
 
+/// Where two journals of a stream part, as far as the recorded one was exported: "env/main:12 at 0.500 s: then ..., now
+/// ...".
+std::string first_difference(const std::string& stream, const std::filesystem::path& recorded,
+                             const std::filesystem::path& now);
+
 }  // namespace cxlab::lab

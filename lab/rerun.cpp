@@ -7,6 +7,7 @@
 #include "cx/base/file.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/input_log.h"
+#include "lab/replay.h"
 
 namespace cxlab::lab {
 
@@ -149,6 +150,10 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
   again.played = *std::move(played);
   if (again.played.result.stream_hashes.empty() || host.stopped()) return again;
   again.differ = differences(run, again.played.result);
+  for (const std::string& stream : again.differ)
+    if (stream != "physics")
+      again.first.push_back(
+          first_difference(stream, run.folder / "journal.jsonl", again.played.folder / "journal.jsonl"));
   again.changed_files = changed_files(run.folder, again.played.folder);
   return again;
 }

@@ -22,6 +22,7 @@ struct RerunOptions {
 struct Rerun {
   Played played;
   std::vector<std::string> differ;         ///< streams (and "physics") whose hashes differ
+  std::vector<std::string> first;          ///< of each stream of them its first difference, as far as it was exported
   std::vector<std::string> changed_files;  ///< that the two runs read with another content, or only one of them
 };
 

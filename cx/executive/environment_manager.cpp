@@ -110,7 +110,7 @@ Status EnvironmentManager::check_environment_name(const std::string& name) {
 }
 
 void EnvironmentManager::log_life(std::string_view begin, std::string_view end) {
-  log(LogLevel::kInfo, options_.node, std::string(begin) + " [" + options_.node + ']' + std::string(end));
+  log(LogLevel::kDebug, options_.node, std::string(begin) + " [" + options_.node + ']' + std::string(end));
 }
 
 Status EnvironmentManager::do_configure() {
@@ -313,7 +313,7 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
                                      });
       !s)
     return s.error();
-  log(LogLevel::kInfo, options_.node, "Initialized new CLIPS environment: " + name);
+  log(LogLevel::kDebug, options_.node, "Initialized new CLIPS environment: " + name);
   return environment;
 }
 

@@ -12,7 +12,7 @@ Status EnvironmentManager::load_all(Entry& entry) {
   const std::string list = entry.environment->name() + ".plugins";
   std::vector<std::string> names;
   if (Status s = parameters_.declare(list, names); !s) return s;
-  log(LogLevel::kInfo, options_.node, "Loading plugins for " + entry.environment->name() + '.');
+  log(LogLevel::kDebug, options_.node, "Loading plugins for " + entry.environment->name() + '.');
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(i);
     if (std::find(names.begin(), end, names[i]) != end)
@@ -69,7 +69,7 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
                  [this](LogLevel level, std::string_view logger, std::string_view text) { log(level, logger, text); }});
     if (!plugin) return plugin.error();
     if (Status s = call_plugin(**plugin, "initialize", [&] { return (*plugin)->initialize(); }); !s) return s;
-    log(LogLevel::kInfo, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
+    log(LogLevel::kDebug, options_.node, "Created plugin: " + name + " of type " + class_name + " on activation");
     instances_.push_back({name, *std::move(plugin), 0});
     found = instances_.end() - 1;
   }
@@ -78,7 +78,7 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
       library && std::find(entry.libraries.begin(), entry.libraries.end(), library) == entry.libraries.end())
     entry.libraries.push_back(std::move(library));
   if (plugin.library().empty())
-    log(LogLevel::kInfo, name, "Initializing plugin for environment " + entry.environment->name());
+    log(LogLevel::kDebug, name, "Initializing plugin for environment " + entry.environment->name());
   if (Status s = call_plugin(plugin, "clips_env_init",
                              [&] { return plugin.clips_env_init(EnvironmentGuard(*entry.environment)); });
       !s) {
@@ -101,7 +101,7 @@ void EnvironmentManager::unload(Entry& entry, Plugin& plugin) {
   });
   end_hook(gone);
   entry.environment->engine().remove_functions_of(name);
-  log(LogLevel::kInfo, options_.node, "[" + name + "] Deactivated!");
+  log(LogLevel::kDebug, options_.node, "[" + name + "] Deactivated!");
   std::erase(entry.loaded, &plugin);
   for (Instance& instance : instances_)
     if (instance.plugin.get() == &plugin) --instance.users;

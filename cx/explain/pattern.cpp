@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cx/base/number_text.h"
+#include "cx/explain/names.h"
 
 namespace cxlab::explain {
 
@@ -419,13 +420,61 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
   return out;
 }
 
+namespace {
+
+/// Words that a person may have misspelt as one another.
+std::size_t near_words(const std::vector<Mismatch>& mismatches) {
+  return static_cast<std::size_t>(std::ranges::count_if(mismatches, [](const Mismatch& mismatch) {
+    const std::string expected = mismatch.expected.substr(0, mismatch.expected.find(' '));
+    return !nearest_word(expected, {mismatch.found}).empty();
+  }));
+}
+
+/// The slots of a deftemplate; none for one that CLIPS has made for an ordered fact.
+std::optional<std::vector<std::string>> slots_of(const RuleEngine& engine, const std::string& name) {
+  const ConstructInfo* info = engine.find_construct("deftemplate", name);
+  if (info == nullptr) return std::nullopt;
+  std::vector<std::string> slots;
+  for (const Term& item : tree_of(Form{info->text, info->line, true, info->kind, info->name}).items)
+    if ((item.is_list() && item.items.size() > 1) &&
+        (item.head() == "slot" || item.head() == "multislot" || item.head() == "field" || item.head() == "multifield"))
+      slots.push_back(item.items[1].text);
+  return slots;
+}
+
+}  // namespace
+
+Status check_names(const Pattern& pattern, const RuleEngine& engine) {
+  const std::string& name = pattern.template_name();
+  if (pattern.is_object()) return {};
+  const auto slots = slots_of(engine, name);
+  if (!slots && !engine.has("deftemplate", name)) {
+    std::vector<std::string> known;
+    for (const ConstructInfo& info : engine.constructs())
+      if (info.kind == "deftemplate") known.push_back(info.name);
+    for (const FactCopy& fact : engine.facts()) known.push_back(fact.template_name);
+    return input_error("there is no template '" + name + "'" + did_you_mean(name, known));
+  }
+  for (const std::string& slot : pattern.slot_names()) {
+    if (!slots) return input_error("template '" + name + "' has no slots: its facts are ordered");
+    if (std::ranges::count(*slots, slot) == 0)
+      return input_error("template '" + name + "' has no slot '" + slot + "'" + did_you_mean(slot, *slots));
+  }
+  return {};
+}
+
 Nearest nearest(const Pattern& pattern, std::span<const FactCopy* const> facts, const Bindings& bindings,
                 Evaluator* evaluator) {
   Nearest best;
+  std::size_t most_near = 0;
   for (const FactCopy* fact : facts) {
     if (fact->template_name != pattern.template_name()) continue;
     std::vector<Mismatch> mismatches = pattern.mismatches(*fact, bindings, evaluator);
-    if (!best.fact || mismatches.size() <= best.mismatches.size()) best = {fact, std::move(mismatches)};
+    if (best.fact && mismatches.size() > best.mismatches.size()) continue;
+    const std::size_t near = near_words(mismatches);
+    if (best.fact && mismatches.size() == best.mismatches.size() && near < most_near) continue;
+    best = {fact, std::move(mismatches)};
+    most_near = near;
   }
   return best;
 }

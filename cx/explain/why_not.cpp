@@ -237,6 +237,16 @@ Look::Satisfying satisfying(const Combination& combination) {
 Status keep_those_that_bind(const Wanted& wanted, const ConstructInfo& rule, std::vector<Alternative>& alternatives) {
   std::vector<std::string> all;
   for (const auto& [name, text] : wanted) {
+    for (const Alternative& alternative : alternatives)
+      for (const Condition* condition : alternative.conditions)
+        if (condition->fact_variable == name && condition->kind == Kind::kPattern && !condition->pattern.is_object() &&
+            !text.starts_with("f-")) {
+          std::string values;
+          for (const std::string& bound : condition->pattern.binds()) values += (values.empty() ? "?" : ", ?") + bound;
+          return input_error("?" + name + " of rule '" + rule.name + "' is a fact, as in " + name + "=f-1" +
+                             (values.empty() ? std::string("; its pattern binds none")
+                                             : "; ask for a value that its pattern binds: " + values));
+        }
     std::erase_if(alternatives, [&, &name = name](const Alternative& alternative) {
       const std::vector<std::string> bound = alternative.binds();
       all.insert(all.end(), bound.begin(), bound.end());

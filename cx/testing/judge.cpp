@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "cx/explain/why_not.h"
 #include "cx/yaml/yaml.h"
@@ -71,14 +72,13 @@ std::string judge_fact(const Expectation& e, const Play& play) {
   const std::string no_template = "there is no deftemplate '" + pattern.template_name() + '\'';
   const bool known = play.engine().has("deftemplate", pattern.template_name());
   const auto guess = [&] { return did_you_mean(pattern.template_name(), names_of(play.engine(), "deftemplate")); };
+  if (known)
+    if (Status s = explain::check_names(pattern, play.engine()); !s) return e.text + ": " + s.error().message;
   if (e.kind == Kind::kNoFact) {
     if (found)
       return "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " +
              seconds(found->from);
-    if (others.empty()) return known ? "" : no_template + ", so this says nothing" + guess();
-    for (const std::string& slot : pattern.slot_names())
-      if (!others.back()->slot(slot)) return e.text + ": there is no slot " + slot;
-    return {};
+    return known ? "" : no_template + ", so this says nothing" + guess();
   }
   if (found) return {};
   const std::string expected = "expected fact " + e.text + span(e) + "; ";

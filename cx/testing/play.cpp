@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "cx/base/file.h"
+#include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "cx/plugins/builtin.h"
 
@@ -161,6 +162,8 @@ Status Play::do_step(const Step& step) {
   }
   auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
   if (!pattern) return pattern.error();
+  if (Status s = explain::check_names(*pattern, engine()); !s)
+    return at(step.line, "retract " + step.text + ": " + s.error().message);
   bool any = false;
   for (const FactCopy& fact : engine().facts(pattern->template_name()))
     if (pattern->matches(fact)) any |= engine().retract(fact.index);

@@ -5,6 +5,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
+#include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
 #include "lab/control/debugger.h"
 
@@ -72,6 +73,7 @@ Expected<std::vector<FactCopy>> facts_of(const RuleEngine& engine, const std::st
   }
   auto pattern = explain::Pattern::parse_plain(what, {}, 0);
   if (!pattern) return pattern.error();
+  if (Status s = explain::check_names(*pattern, engine); !s) return s.error();
   std::vector<FactCopy> facts = engine.facts(pattern->template_name());
   std::erase_if(facts, [&](const FactCopy& fact) { return !pattern->matches(fact); });
   return facts;
@@ -351,16 +353,12 @@ Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
     if (!pattern) return {false, pattern.error().text()};
     point.kind = BreakPoint::Kind::kFact;
     point.pattern = *std::move(pattern);
-    const std::string& name = point.pattern->template_name();
-    std::vector<std::string> known;
-    bool found = false;
+    Status names = input_error("there is no environment");
     for (const cx::Environment* e : environments_()) {
-      found = found || e->engine().has("deftemplate", name);
-      const auto names = names_of(e->engine(), "deftemplate");
-      known.insert(known.end(), names.begin(), names.end());
+      if (!names) names = explain::check_names(*point.pattern, e->engine());
       if (holds(point, *e)) point.held.insert(e);
     }
-    if (!found) return {false, "there is no template '" + name + "'" + did_you_mean(name, known)};
+    if (!names) return {false, names.error().message};
     if (once && here_ && point.held.contains(here_)) return {false, "that fact is there already"};
   } else {
     return {false, "found '" + what + "', expected a time in s, rule NAME, or fact (TEMPLATE (SLOT VALUE)...)"};

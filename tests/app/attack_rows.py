@@ -380,7 +380,7 @@ ROWS["hangs"] = [
 """, 4, command=["--set", "max_firings_per_tick=500"]),
     *[prints(f"lookup {kind}", act(f'(printout t "made " (tf2-start-periodic-lookup "a" "b" {rate}) crlf)'))
       for kind, rate in (("0 Hz", "0.0"), ("negative", "-1.0"), ("infinite", "(* 1e308 10)"), ("not a number", "(- (* 1e308 10) (* 1e308 10))"), ("1e12 Hz", "1e12"), ("1e-300 Hz", "1e-300"))],
-    attack("finalize that loops", "(defrule stranger (executive-finalize) => (while TRUE))\n", 4),
+    attack("finalize that loops", "(defrule stranger (executive-finalize) => (while TRUE))\n", 0),
     attack("handlers", "(defclass A (is-a USER))\n(defmessage-handler A f () (send ?self f))\n" + act("(send (make-instance a of A) f)"), 4),
     attack("handlers that branch", "(defclass A (is-a USER))\n(defmessage-handler A f (?n) (if (> ?n 0) then (send ?self f (- ?n 1)) (send ?self f (- ?n 1))))\n" + act("(send (make-instance a of A) f 60)"), 4),
     attack("handler around itself", "(defclass A (is-a USER))\n(defmessage-handler A f around () (send ?self f))\n(defmessage-handler A f () 1)\n" + act("(send (make-instance a of A) f)"), 4),
@@ -393,7 +393,7 @@ ROWS["hangs"] = [
 
 
 def fills(name, rules):
-    return attack("memory of " + name, rules, 5, command=["--memory", "20MB"])
+    return attack("memory of " + name, rules, 5, command=["--memory", "20MB", "--steps", "0"])
 
 
 def forever(actions, first=""):
@@ -465,7 +465,7 @@ ROWS["memory"] = [
 
 
 def writes(name, rules):
-    return attack("disk full of " + name, rules, 5, command=["--disk", "5MB", "--journal", "full"])
+    return attack("disk full of " + name, rules, 5, command=["--disk", "5MB", "--journal", "full", "--steps", "0"])
 
 
 ROWS["disk"] = [

@@ -368,7 +368,7 @@ class Output(Lab):
                     5, "File too large", arguments=["--journal", "full"],
                     preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
                 self.assertEqual((self.result()["status"], self.result()["reason"]["code"]), ("failed", "resource"))
-                self.assertTrue(os.path.exists(done.stdout.splitlines()[-1]), "the page, or the folder where there is none")
+                self.assertTrue(os.path.exists(done.stdout.splitlines()[-1].removeprefix("file://")), "the page, or the folder where there is none")
                 self.assertGreater(len(self.records()), 5)
                 self.assertTrue((self.out / "logs/main.log").read_text().endswith("\n"))
 

@@ -274,7 +274,9 @@ class Blocksworld(unittest.TestCase):
     def cxlab(self, *arguments, expect=0):
         done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder.name, timeout=60)
         self.assertEqual(done.returncode, expect, f"{arguments}\n{done.stdout}\n{done.stderr}")
-        self.assertNotRegex(done.stderr, r"\[(warn|error)\]")
+        # The example replaces a template of the package on purpose.
+        told = [line for line in done.stderr.splitlines() if "overrides.clp:2: deftemplate 'pddl-action' is defined already" not in line]
+        self.assertNotRegex("\n".join(told), r"\[(warn|error)\]")
         return done
 
     def result(self, folder):

@@ -200,7 +200,7 @@ class Output(Lab):
                    "packages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
         done = self.run_it()
         self.assertEqual(done.returncode, 4)
-        self.assertEqual(done.stdout.splitlines(), ["failed after 0.000 s of simulated time", f"{self.out}/index.html"])
+        self.assertEqual(done.stdout.splitlines(), ["failed after 0.000 s of simulated time", f"file://{self.out}/index.html"])
 
     def test_a_picture_that_cannot_be_made_is_code_5(self):
         self.agent("")
@@ -273,7 +273,7 @@ class Signals(Lab):
     def test_a_signal_that_comes_twice_is_one_and_a_later_one_ends_at_once(self):
         self.agent("(deffacts d (go))\n(defrule stranger (go) => (while TRUE do (format nil \"%9999d\" 1)))")
         for pause, said in [(0, "rule stranger: stopped by a signal"), (0.2, "interrupted: by a second signal, wherever it was")]:
-            process = subprocess.Popen([CXLAB, "run", "scenario.yaml", "--out", "out", "--force", "--steps", "0"], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            process = subprocess.Popen([CXLAB, "run", "scenario.yaml", "-v", "--out", "out", "--force", "--steps", "0"], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             for line in process.stderr:
                 if "Created plugin: files" in line:
                     break

@@ -33,7 +33,7 @@ class Memory(Lab):
         for actions in ("(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (assert (x ?i)))", LOOPS["query"],
                         "(bind ?s (create$ a b c d)) (while TRUE (bind ?s (create$ ?s ?s)))",
                         '(bind ?s "abcdefgh") (while TRUE (bind ?s (str-cat ?s ?s)))'):
-            done = self.ends(actions, "--force", "--journal", "full")
+            done = self.ends(actions, "--force", "--journal", "full", "--steps", "0")
             self.assertEqual(done.returncode, 5, actions)
             self.assertRegex(done.stderr, r"rules.clp:1: environment 'main': rule stranger: (rules hold more than 100 MB of "
                                           r"memory|no memory is left)")
@@ -80,7 +80,7 @@ class Signals(Lab):
         for i, (name, actions) in enumerate(LOOPS.items()):
             self.agent("(deffacts known (before))\n(defrule stranger\n  =>\n  " + actions + ")\n")
             number = (signal.SIGINT, signal.SIGTERM)[i % 2]
-            code, seconds = self.stop(number, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force")
+            code, seconds = self.stop(number, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force", "--steps", "0")
             self.assertEqual(code, 128 + number, name + self.errors)
             self.assertLess(seconds, 3, name)  # 1 s where nothing else uses the machine
             self.assertIn("rules.clp:2: environment 'main': rule stranger: stopped by a signal", self.errors, name)

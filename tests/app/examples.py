@@ -27,7 +27,9 @@ MORE = (
     "cxlab run docs/templates/agent_rcll/scenario.yaml --tier timed",
 )
 # An example may be there to show a warning: its file, and what it warns of.
-SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request."}
+OVERRIDES = "overrides.clp:2: deftemplate 'pddl-action' is defined already in "
+SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
+         "docs/examples/blocksworld/params/helpers.yaml": OVERRIDES, "docs/examples/blocksworld/helpers.yaml": OVERRIDES}
 # Another planner's program has to be installed.
 NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
 # Needs a library or a program that is built first: tests/app/own_plugins.py, tests of the template.

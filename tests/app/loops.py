@@ -77,7 +77,6 @@ FINE = {
 LEFT_OUT = {
     "station-clear-base": ("cap-stations.clp", "  (not (job (purpose CLEAR) (station ?name) (step ~PUT&~DONE)))\n"),
     "repair-over": ("repairs.clp", "  (not (command (goal-id ?goal)))\n"),
-    "refbox-subscribe": ("refbox.clp", "  (not (executive-finalize))\n"),
 }
 
 

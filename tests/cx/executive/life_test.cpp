@@ -33,14 +33,15 @@ TEST(Activation, TellsOfEnvironmentsAndPluginsAsCxDoes) {
   ASSERT_TRUE(lab.manager->deactivate().ok());
   EXPECT_THAT(
       lab.log.lines,
-      ElementsAre("info clips_manager: Configuring [clips_manager]...",
-                  "info clips_manager: Initialized new CLIPS environment: main",
-                  "info clips_manager: Configured [clips_manager]!",
-                  "info clips_manager: Activating [clips_manager]...", "info clips_manager: Loading plugins for main.",
-                  "info clips_manager: Created plugin: files of type cx::FileLoadPlugin on activation",
-                  "info files: Initializing plugin for environment main", "info main: run",
-                  "info clips_manager: Activated [clips_manager]...", "info main: end",
-                  "info clips_manager: [files] Deactivated!", "info clips_manager: Deactivated [clips_manager]..."));
+      ElementsAre("debug clips_manager: Configuring [clips_manager]...",
+                  "debug clips_manager: Initialized new CLIPS environment: main",
+                  "debug clips_manager: Configured [clips_manager]!",
+                  "debug clips_manager: Activating [clips_manager]...",
+                  "debug clips_manager: Loading plugins for main.",
+                  "debug clips_manager: Created plugin: files of type cx::FileLoadPlugin on activation",
+                  "debug files: Initializing plugin for environment main", "info main: run",
+                  "debug clips_manager: Activated [clips_manager]...", "info main: end",
+                  "debug clips_manager: [files] Deactivated!", "debug clips_manager: Deactivated [clips_manager]..."));
 }
 
 TEST(Executive, AssertsTheTimeAtItsRateAndTakesItBack) {
@@ -161,9 +162,9 @@ TEST(Deactivation, FinalizesRulesThenTakesPluginsInReverseOrder) {
     if (l.find("Deactivated!") != std::string::npos || l.find("finalized") != std::string::npos) said.push_back(l);
   EXPECT_THAT(
       said,
-      ElementsAre("info main: finalized", "info clips_manager: [files] Deactivated!",
-                  "info clips_manager: [ros_msgs] Deactivated!", "info clips_manager: [config] Deactivated!",
-                  "info clips_manager: [ament_index] Deactivated!", "info clips_manager: [executive] Deactivated!"));
+      ElementsAre("info main: finalized", "debug clips_manager: [files] Deactivated!",
+                  "debug clips_manager: [ros_msgs] Deactivated!", "debug clips_manager: [config] Deactivated!",
+                  "debug clips_manager: [ament_index] Deactivated!", "debug clips_manager: [executive] Deactivated!"));
 }
 
 TEST(Deactivation, ARuleMayAskForIt) {

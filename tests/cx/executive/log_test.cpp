@@ -122,7 +122,7 @@ TEST(Log, NamesTheManagerWhereARunHasSeveral) {
   lab.run_up();
   lab.ticks(1);
   EXPECT_THAT(lab.log.with("hello"), ElementsAre("info cyan/clips_manager/main: hello"));
-  EXPECT_EQ(lab.log.with("info cyan/clips_manager: Initialized new CLIPS environment: main").size(), 1u);
+  EXPECT_EQ(lab.log.with("debug cyan/clips_manager: Initialized new CLIPS environment: main").size(), 1u);
   ASSERT_TRUE(lab.manager->deactivate().ok());
   EXPECT_THAT(Lab::read(lab.folder / "run/logs/cyan_main.log"),
               HasSubstr("[0.000] [cyan/clips_manager/main] [info] hello\n"));

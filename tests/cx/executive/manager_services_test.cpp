@@ -122,7 +122,7 @@ TEST_F(ManagerServices, DestroyEnvUnloadsInReverseWithoutExecutiveFinalize) {
   EXPECT_EQ(lab.manager->find("extra"), nullptr);
   EXPECT_THAT(lab.log.with("finalized"), IsEmpty());
   EXPECT_THAT(lab.log.with("Deactivated!"),
-              ElementsAre("info clips_manager: [files] Deactivated!", "info clips_manager: [one] Deactivated!"));
+              ElementsAre("debug clips_manager: [files] Deactivated!", "debug clips_manager: [one] Deactivated!"));
   EXPECT_EQ(lab.log.with("info extra: cleaned").size(), 1u);
   EXPECT_THAT(hooks(), ElementsAre("one: initialize", "one: init main", "one: init extra", "one: destroyed extra"))
       << "main still has it: no finalize";

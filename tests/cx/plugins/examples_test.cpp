@@ -87,7 +87,7 @@ TEST(Examples, Tf2PoseTracker) {
 
 TEST(Examples, Example) {
   EXPECT_THAT(lines_of("example", 1),
-              IsSupersetOf({"info example: Initializing plugin for environment main", "info main: nothing was to do",
+              IsSupersetOf({"debug example: Initializing plugin for environment main", "info main: nothing was to do",
                             "info example: Destroying plugin for environment main"}));
 }
 

@@ -143,8 +143,8 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
 TEST_F(Unload, Example) {
   run_up("example", "cx::ExamplePlugin", "");
   ASSERT_TRUE(lab_.manager->unload_plugin("main", "example").ok());
-  EXPECT_THAT(lab_.log.with("info example: "), ElementsAre("info example: Initializing plugin for environment main",
-                                                           "info example: Destroying plugin for environment main"));
+  EXPECT_THAT(lab_.log.with(" example: "), ElementsAre("debug example: Initializing plugin for environment main",
+                                                       "info example: Destroying plugin for environment main"));
 }
 
 }  // namespace
