@@ -307,19 +307,9 @@ bool Moments::derive(Step& step) const {
 
 // ---- one step ------------------------------------------------------------------------------------------------------
 
-bool Moments::conflict(int action, bool at_end, int other, bool other_at_end) const {
-  const auto touches = [this](int of) { return of < 0 ? touches_.of_event(-2 - of) : touches_.of(of); };
-  for (const Touch& mine : touches(action))
-    for (const Touch& theirs : touches(other))
-      if (mine.key == theirs.key && Touches::conflict_at_instant(at_end ? mine.at_end : mine.at_start,
-                                                                 other_at_end ? theirs.at_end : theirs.at_start))
-        return true;
-  return false;
-}
-
 bool Moments::keep_clear(Moment& moment, int action, bool at_end, int point) const {
   for (const Moment::Recent& recent : moment.recent)
-    if (conflict(action, at_end, recent.action, recent.at_end) &&
+    if (touches_.conflict_at_instant(action, at_end, recent.action, recent.at_end) &&
         (recent.point == point || !moment.zone.require(recent.point, point, options_.separation)))
       return false;
   return true;

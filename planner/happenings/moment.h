@@ -167,7 +167,6 @@ class Moments {
 
   bool pass_to(Step& step, int point, int ending) const;
   bool keep_clear(Moment& moment, int action, bool at_end, int point) const;
-  bool conflict(int action, bool at_end, int other, bool other_at_end) const;
   bool start(Step& step, const Happening& happening) const;
   bool end(Step& step, const Happening& happening) const;
   bool event(Step& step, const Happening& happening) const;

@@ -84,6 +84,15 @@ Touches::Touches(const GroundTask& task, Continuous continuous)
     for (Touch& touched : touches) touched.meets_events = !events_of_key_[touched.key].empty();
 }
 
+bool Touches::conflict_at_instant(int id, bool at_end, int other, bool other_at_end) const {
+  for (const Touch& mine : of_happening(id))
+    for (const Touch& theirs : of_happening(other))
+      if (mine.key == theirs.key &&
+          conflict_at_instant(at_end ? mine.at_end : mine.at_start, other_at_end ? theirs.at_end : theirs.at_start))
+        return true;
+  return false;
+}
+
 bool Touches::breaks_goal(int event) const {
   for (const Touch& touched : of_event(event))
     for (const Touch& needed : goal_)

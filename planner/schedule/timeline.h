@@ -39,6 +39,8 @@ class Touches {
   int keys() const { return keys_; }
   std::span<const Touch> of(int action) const { return actions_[action]; }
   std::span<const Touch> of_event(int event) const { return events_[event]; }
+  /// Of an action, or of the event e as -2 - e.
+  std::span<const Touch> of_happening(int id) const { return id < 0 ? of_event(-2 - id) : of(id); }
   /// Whether an event makes the goal false.
   bool breaks_goal(int event) const;
   const ById<TimedEvent>& events() const { return task_.events; }
@@ -60,6 +62,8 @@ class Touches {
     constexpr std::uint8_t kPoint = Touch::kRead | Touch::kUp | Touch::kDown;
     return conflict(a & kPoint, b & kPoint);
   }
+  /// Whether these ends of two happenings (ids as for `of_happening`) must not share an instant.
+  bool conflict_at_instant(int id, bool at_end, int other, bool other_at_end) const;
   /// Whether `writer` may make false what `holder` needs.
   static bool violates(std::uint8_t writer, std::uint8_t holder) {
     return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) ||

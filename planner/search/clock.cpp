@@ -50,20 +50,11 @@ ClockSearch::ClockSearch(const GroundTask& task, const Simulator& simulator, con
   }
 }
 
-bool ClockSearch::conflict(int action, bool at_end, int other, bool other_at_end) const {
-  for (const Touch& mine : touches_of(action))
-    for (const Touch& theirs : touches_of(other))
-      if (mine.key == theirs.key && Touches::conflict_at_instant(at_end ? mine.at_end : mine.at_start,
-                                                                 other_at_end ? theirs.at_end : theirs.at_start))
-        return true;
-  return false;
-}
-
 /// The first time from now at which it can happen.
 Micros ClockSearch::clear_of_recent(const Moment& moment, int action, bool at_end) const {
   Micros time = moment.time;
   for (const Recent& recent : moment.recent)
-    if (recent.time + kSeparation > time && conflict(action, at_end, recent.action, recent.at_end))
+    if (recent.time + kSeparation > time && touches_.conflict_at_instant(action, at_end, recent.action, recent.at_end))
       time = recent.time + kSeparation;
   return time;
 }
@@ -131,7 +122,9 @@ bool ClockSearch::begin(Moment& moment, int index) const {
     for (bool moved = range->least == range->most; moved;) {  // keep the end clear of ends and events to come
       moved = false;
       const auto keep_clear = [&](Micros other, int by, bool at_end) {
-        if (std::abs(time + range->least - other) >= kSeparation || !conflict(index, true, by, at_end)) return;
+        if (std::abs(time + range->least - other) >= kSeparation ||
+            !touches_.conflict_at_instant(index, true, by, at_end))
+          return;
         time = other + kSeparation - range->least;
         moved = true;
       };

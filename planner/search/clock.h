@@ -68,10 +68,6 @@ class ClockSearch {
   Micros forced(const Moment& moment) const;
   bool holds_over_all(Moment& moment) const;
   Micros clear_of_recent(const Moment& moment, int action, bool at_end) const;
-  bool conflict(int action, bool at_end, int other, bool other_at_end) const;
-  std::span<const Touch> touches_of(int action) const {
-    return action < 0 ? touches_.of_event(-2 - action) : touches_.of(action);
-  }
 
   int estimate(RelaxedHeuristic& heuristic, const Moment& moment);
   std::vector<Word> key(const Moment& moment, bool with_time) const;
