@@ -24,6 +24,9 @@ inline constexpr std::size_t kWorkKinds = 5;
 /// Units of one piece of work, in thousandths. A unit is about a microsecond of a core of 2020.
 inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2000, 150, 20};
 
+/// Looks at whether a comparison or an axiom is known already, in one piece of Work::kGround.
+inline constexpr std::size_t kLooksOfWork = 32;
+
 /// Units of so many pieces of work.
 constexpr std::int64_t units_of(Work kind, std::int64_t pieces) {
   return pieces * kWorkWeights[static_cast<std::size_t>(kind)] / 1000;

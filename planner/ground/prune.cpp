@@ -11,8 +11,6 @@ namespace cxlab::planner {
 namespace {
 
 constexpr std::int64_t kLookWork = 4;  ///< of looking at all that an action asks and does, in pieces of Work::kGround
-constexpr std::size_t kLooksOfPruning =
-    32;  ///< looks at whether a comparison or an axiom is known already, in one piece
 
 /// Whether an event may bring about a part of the goal.
 bool events_help_goal(const GroundTask& task) {
@@ -79,7 +77,7 @@ void drop_irrelevant(GroundTask& task, Budget& budget) {
       for (const int action : adders[f]) take(action);
       if (!task.facts[f].derived) continue;
       const int head = task.facts[f].is_complement ? task.facts[f].complement : f;
-      budget.spend(Work::kGround, static_cast<std::int64_t>(1 + task.axioms.size() / kLooksOfPruning));
+      budget.spend(Work::kGround, static_cast<std::int64_t>(1 + task.axioms.size() / kLooksOfWork));
       for (const Axiom& axiom : task.axioms) {
         if (axiom.head != head) continue;
         facts.insert(facts.end(), axiom.body.facts.begin(), axiom.body.facts.end());

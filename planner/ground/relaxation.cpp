@@ -5,12 +5,6 @@
 
 namespace cxlab::planner {
 
-namespace {
-
-constexpr std::size_t kLooksOfWork = 32;  ///< looks at whether a comparison or an axiom is known already, in one piece
-
-}  // namespace
-
 Relaxation::Relaxation(const GroundTask& task, Budget& budget, bool any_value)
     : task_(task), budget_(budget), any_value_(any_value), useless_(task.actions.size(), 0) {
   for (bool changed = true; changed && !budget.over();) {  // what can begin but never end is in no plan
