@@ -11,7 +11,6 @@ namespace cxlab::rcll {
 namespace {
 
 constexpr SimTime kGameStatePeriod = std::chrono::seconds(1);
-constexpr SimTime kMachineInfoPeriod = std::chrono::seconds(2);
 constexpr SimTime kRobotInfoPeriod = std::chrono::milliseconds(2500);
 
 /// Those of overtime too, where there is one.
@@ -70,8 +69,8 @@ Status Factory::join() {
   for (auto& channel : channels_)
     if (Status s = channel->open(node_, channel_prefix(channel->team(), channels_.size())); !s) return s;
   if (Status s = game_state_.open(bus_, node_, "/game_state", "GameState", kGameStatePeriod); !s) return s;
-  if (Status s = order_info_.open(bus_, node_, "/order_info", "OrderInfo", kMachineInfoPeriod); !s) return s;
-  if (Status s = ring_info_.open(bus_, node_, "/ring_info", "RingInfo", kMachineInfoPeriod); !s) return s;
+  if (Status s = order_info_.open(bus_, node_, "/order_info", "OrderInfo", kInfoPeriod); !s) return s;
+  if (Status s = ring_info_.open(bus_, node_, "/ring_info", "RingInfo", kInfoPeriod); !s) return s;
   if (Status s = robot_info_.open(bus_, node_, "/robot_info", "RobotInfo", kRobotInfoPeriod); !s) return s;
   return serve_state();
 }

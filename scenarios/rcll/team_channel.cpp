@@ -18,9 +18,6 @@ inline constexpr std::array<std::string_view, 3> kNames<Exploration::Guess>{"NO_
 
 namespace {
 
-constexpr SimTime kPeerInfoPeriod = std::chrono::seconds(2);
-constexpr SimTime kReportPeriod = std::chrono::seconds(1);
-
 void put_light(const bus::MessageView& machine, std::string_view color, sim::Light light) {
   machine.append("lights").set("color", color).set("state", to_string(light));
 }
@@ -76,7 +73,7 @@ Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
   };
   if (Status s = hear("/machine_report", "MachineReport", &TeamChannel::take_report); !s) return s;
   if (Status s = hear("/set_robot_maintenance", "SetRobotMaintenance", &TeamChannel::take_maintenance); !s) return s;
-  if (Status s = machine_info_.open(bus_, node, prefix + "/machine_info", "MachineInfo", kPeerInfoPeriod); !s) return s;
+  if (Status s = machine_info_.open(bus_, node, prefix + "/machine_info", "MachineInfo", kInfoPeriod); !s) return s;
   return report_info_.open(bus_, node, prefix + "/machine_report_info", "MachineReportInfo", kReportPeriod);
 }
 

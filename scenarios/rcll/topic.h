@@ -14,6 +14,9 @@ namespace cxlab::rcll {
 /// The package of the league's messages, with a slash.
 inline constexpr std::string_view kInterfaces = "rcll_interfaces/";
 
+/// How often the field is told of orders, machines, rings and workpieces, and of what teams reported.
+inline constexpr SimTime kInfoPeriod = std::chrono::seconds(2), kReportPeriod = std::chrono::seconds(1);
+
 /// When a message is sent again.
 struct Rate {
   SimTime period{};

@@ -25,7 +25,6 @@
 
 namespace cxlab::rcll {
 
-inline constexpr SimTime kInfoPeriod = std::chrono::seconds(2);  // of orders, machines, rings, workpieces
 inline constexpr SimTime kBurstPeriod = std::chrono::milliseconds(500);
 
 /// What a topic of the bus said last.

@@ -13,7 +13,6 @@
 namespace cxlab::rcll {
 
 namespace {
-constexpr SimTime kTeamReportPeriod = std::chrono::seconds(1);
 constexpr int kMachineBurst = 30;   // MachineInfos at the beginning
 constexpr std::int64_t kStale = 5;  // s
 }  // namespace
@@ -25,7 +24,7 @@ Status TeamPeer::open() {
   const std::string prefix = channel_prefix(team_, context_.teams.size());
   machine_rate_ = {kBurstPeriod, context_.now};
   ring_rate_ = {kInfoPeriod, context_.now};
-  report_rate_ = {kTeamReportPeriod, context_.now};
+  report_rate_ = {kReportPeriod, context_.now};
   if (Status s = context_.hear(prefix + "/machine_info", "MachineInfo", machines_); !s) return s;
   if (Status s = context_.hear(prefix + "/machine_report_info", "MachineReportInfo", reports_); !s) return s;
   auto action = bus::needed_action(context_.bus.registry(), std::string(kInterfaces) + "action/InstructMachine");
