@@ -18,7 +18,7 @@ struct RunOptions : PlayCommand {
   std::vector<std::string> overrides;
 };
 
-/// Of the page, for a browser; of the folder where a full disk has kept it from being written.
+/// Address of the run's page for a browser. The folder, if a full disk kept the page from being written.
 std::string address_of(const std::filesystem::path& folder) {
   const auto page = folder / "index.html";
   return path_exists(page) ? "file://" + std::filesystem::absolute(page).lexically_normal().string() : folder.string();

@@ -76,7 +76,8 @@ bool take_message(int line, std::string& text, Descriptor& descriptor) {
   return true;
 }
 
-/// All but the line and the streams, which lead nowhere: whoever reads them does not wait for the servant.
+/// Closes all descriptors but the line, and leads the standard streams nowhere: their readers then do not wait for the
+/// servant.
 void leave_behind(int line) {
   setsid();
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM}) std::signal(number, SIG_IGN);

@@ -242,7 +242,7 @@ RuleEngine::Impl::Worker busiest(const RuleEngine::Impl::Workers& seen) {
 
 }  // namespace
 
-/// Blames whoever was seen at work most often.
+/// Names the rule or function that was seen at work most often.
 Error RuleEngine::Impl::too_many_steps(std::uint64_t steps, const char* in_what, const Workers& seen) const {
   const Worker worker = seen.empty() ? at_work() : busiest(seen);
   Error error{ErrorKind::kRun, {}, {}, 0, "rule_loop"};

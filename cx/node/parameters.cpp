@@ -48,7 +48,7 @@ Parameter scalar(Parameter::Type type, std::string text, const char* file) {
 
 constexpr const char* kDefault = "default";
 
-/// Of a scalar that is not in quotes; `text` becomes the value as it is kept.
+/// Returns the type of a scalar that is not in quotes; `text` becomes the value as it is kept.
 Parameter::Type type_of_plain(std::string& text) {
   bool truth = false;
   std::int64_t integer = 0;

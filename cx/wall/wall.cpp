@@ -130,7 +130,7 @@ std::vector<fs::path> system_paths() {
   return paths;
 }
 
-// --- The threads that there are already. Landlock confines the thread that asks for it and those that it starts.
+// --- Threads that run already. Landlock confines the thread that asks for it and those that it starts.
 
 constexpr int kSignal = SIGSYS;  // Mesa's threads block all other signals
 std::atomic<int> g_ruleset = -1, g_failed = 0;
@@ -281,7 +281,7 @@ class Filter {
 };
 
 scmp_arg_cmp is(unsigned argument, std::uint64_t value) { return SCMP_CMP(argument, SCMP_CMP_EQ, value, 0); }
-/// Of the low 32 bits: the kernel does not look at others of an int.
+/// Compares the low 32 bits: the kernel ignores the other bits of an int.
 scmp_arg_cmp is_int(unsigned argument, std::uint32_t value) {
   return SCMP_CMP(argument, SCMP_CMP_MASKED_EQ, 0xffffffff, value);
 }

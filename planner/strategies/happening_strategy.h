@@ -23,8 +23,8 @@ class HappeningStrategy {
   /// Everything was looked at, so that no other search could find anything either; except for plans in which more than
   /// a few copies of an action run at once, where any plan is looked for.
   bool has_seen_all() const { return seen_all_; }
-  /// Goes on looking for a proof that there is no plan; none so far. Where there is none, `has_ended_proof` becomes
-  /// true.
+  /// Continues the search for a proof that the problem has no plan. True: proved. `has_ended_proof` becomes true when
+  /// the search has ended.
   bool prove(const Turn& turn);
   bool has_ended_proof() const { return proof_ended_; }
   /// Frees the memory of both searches.
