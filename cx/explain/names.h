@@ -1,10 +1,17 @@
 #pragma once
-// Names in patterns that people write.
+// Names that people write: of constructs, and in patterns.
+
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "cx/base/expected.h"
 #include "cx/explain/pattern.h"
 
 namespace cxlab::explain {
+
+/// Names of constructs of that kind, bare.
+std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind);
 
 /// What a pattern that a person wrote names and the engine does not have, with the nearest name: its template or a
 /// slot.

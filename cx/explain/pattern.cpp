@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "cx/base/number_text.h"
-#include "cx/explain/names.h"
 
 namespace cxlab::explain {
 
@@ -430,38 +429,7 @@ std::size_t near_words(const std::vector<Mismatch>& mismatches) {
   }));
 }
 
-/// The slots of a deftemplate; none for one that CLIPS has made for an ordered fact.
-std::optional<std::vector<std::string>> slots_of(const RuleEngine& engine, const std::string& name) {
-  const ConstructInfo* info = engine.find_construct("deftemplate", name);
-  if (info == nullptr) return std::nullopt;
-  std::vector<std::string> slots;
-  for (const Term& item : tree_of(Form{info->text, info->line, true, info->kind, info->name}).items)
-    if ((item.is_list() && item.items.size() > 1) &&
-        (item.head() == "slot" || item.head() == "multislot" || item.head() == "field" || item.head() == "multifield"))
-      slots.push_back(item.items[1].text);
-  return slots;
-}
-
 }  // namespace
-
-Status check_names(const Pattern& pattern, const RuleEngine& engine) {
-  const std::string& name = pattern.template_name();
-  if (pattern.is_object()) return {};
-  const auto slots = slots_of(engine, name);
-  if (!slots && !engine.has("deftemplate", name)) {
-    std::vector<std::string> known;
-    for (const ConstructInfo& info : engine.constructs())
-      if (info.kind == "deftemplate") known.push_back(info.name);
-    for (const FactCopy& fact : engine.facts()) known.push_back(fact.template_name);
-    return input_error("there is no template '" + name + "'" + did_you_mean(name, known));
-  }
-  for (const std::string& slot : pattern.slot_names()) {
-    if (!slots) return input_error("template '" + name + "' has no slots: its facts are ordered");
-    if (std::ranges::count(*slots, slot) == 0)
-      return input_error("template '" + name + "' has no slot '" + slot + "'" + did_you_mean(slot, *slots));
-  }
-  return {};
-}
 
 Nearest nearest(const Pattern& pattern, std::span<const FactCopy* const> facts, const Bindings& bindings,
                 Evaluator* evaluator) {

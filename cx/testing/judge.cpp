@@ -35,13 +35,6 @@ bool contains_value(const yaml::Value& found, const yaml::Value& wanted) {
   return !a.empty() && !b.empty() && !*a_end && !*b_end && x == y;
 }
 
-std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind) {
-  std::vector<std::string> names;
-  for (const ConstructInfo& c : engine.constructs())
-    if (c.kind == kind) names.push_back(c.name);
-  return names;
-}
-
 std::string span(const Expectation& e) {
   if (e.at) return " at " + seconds(e.until);
   std::string out = e.after > SimTime::zero() ? " after " + seconds(e.after) : "";
@@ -71,7 +64,9 @@ std::string judge_fact(const Expectation& e, const Play& play) {
   }
   const std::string no_template = "there is no deftemplate '" + pattern.template_name() + '\'';
   const bool known = play.engine().has("deftemplate", pattern.template_name());
-  const auto guess = [&] { return did_you_mean(pattern.template_name(), names_of(play.engine(), "deftemplate")); };
+  const auto guess = [&] {
+    return did_you_mean(pattern.template_name(), explain::names_of(play.engine(), "deftemplate"));
+  };
   if (known)
     if (Status s = explain::check_names(pattern, play.engine()); !s) return e.text + ": " + s.error().message;
   if (e.kind == Kind::kNoFact) {
@@ -214,7 +209,7 @@ class ImpossiblePatterns {
 Status check_names(const Play& play) {
   const StorySpec& spec = play.spec();
   std::unique_ptr<ImpossiblePatterns> impossible;
-  const std::vector<std::string> rules = names_of(play.engine(), "defrule");
+  const std::vector<std::string> rules = explain::names_of(play.engine(), "defrule");
   for (const Expectation& e : spec.expect) {
     if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
       auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);

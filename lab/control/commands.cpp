@@ -55,20 +55,13 @@ std::string lines_of(const std::vector<std::string>& lines, const char* none) {
   return text;
 }
 
-/// Names of constructs of that kind, bare.
-std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind) {
-  std::vector<std::string> names;
-  for (const ConstructInfo& info : engine.constructs())
-    if (info.kind == kind) names.push_back(info.name);
-  return names;
-}
-
 /// Facts of a template, those that match a pattern, or all.
 Expected<std::vector<FactCopy>> facts_of(const RuleEngine& engine, const std::string& what) {
   if (what.empty() || what.front() != '(') {
     std::vector<FactCopy> facts = engine.facts(what);
     if (!what.empty() && facts.empty() && !engine.has("deftemplate", what))
-      return input_error("there is no template '" + what + "'" + did_you_mean(what, names_of(engine, "deftemplate")));
+      return input_error("there is no template '" + what + "'" +
+                         did_you_mean(what, explain::names_of(engine, "deftemplate")));
     return facts;
   }
   auto pattern = explain::Pattern::parse_plain(what, {}, 0);
@@ -158,7 +151,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            }
            if (!rest.empty() && lines.empty())
              return input_error("there is no rule '" + rest + "'" +
-                                did_you_mean(rest, names_of(e.engine(), "defrule")));
+                                did_you_mean(rest, explain::names_of(e.engine(), "defrule")));
            return lines_of(lines, "none");
          });
        }},
@@ -176,7 +169,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            const ConstructInfo* rule = e.engine().find_construct("defrule", rest);
            if (!rule)
              return input_error("there is no rule '" + rest + "'" +
-                                did_you_mean(rest, names_of(e.engine(), "defrule")));
+                                did_you_mean(rest, explain::names_of(e.engine(), "defrule")));
            if (const std::string acting = e.engine().acting_call(*rule); !acting.empty())
              return input_error("its conditions call '" + acting +
                                 "', which acts: to look would change the run; cxlab why-not looks when it is over");
