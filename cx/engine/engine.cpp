@@ -144,7 +144,7 @@ int RuleEngine::Impl::read_terminal() {
   const auto read = [] { return Value::integer(std::getchar()); };
   int character = EOF;
   if (engine.options_.trust_rules) {
-    if (engine.options_.on_output) engine.options_.on_output("stdin", "");
+    if (engine.options_.on_reading) engine.options_.on_reading();
     LookOutside* outside = engine.options_.outside;
     character = static_cast<int>((outside != nullptr ? outside->look("terminal", read) : read()).as_integer());
   }

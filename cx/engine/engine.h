@@ -156,6 +156,7 @@ struct EngineOptions {
   bool trust_rules = false;           ///< `system`, `remove`, `rename` act; `read` reads the terminal
   LimitsInUse* limits = nullptr;      ///< may be none
   std::function<void(std::string_view logical_name, std::string_view text)> on_output;  ///< all that rules print
+  std::function<void()> on_reading;  ///< rules are about to read the terminal
 };
 
 /// Owns one CLIPS environment. Single-threaded, pinned in memory; several in one process do not notice each other.

@@ -14,7 +14,7 @@ Environment::Environment(Options options, bus::Bus& bus, Files& files)
       router_(options_.redirect_stdout_to_debug,
               [this](LogLevel level, std::string_view colour, std::string_view logical_name, std::string_view text) {
                 const bool of_rules = logical_name != "stderr";
-                write_line({now(), level, name_in_log(), text, colour, of_rules}, level);
+                write_line({now(), level, name_in_log(), text, colour, of_rules});
                 if (level == LogLevel::kError && of_rules && options_.printed_errors)
                   options_.printed_errors->add(now(), name_in_log(), text);
                 if (options_.topic_logging) options_.publish_line(name(), logical_name, text);
@@ -38,6 +38,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   engine.trust_rules = given.run->trust_rules;
   engine.limits = given.run->limits;
   engine.on_output = [&self](std::string_view name, std::string_view text) { self.router_.write(name, text); };
+  engine.on_reading = [&self] { self.router_.end_line(); };
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
   self.engine_ = std::move(*made);
@@ -178,12 +179,11 @@ Value Environment::look(std::string_view function, const std::function<Value()>&
 
 void Environment::log(LogLevel level, std::string_view logger, std::string_view text) {
   const bool of_rules = RuleEngine::at_work() != nullptr;  // a function that they call has logged it
-  write_line({now(), level, options_.logger_names.in_log(logger), text, {}, of_rules}, level);
+  write_line({now(), level, options_.logger_names.in_log(logger), text, {}, of_rules});
 }
 
-void Environment::write_line(LogLine line, LogLevel level_in_file) {
+void Environment::write_line(const LogLine& line) {
   if (options_.run->log) options_.run->log->line(line);
-  line.level = level_in_file;
   if (options_.log_file) options_.log_file->line(line);
 }
 

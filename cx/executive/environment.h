@@ -143,6 +143,8 @@ class Environment {
   void log(LogLevel level, std::string_view logger, std::string_view text);
   /// A text as if rules printed it.
   void print(std::string_view logical_name, std::string_view text) { router_.write(logical_name, text); }
+  /// Tells a line that was begun as it is.
+  void end_line() { router_.end_line(); }
   /// Whether lines of rules go to the manager's topic, too. Returns what was so before.
   bool set_topic_logging(bool on) { return std::exchange(options_.topic_logging, on); }
   /// Whether the log file could be written (kResource if not).
@@ -157,7 +159,7 @@ class Environment {
   bool stops() const { return options_.run->control != nullptr || options_.run->control_log != nullptr; }
   std::optional<ControlAct> next_act() const;
   Status stop_at(ControlPlace place);
-  void write_line(LogLine line, LogLevel level_in_file);
+  void write_line(const LogLine& line);
   Error loop_error(const std::string& what) const;
 
   Options options_;

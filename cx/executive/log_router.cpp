@@ -39,8 +39,6 @@ LogicalName find(std::string_view name) {
 }  // namespace
 
 void LogRouter::write(std::string_view logical_name, std::string_view text) {
-  // The terminal is about to be read, or the environment ends: a line that was begun is told as it is.
-  if (logical_name == "stdin" && text.empty()) return buffer_.empty() ? void() : write("stdout", "\n");
   while (true) {
     const std::size_t end = text.find('\n');
     buffer_ += text.substr(0, end);

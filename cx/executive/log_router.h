@@ -19,6 +19,10 @@ class LogRouter {
   LogRouter(bool redirect_stdout_to_debug, Emit emit) : redirect_(redirect_stdout_to_debug), emit_(std::move(emit)) {}
 
   void write(std::string_view logical_name, std::string_view text);
+  /// Tells a line that was begun as it is, as if stdout ended it.
+  void end_line() {
+    if (!buffer_.empty()) write("stdout", "\n");
+  }
 
  private:
   bool redirect_;

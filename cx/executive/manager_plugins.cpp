@@ -111,7 +111,7 @@ void EnvironmentManager::end(Entry& entry) {
   entry.environment->end();
   if (entry.environment->was_controlled()) deterministic_ = false;
   while (!entry.loaded.empty()) unload(entry, *entry.loaded.back());
-  entry.environment->print("stdin", "");  // a line that was begun is told as it is
+  entry.environment->end_line();
 }
 
 void EnvironmentManager::finalize_unused() {
