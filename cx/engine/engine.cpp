@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <new>
+#include <vector>
 
 #include "cx/base/remedy.h"
 #include "cx/engine/version.h"
@@ -46,6 +48,14 @@ void router_exit(Environment* env, int, void* context) noexcept {
   impl.broken = true;
   impl.engine.exceed_limits(bug_error("CLIPS found its own data in disorder (the log has its message)"));
   AbortExit(env);
+}
+
+/// Keeps an environment whose data is in disorder until the process ends: to destroy it would follow broken pointers.
+void keep_broken(Environment* environment) {
+  static std::mutex mutex;
+  static std::vector<Environment*>& kept = *new std::vector<Environment*>;
+  const std::scoped_lock lock(mutex);
+  kept.push_back(environment);
 }
 
 /// Our own data of an environment: the way back to its engine.
@@ -110,7 +120,10 @@ RuleEngine::~RuleEngine() {
   for (auto& [name, record] : impl_->functions) impl_->show(*record);
   for (auto& record : impl_->replaced_functions) impl_->show(*record);
   if (options_.limits) options_.limits->held -= impl_->counted_memory;
-  if (!impl_->broken) DestroyEnvironment(environment_);
+  if (impl_->broken)
+    keep_broken(environment_);
+  else
+    DestroyEnvironment(environment_);
 }
 
 RuleEngine* RuleEngine::at_work() { return g_at_work; }
