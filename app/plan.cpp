@@ -192,7 +192,8 @@ int run(const PlanCommand& command) {
                                   std::chrono::duration<double>(std::min(*command.timeout_s, kLongestTimeout)));
   const Expected<std::string> data = read_template_data(command.data, command.domain, command.problem);
   if (!data) return fail_planning(data.error());
-  const Expected<planner::Task> task = planner::load_task(command.domain, command.problem, deadline, *data);
+  const Expected<planner::Task> task =
+      planner::load_task(command.domain, command.problem, {.deadline = deadline, .data = *data});
   if (!task && is(task.error(), planner::Failure::kLate)) {
     planner::PlanAnswer answer;
     answer.status = PlanStatus::kBudget;

@@ -79,7 +79,7 @@ void print_json(const planner::Verdict& verdict, const std::optional<planner::Ro
 int validate(const ValidateOptions& options) {
   const auto data = read_template_data(options.data, options.domain, options.problem);
   if (!data) return fail_planning(data.error());
-  const auto task = planner::load_task(options.domain, options.problem, {}, *data);
+  const auto task = planner::load_task(options.domain, options.problem, {.data = *data});
   if (!task) return fail_planning(task.error());
   const auto text = read_file(options.plan);
   if (!text) return fail_planning(text.error());

@@ -28,17 +28,16 @@ bool is_template(std::string_view text) {
   return text.find("{{") != text.npos || text.find("{%") != text.npos || text.find("{#") != text.npos;
 }
 
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline,
-                         const std::string& data) {
-  const auto domain_text = read_source(domain_file, data);
+Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const LoadOptions& options) {
+  const auto domain_text = read_source(domain_file, options.data);
   if (!domain_text) return domain_text.error();
-  const auto problem_text = read_source(problem_file, data);
+  const auto problem_text = read_source(problem_file, options.data);
   if (!problem_text) return problem_text.error();
   auto domain = parse_domain(domain_text->first, domain_text->second);
   if (!domain) return domain.error();
-  auto problem = parse_problem(problem_text->first, problem_text->second, *domain, deadline);
+  auto problem = parse_problem(problem_text->first, problem_text->second, *domain, options.deadline);
   if (!problem) return problem.error();
-  if (!problem->has_goal)
+  if (options.needs_goal && !problem->has_goal)
     return input_error("found no :goal, expected (:goal CONDITION); (:goal (and)) always holds", problem_text->second);
   return Task{std::move(*domain), std::move(*problem)};
 }

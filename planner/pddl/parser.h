@@ -23,10 +23,15 @@ bool is_template(std::string_view text);
 /// Behind the name of a file in errors that count the lines of what came out of a template.
 inline constexpr const char* kRendered = " (rendered)";
 
+struct LoadOptions {
+  Deadline deadline = {};
+  std::string data = "{}";  ///< a JSON object: what templates see by name
+  bool needs_goal = true;   ///< a problem without a goal is an error
+};
+
 /// Reads and parses both files. A template is rendered first, with its folder as the place of all that it names, and
-/// errors then count the lines of what came out, as `FILE (rendered)`. `data` is a JSON object: what the templates see
-/// by name. Fails if the problem has no goal.
-Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file, const Deadline& deadline = {},
-                         const std::string& data = "{}");
+/// errors then count the lines of what came out, as `FILE (rendered)`.
+Expected<Task> load_task(const std::string& domain_file, const std::string& problem_file,
+                         const LoadOptions& options = {});
 
 }  // namespace cxlab::planner

@@ -152,7 +152,7 @@ TEST(LoadTask, TemplatesSeeTheData) {
   const auto domain = testing::TempDir() + "data-domain.pddl", problem = testing::TempDir() + "data-problem.pddl";
   std::ofstream(domain) << "(define (domain d) (:predicates {% for r in robots %}({{ r.name }}) {% endfor %}))";
   std::ofstream(problem) << "(define (problem p) (:domain d) (:goal ({{ robots[1].name }})))";
-  const auto task = load_task(domain, problem, {}, R"({"robots": [{"name": "a"}, {"name": "b"}]})");
+  const auto task = load_task(domain, problem, {.data = R"({"robots": [{"name": "a"}, {"name": "b"}]})"});
   ASSERT_TRUE(task) << task.error().text();
   EXPECT_EQ(task->domain.predicates.size(), 2u);
   EXPECT_EQ(task->problem.goal.predicate, 1);

@@ -23,6 +23,9 @@ namespace {
 
 constexpr double kAnyNumber = 5;  // of numbers of which no condition says anything
 
+/// The agent states its goals to the PDDL manager.
+const LoadOptions kWithoutGoal = {.needs_goal = false};
+
 /// Of the domain: that of the shipped agent, or $CXLAB_PDDL.
 std::string folder() {
   if (const char* own = std::getenv("CXLAB_PDDL")) return std::string(own) + '/';
@@ -30,7 +33,7 @@ std::string folder() {
 }
 
 Task production() {
-  auto task = load_task(folder() + "production.pddl", folder() + "problem.pddl");
+  auto task = load_task(folder() + "production.pddl", folder() + "problem.pddl", kWithoutGoal);
   if (!task) throw std::runtime_error(task.error().text());
   return *task;
 }
@@ -275,7 +278,7 @@ TEST(PlanningDomain, EveryActionOfARobotHasItsPartsAndItsFailures) {
 }
 
 TEST(PlanningDomain, PlansAddARobotOrADeadlineAsTheLastParameter) {
-  const auto planning = load_task(folder() + "planning.pddl", folder() + "planning_problem.pddl");
+  const auto planning = load_task(folder() + "planning.pddl", folder() + "planning_problem.pddl", kWithoutGoal);
   ASSERT_TRUE(planning) << planning.error().text();
   const Task world = production();
   const auto type_of_last = [&](const std::string& name) {
@@ -489,7 +492,7 @@ TEST(PlanningDomain, AccidentsAtMachinesTakeWhatLiesThereAndLeaveNoClaim) {
 }
 
 TEST(LevelTwo, ABaseComesOutAtTheSideOverWhichItIsThereSooner) {
-  auto task = load_task(folder() + "refinement.pddl", folder() + "refinement_problem.pddl");
+  auto task = load_task(folder() + "refinement.pddl", folder() + "refinement_problem.pddl", kWithoutGoal);
   ASSERT_TRUE(task) << task.error().text();
   struct Ways {
     double to_input, on_from_input, to_output, on_from_output;
