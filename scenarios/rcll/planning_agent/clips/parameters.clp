@@ -9,9 +9,9 @@
   ?default)
 
 (deffunction at-least (?least ?parameter ?default)
-  "A parameter of the node that is a number, whole if the default is; of a smaller one it is said, and the default is taken."
+  "A parameter of the node that is a number, whole if the default is; of a smaller one, or nan, it is said, and the default is taken."
   (bind ?value (ros-param-get-value ?parameter ?default))
-  (if (>= ?value ?least) then (return ?value))
+  (if (and (= ?value ?value) (>= ?value ?least)) then (return ?value)) ; nan equals nothing
   (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
                   ?least "; taken: " ?default crlf)
   ?default)
