@@ -96,18 +96,18 @@ class Signals(Lab):
 
     def test_why_not_looks_at_the_tick_before_a_loop(self):
         self.agent("(defrule stranger => " + LOOPS["printed"] + ")\n")
-        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out)
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out, "--steps", "0")
         done = subprocess.run([CXLAB, "why-not", self.out, "stranger"], capture_output=True, text=True, timeout=30)
         self.assertIn("ended before the log of its inputs had the first tick", done.stderr)
         self.agent("(defrule stranger (time ?t&:(> ?t 0.5)) => " + LOOPS["printed"] + ")\n")
-        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force")
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out, "--force", "--steps", "0")
         done = subprocess.run([CXLAB, "why-not", self.out, "stranger"], capture_output=True, text=True, timeout=30)
         self.assertIn("condition 1 does not hold", done.stdout)
 
     def test_stories_end_too(self):
         self.agent("(defrule stranger => " + LOOPS["printed"] + ")\n")
         self.write("loop.story.yaml", "common:\n  rules: rules/rules.clp\nstories:\n  - story: endless\n    expect: [{no_fact: (b), within_s: 1}]\n")
-        for arguments in (("test", "loop.story.yaml"), ("test", "loop.story.yaml", "-j", "2")):
+        for arguments in (("test", "loop.story.yaml", "--steps", "0"), ("test", "loop.story.yaml", "--steps", "0", "-j", "2")):
             code, seconds = self.stop(signal.SIGTERM, *arguments)
             self.assertEqual(code, 143, self.errors)
             self.assertLess(seconds, 3, arguments)
