@@ -126,6 +126,9 @@ class PlanningGames(unittest.TestCase):
             said = self.said_with(f"clips_manager.strategy.{parameter}: {found}")
             self.assertIn(f"strategy.{parameter}: found {found.replace('.nan', 'nan.0')}, expected {expected}", said)
 
+    def test_patience_may_be_without_end(self):
+        self.assertEqual(self.said_with("clips_manager.strategy.patience: .inf"), "")
+
     def test_a_parameter_of_the_wrong_type_ends_the_run(self):
         for parameter, found, code in (("products", "abc", 4), ("alternatives", "2.5", 4), ("patience", "soon", 4),
                                        ("sub_actions", "3", 4), ("dispatch", "5", 3)):

@@ -9,7 +9,7 @@
   ?default)
 
 (deffunction at-least (?least ?parameter ?default)
-  "A parameter of the node that is a number, whole if the default is; of a smaller one, or nan, it is said, and the default is taken."
+  "Reads a number, whole if the default is, from a parameter of the node. Reports one that is smaller, or nan, and takes the default."
   (bind ?value (ros-param-get-value ?parameter ?default))
   (if (and (= ?value ?value) (>= ?value ?least)) then (return ?value)) ; nan equals nothing
   (printout error ?parameter ": found " ?value ", expected a " (if (integerp ?default) then "whole " else "") "number of at least "
