@@ -21,6 +21,7 @@
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/faults.h"
 #include "cx/base/number_text.h"
 #include "cx/engine/engine.h"
 
@@ -32,12 +33,6 @@ std::atomic<int> g_signal = 0;
 std::atomic<bool> g_stop = false, g_stop_now = false, g_completing = false;
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 Limits g_most;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // takes more address space than there is memory
-#else
-constexpr bool kSanitized = false;
-#endif
 
 constexpr suseconds_t kToEndOfTick = 400'000, kToEndOfRules = 500'000;  // us
 constexpr rlim_t kBesideRules = 1'000'000'000;                          // bytes
@@ -398,7 +393,8 @@ lab::Host Console::host() {
           .stop = &g_stop,
           .stop_now = &g_stop_now,
           .completing = &g_completing,
-          .most = g_most};
+          .most = g_most,
+          .confine = true};
 }
 
 void Console::progress(double done, double total) {

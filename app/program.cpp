@@ -5,16 +5,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
+#include <system_error>
 
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "app/stack_guard.h"
+#include "app/faults.h"
 #include "cx/executive/plugin_library.h"
 #include "lab/versions.h"
 #include "sim/mujoco/library.h"
@@ -51,20 +54,41 @@ void open_standard_streams() {
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) std::_Exit(static_cast<int>(ErrorKind::kResource));
 }
 
+/// The machine has no more of something: descriptors, threads, memory, room on the disk.
+bool is_shortage(const std::error_code& code) {
+  for (const std::errc scarce :
+       {std::errc::too_many_files_open, std::errc::too_many_files_open_in_system, std::errc::not_enough_memory,
+        std::errc::no_space_on_device, std::errc::resource_unavailable_try_again, std::errc::device_or_resource_busy})
+    if (code == scarce) return true;
+  return code.value() == EDQUOT;
+}
+
+/// Of an exception that nobody caught.
+Error error_of(const std::exception& e) {
+  if (dynamic_cast<const std::bad_alloc*>(&e)) return resource_error("out of memory");
+  if (const auto* system = dynamic_cast<const std::system_error*>(&e); system && is_shortage(system->code()))
+    return resource_error(std::string("the machine, or a limit of this shell (ulimit -a), does not have enough: ") +
+                          e.what());
+  return bug_error(std::string("a bug of cxlab: ") + e.what());
+}
+
 /// What an exception that nobody catches has to say. The linker runs constructors of a plugin's library, and catches
 /// nothing.
 [[noreturn]] void on_terminate() {
-  std::string what = "an exception";
+  Error error = bug_error("a bug of cxlab: nobody caught an exception");
+  std::string what = "something that is no std::exception";
   if (std::current_exception()) try {
       throw;
     } catch (const std::exception& e) {
       what = e.what();
+      error = error_of(e);
+      if (error.kind == ErrorKind::kBug) error.message = "a bug of cxlab: nobody caught " + what;
     } catch (...) {
-      what = "something that is no std::exception";
+      error.message = "a bug of cxlab: nobody caught " + what;
     }
   const std::string library = cx::library_being_opened();
-  const int code = fail(library.empty() ? bug_error("a bug of cxlab: nobody caught " + what)
-                                        : run_error(library + ": a constructor of its variables threw: " + what));
+  const int code =
+      fail(library.empty() ? error : run_error(library + ": a constructor of its variables threw: " + what));
   std::fflush(nullptr);
   std::_Exit(code);
 }
@@ -85,7 +109,8 @@ int run(int argc, char** argv) {
     std::_Exit(static_cast<int>(ErrorKind::kBug));
   });
 #ifndef __SANITIZE_ADDRESS__  // which reports every fault itself
-  install_stack_guard();
+  install_fault_handlers();
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", /*overwrite=*/0);  // it lies in the user's home, behind the wall
 #endif
   g_command_line.assign(argv, argv + argc);
   open_standard_streams();
@@ -137,12 +162,8 @@ int run_program(int argc, char** argv, const Catalogue& catalogue) {
   g_catalogue = &catalogue;
   try {
     return run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fputs("error: out of memory\n", stderr);
-    return 5;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "error: a bug of cxlab: %s\n", e.what());
-    return 70;
+    return fail(error_of(e));
   }
 }
 

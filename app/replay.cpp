@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -75,9 +76,11 @@ int replay(const ReplayOptions& options) {
   };
   const bool both = options.rules == options.physics;
   bool go_on = true;
+  // The physics come first: once rules have run, this process reads no further files (lab/confine.h).
+  std::optional<Expected<lab::ReplayOutcome>> physics;
+  if ((options.physics || run->physics_hash) && (both || options.physics)) physics = lab::replay_physics(*run, host);
   if (both || options.rules) go_on = half("rules", lab::replay_rules(*run, host));
-  if (go_on && (options.physics || run->physics_hash) && (both || options.physics))
-    go_on = half("physics", lab::replay_physics(*run, host));
+  if (go_on && physics) go_on = half("physics", *std::move(physics));
   if (const int stopped = interrupted("the run was not replayed to its end")) return stopped;
   if (!go_on) return code;
   if (options.json && code == static_cast<int>(ErrorKind::kNo))

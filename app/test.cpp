@@ -10,6 +10,7 @@
 #include "app/console.h"
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
+#include "lab/confine.h"
 #include "lab/stories.h"
 #include "scenarios/share.h"
 
@@ -67,10 +68,11 @@ int test(const TestOptions& options) {
   if (!stories) return fail(stories.error());
   auto packages = lab::find_packages(options.packages);
   if (!packages) return fail(packages.error());
+  if (const auto warning = lab::warning_without_wall()) std::fprintf(stderr, "%s\n", warning->c_str());
   Console console(true);
   const lab::Host host = console.host();
   const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages),
-                                  host.limits()};
+                                  host.limits(), own_packages()};
   if (Status s = play(*stories, setup, options.jobs, host); !s) return fail(s.error());
   if (signal_that_came() != 0) {
     for (const PlayedStory& p : *stories)

@@ -9,6 +9,7 @@
 
 #include "cx/base/process.h"
 #include "cx/engine/version.h"
+#include "cx/wall/wall.h"
 #include "lab/versions.h"
 #include "scenarios/share.h"
 
@@ -67,6 +68,15 @@ Finding tool(const char* program, const char* without, const char* package) {
           ok ? "" : std::string(without) + ": apt-get install " + package};
 }
 
+Finding wall() {
+  const WallParts parts = wall_parts();
+  return {"wall", parts.whole() ? Verdict::kGood : Verdict::kOptional, parts.text(),
+          parts.whole()
+              ? ""
+              : "rules are not confined by the kernel as well: play those of strangers on Linux 5.13 or newer, "
+                "outside of containers that forbid it"};
+}
+
 Finding administrator() {
   const bool ok = geteuid() == 0 || is_on_path("sudo");
   return {"root or sudo", ok ? Verdict::kGood : Verdict::kOptional, ok ? "found" : "neither",
@@ -97,6 +107,7 @@ std::vector<Finding> examine_machine() {
   findings.push_back(writable());
   findings.push_back({"cores", Verdict::kGood, std::to_string(sysconf(_SC_NPROCESSORS_ONLN)), ""});
   findings.push_back(tool("cargo", "CLIPS and minijinja cannot be fetched again (a built tree goes on)", "cargo-web"));
+  findings.push_back(wall());
   findings.push_back(administrator());
   return findings;
 }

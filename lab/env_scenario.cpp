@@ -8,6 +8,7 @@
 #include "cx/base/number_text.h"
 #include "cx/bus/names.h"
 #include "cx/executive/environment_manager.h"
+#include "cx/executive/reach.h"
 #include "cx/yaml/yaml.h"
 #include "lab/packages.h"
 #include "scenarios/episode.h"
@@ -78,6 +79,13 @@ Status add_packages(const EnvOptions& options, Scenario& scenario) {
   for (const auto& [name, folder] : *named) scenario.packages[name] = {folder, {"--package " + name + '=' + folder}};
   for (const std::string& config : options.configs) {
     const fs::path own = package_of(fs::absolute(config).lexically_normal());
+    if (!options.trust_rules && cx::holds_a_home(own)) {
+      if (!options.packages.empty()) continue;
+      return input_error("lies in " + own.string() +
+                             ", so that all of it would be the package that rules may read; expected a folder of its "
+                             "own, or its package by --package NAME=DIR",
+                         config);
+    }
     scenario.packages.emplace(package_name(own), PackageSpec{own.string()});
     for (const fs::path& neighbour : neighbours_of(own))
       scenario.packages.emplace(package_name(neighbour), PackageSpec{neighbour.string()});

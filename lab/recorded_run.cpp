@@ -162,7 +162,7 @@ Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, Jou
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
   scenario->duration = end;
-  auto scratch = ScratchFolder::create();
+  auto scratch = ScratchFolder::create(RemovedBy::kServant);
   if (!scratch) return scratch.error();
   replay.scratch = *std::move(scratch);
   const fs::path root = replay.scratch->path();

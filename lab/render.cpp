@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "cx/base/number_text.h"
+#include "cx/base/servant.h"
+#include "lab/confine.h"
 #include "lab/physics_replay.h"
 #include "lab/session.h"
 #include "scenarios/view.h"
@@ -24,6 +26,42 @@ Status draw(const RenderOptions& options, Expected<std::unique_ptr<View>> view) 
   auto picture = (*view)->draw(options.camera.empty() ? (*view)->cameras().front() : options.camera);
   if (!picture) return picture.error();
   return sim::write_png(**picture, options.out);
+}
+
+/// For a servant, which can write where this process cannot any more.
+std::string pixels_of(const sim::Picture& picture) {
+  return std::to_string(picture.width) + ' ' + std::to_string(picture.height) + ' ' +
+         std::string(picture.rgb.begin(), picture.rgb.end());
+}
+
+std::optional<sim::Picture> picture_of(const std::string& pixels) {
+  const std::size_t first = pixels.find(' '), second = pixels.find(' ', first + 1);
+  if (second == pixels.npos) return std::nullopt;
+  const auto width = read_number<int>(std::string_view(pixels).substr(0, first));
+  const auto height = read_number<int>(std::string_view(pixels).substr(first + 1, second - first - 1));
+  constexpr int kLongest = 1 << 16;
+  if (!width || !height || *width < 1 || *height < 1 || *width > kLongest || *height > kLongest) return std::nullopt;
+  if (pixels.size() - second - 1 != 3 * static_cast<std::size_t>(*width) * static_cast<std::size_t>(*height))
+    return std::nullopt;
+  sim::Picture picture;
+  picture.width = *width;
+  picture.height = *height;
+  picture.rgb.assign(pixels.begin() + static_cast<std::ptrdiff_t>(second) + 1, pixels.end());
+  return picture;
+}
+
+Wall pictures() {
+  Wall wall;
+  wall.pictures = true;
+  return wall;
+}
+
+Status draw_with(Servant& painter, const RenderOptions& options, View& view) {
+  auto picture = view.draw(options.camera.empty() ? view.cameras().front() : options.camera);
+  if (!picture) return picture.error();
+  const auto written = painter.ask(pixels_of(**picture));
+  if (!written) return written.error();
+  return written->text.empty() ? Status() : resource_error(written->text);
 }
 
 /// The physics of a run, and up to when it can be shown: at most its end, at most `at` if that is given.
@@ -81,9 +119,16 @@ Status render_scenario(Scenario scenario, const RenderOptions& options, const Ho
   if (!episode) return episode.error();
   auto view = view_of((*episode)->stage(), options.width, options.height);
   if (!view) return input_error(view.error().message, file);
+  auto painter = Servant::start([out = options.out](const std::string& pixels, const auto&) {
+    const auto picture = picture_of(pixels);
+    const Status written = picture ? sim::write_png(*picture, out) : resource_error("found no picture");
+    return Servant::Answer{written ? "" : written.error().text()};
+  });
+  if (!painter) return painter.error();
+  confine(**episode, host, pictures());
   if (Status s = play_until(**episode, *options.at, host, [] { return Status(); }); !s) return s;
   if (host.stopped()) return {};
-  const Status drawn = draw(options, *std::move(view));
+  const Status drawn = draw_with(*painter, options, **view);
   const Result result = (*episode)->close(RunStatus::kStopped);
   return drawn && result.reason ? Status(*result.reason) : drawn;
 }
@@ -121,6 +166,7 @@ Status film_scenario(Scenario scenario, const FilmOptions& options, const Host& 
   if (!view) return input_error(view.error().message, file);
   auto video = Video::create(options.video, *std::move(view), host, options.from);
   if (!video) return video.error();
+  confine(episode, host, pictures());
   const Status played = play_until(episode, end, host, [&] { return (*video)->look(to_seconds(episode.now())); });
   const Status finished = host.complete([&] { return (*video)->finish(); });
   if (!played) return played;

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "cx/journal/journal_reader.h"
+#include "lab/confine.h"
 #include "lab/physics_replay.h"
 
 namespace cxlab::lab {
@@ -71,6 +72,9 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
     replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
     if (!replay) return replay.error();
   }
+  Wall recorded;
+  recorded.read = {run.folder};
+  confine(*replay->episode, host, recorded);
   const Status played = play_to_end(*replay->episode, run, end, host);
   if (auto error = run.untrusted(played)) return *error;
   const Result result =

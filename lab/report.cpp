@@ -158,7 +158,10 @@ Status write_report(const Played& played) {
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
   if (Status s = read_story(folder / "journal.jsonl", to_seconds(played.result.sim_time), report); !s) return s;
   report["files"] = readable_files(folder);
-  report["film"] = played.film.empty() ? "" : std::filesystem::proximate(played.film, folder).generic_string();
+  report["film"] = played.film.empty() ? ""
+                                       : std::filesystem::proximate(std::filesystem::absolute(played.film),
+                                                                    std::filesystem::absolute(folder))
+                                             .generic_string();
   report["pictures"] = Json::array();
   for (const Picture& picture : played.pictures)
     report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});

@@ -6,6 +6,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/scratch_folder.h"
+#include "cx/executive/reach.h"
 #include "cx/journal/input_log.h"
 #include "lab/replay.h"
 
@@ -27,18 +28,19 @@ std::vector<std::string> differences(const RecordedRun& then, const Result& now)
 
 /// Files that the two runs read with another content, or that only one of them read; a build with other rules of its
 /// own explains a difference no less than a changed scenario.
-std::vector<std::string> changed_files(const std::filesystem::path& then, const std::filesystem::path& now) {
-  const auto hashes = [](const std::filesystem::path& run) {
-    const auto files = StoredFiles::open(run);
-    return files ? files->hashes() : std::map<std::string, std::string>();
-  };
-  const auto before = hashes(then), after = hashes(now);
+std::vector<std::string> changed_files(const std::map<std::string, std::string>& before,
+                                       const std::map<std::string, std::string>& after) {
   std::vector<std::string> out;
   for (const auto& [name, hash] : before)
     if (const auto again = after.find(name); again == after.end() || again->second != hash) out.push_back(name);
   for (const auto& [name, hash] : after)
     if (!before.contains(name)) out.push_back(name);
   return out;
+}
+
+std::map<std::string, std::string> hashes_of_files(const std::filesystem::path& run) {
+  const auto files = StoredFiles::open(run);
+  return files ? files->hashes() : std::map<std::string, std::string>();
 }
 
 /// The first file or folder of the scenario that is not there any more.
@@ -58,6 +60,26 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
   }
   for (const auto& [key, file] : scenario.world_files)
     if (!path_exists(file.path)) return missing("world." + key, file.path);
+  return {};
+}
+
+/// The run may be that of a stranger: a package in a hidden folder, as that of keys, is none that its rules may read.
+/// The run itself may lie in one.
+Status no_hidden_packages(const RecordedRun& run, const Scenario& scenario) {
+  namespace fs = std::filesystem;
+  const fs::path here = fs::absolute(run.folder).lexically_normal();
+  for (const AgentSpec& agent : scenario.agents)
+    for (const auto& [name, folder] : scenario.shares(agent)) {
+      const fs::path package = fs::path(folder).lexically_normal();
+      const auto apart = std::ranges::mismatch(package, here);
+      fs::path own;
+      for (auto part = apart.in1; part != package.end(); ++part) own /= *part;
+      if (cx::is_hidden(own))
+        return usage_error("package " + name + " of this run is the hidden folder " + folder +
+                               ", which its rules would read; if they may: cxlab rerun --trust-rules " +
+                               run.folder.string(),
+                           run.folder.string());
+    }
   return {};
 }
 
@@ -116,7 +138,7 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
     auto files = StoredFiles::open(run.folder);
     if (!files) return files.error();
     if (read_outside(*files)) return there.error();
-    auto scratch = ScratchFolder::create();
+    auto scratch = ScratchFolder::create(RemovedBy::kServant);
     if (!scratch) return scratch.error();
     copies = *std::move(scratch);
     if (Status s = play_from_copies(run, *files, copies->path(), *scenario); !s) return s.error();
@@ -128,6 +150,7 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
         "again: cxlab rerun --trust-rules " +
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
+  if (Status s = no_hidden_packages(run, *scenario); !s && !copies && !given.trust_rules) return s.error();
   const char* took_part = run.options.sockets                       ? "programs outside (--sockets)"
                           : person_acted(run.folder / "inputs.bin") ? "a person (cxlab attach)"
                                                                     : nullptr;
@@ -142,6 +165,7 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
   options.force = given.force;
   options.command = given.command;
   if (run.status == "interrupted") options.until = to_seconds(run.sim_time);
+  const auto files_then = hashes_of_files(run.folder);  // behind a wall only the new run can be read
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();
   if (played->failure)
@@ -154,7 +178,7 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
     if (stream != "physics")
       again.first.push_back(
           first_difference(stream, run.folder / "journal.jsonl", again.played.folder / "journal.jsonl"));
-  again.changed_files = changed_files(run.folder, again.played.folder);
+  again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
   return again;
 }
 

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
+#include <utility>
 
 #include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
+#include "lab/confine.h"
 #include "lab/control/debugger.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
@@ -65,6 +69,16 @@ struct Run {
   std::unique_ptr<Episode> episode;
   Meter game, physics;
   Played played;
+};
+
+/// The run that is being played, for `note_crash`.
+const Run* g_run = nullptr;
+
+struct AtPlay {
+  explicit AtPlay(const Run& run) { g_run = &run; }
+  ~AtPlay() { g_run = nullptr; }
+  AtPlay(const AtPlay&) = delete;
+  AtPlay& operator=(const AtPlay&) = delete;
 };
 
 Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scenario& scenario) {
@@ -144,6 +158,26 @@ Status open_control(Run& run) {
   return {};
 }
 
+/// Folders of packages that lie elsewhere than the scenario; empty: none.
+std::string folders_elsewhere(const Scenario& scenario) {
+  namespace fs = std::filesystem;
+  constexpr std::size_t kMost = 5;
+  const fs::path here = fs::absolute(scenario.file).lexically_normal().parent_path();
+  std::set<std::string> folders;
+  std::map<std::string, PackageSpec> packages = scenario.packages;
+  for (const AgentSpec& agent : scenario.agents) packages.insert(agent.packages.begin(), agent.packages.end());
+  for (const auto& [name, package] : packages) {
+    const fs::path folder = fs::absolute(scenario.resolve(package.folder)).lexically_normal();
+    const fs::path relative = folder.lexically_relative(here);
+    if (relative.empty() || *relative.begin() == "..") folders.insert(folder.string());
+  }
+  std::string text;
+  std::size_t shown = 0;
+  for (const std::string& folder : folders)
+    if (++shown <= kMost) text += (text.empty() ? "" : ", ") + folder;
+  return shown > kMost ? text + ", and " + std::to_string(shown - kMost) + " more" : text;
+}
+
 /// When the run ends at the latest, s.
 double end_of(const Run& run) {
   const double duration = to_seconds(run.scenario.duration);
@@ -196,6 +230,9 @@ Status play(Run& run) {
   if (!pictures) return pictures.error();
   auto video = start_video(run);
   if (!video) return video.error();
+  Wall drawn;
+  drawn.pictures = !run.snapshots.empty() || *video;
+  confine(*run.episode, run.host, drawn);
   const Status played = play_ticks(run, **pictures, video->get());
   run.played.pictures = (*pictures)->taken();
   if (!*video) return played;
@@ -303,13 +340,26 @@ EpisodeOptions shared_episode_options(const Host& host) {
   return options;
 }
 
+void note_crash(const Error& error) {
+  const Run* run = std::exchange(g_run, nullptr);
+  if (!run || run->folder.empty()) return;
+  Result result = unfinished_result(run->scenario);
+  result.reason = error;
+  if (run->episode) result.sim_time = std::max(run->episode->now(), SimTime::zero());
+  (void)replace_file(run->folder / "result.json", result.to_json());
+  if (run->episode) run->episode->flush();
+}
+
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host) {
   Run run;
+  const AtPlay at_play(run);
   run.options = options;
   run.scenario = std::move(scenario);
   run.host = host;
   for (const std::string& prefix : options.prefixes)
     run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
+  if (const std::string folders = folders_elsewhere(run.scenario); !folders.empty() && !run.scenario.trust_rules)
+    host.note("rules may read " + folders);
   auto installed = installed_packages(run.named_prefixes);
   if (!installed) return installed.error();
   for (const auto& [name, package_folder] : *installed)

@@ -56,6 +56,9 @@ struct Played {
 /// in `Played`, as in result.json.
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host = {});
 
+/// For the handler of a fault: the result of the run that is being played, if there is one, says that it failed so.
+void note_crash(const Error& error);
+
 /// Options of `Episode::load` that every episode has: the data that comes with cxlab, and the limits of the host.
 EpisodeOptions shared_episode_options(const Host& host = {});
 

@@ -1,16 +1,20 @@
 #include "lab/stories.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
-#include <cstdio>
-#include <fstream>
+#include <cstring>
+#include <list>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
 #include "cx/base/process.h"
-#include "cx/base/scratch_folder.h"
+#include "cx/base/servant.h"
 #include "cx/testing/story.h"
 #include "lab/page.h"
 
@@ -47,8 +51,8 @@ void play(PlayedStory& story, const testing::StorySetup& setup) {
   story.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// From the process that played the story, as one line.
-std::string to_line(std::size_t index, const PlayedStory& p) {
+/// From the process that played the story.
+std::string to_line(const PlayedStory& p) {
   json rules = json::array(), bad;
   for (const auto& r : p.result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
   if (const auto& error = p.result.bad)
@@ -56,62 +60,108 @@ std::string to_line(std::size_t index, const PlayedStory& p) {
            {"message", error->message},
            {"file", error->file},
            {"line", error->line}};
-  const json line{{"story", index},
-                  {"failures", p.result.failures},
+  const json line{{"failures", p.result.failures},
                   {"notes", p.result.notes},
                   {"sim_time_s", p.result.sim_time_s},
                   {"wall_s", p.wall_s},
                   {"rules", rules},
                   {"bad", bad}};
-  return json_text(line) + '\n';
+  return json_text(line);
 }
 
-void read_line(const json& line, PlayedStory& p) {
-  p.result.failures = line["failures"].get<std::vector<std::string>>();
-  p.result.notes = line["notes"].get<std::vector<std::string>>();
-  p.result.sim_time_s = line["sim_time_s"];
-  p.wall_s = line["wall_s"];
-  for (const auto& r : line["rules"]) p.result.rules.push_back({r[0], r[1], r[2], r[3], r[4]});
-  if (const auto& bad = line["bad"]; !bad.is_null())
-    p.result.bad = Error{static_cast<ErrorKind>(bad["kind"].get<int>()), bad["message"], bad["file"], bad["line"], {}};
+/// Whether the text is the whole result of the story.
+bool read_line(const std::string& text, PlayedStory& p) {
+  try {
+    const json line = json::parse(text);
+    testing::StoryResult result;
+    result.failures = line.at("failures").get<std::vector<std::string>>();
+    result.notes = line.at("notes").get<std::vector<std::string>>();
+    result.sim_time_s = line.at("sim_time_s").get<double>();
+    for (const auto& r : line.at("rules")) result.rules.push_back({r.at(0), r.at(1), r.at(2), r.at(3), r.at(4)});
+    if (const auto& bad = line.at("bad"); !bad.is_null())
+      result.bad = Error{
+          static_cast<ErrorKind>(bad.at("kind").get<int>()), bad.at("message"), bad.at("file"), bad.at("line"), {}};
+    p.wall_s = line.at("wall_s").get<double>();
+    p.result = std::move(result);
+    return true;
+  } catch (const json::exception&) {
+    return false;
+  }
 }
 
-/// Every `jobs`-th story in a process of its own, whose results go through a file.
+/// A process that plays one story, and its end of a pipe with what it has said so far.
+struct Player {
+  std::size_t story;
+  Descriptor results;
+  Process process;
+  std::string said = {};
+};
+
+Expected<Player> start_player(std::size_t index, PlayedStory& story, const testing::StorySetup& setup) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
+  Descriptor from(ends[0]), to(ends[1]);
+  auto process = Process::fork({}, [&] {
+    play(story, setup);
+    const std::string line = to_line(story);
+    for (std::size_t done = 0; done < line.size();) {
+      const ssize_t n = write(to.number(), line.data() + done, line.size() - done);
+      if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
+      if (n > 0) done += static_cast<std::size_t>(n);
+    }
+    return 0;
+  });
+  if (!process) return process.error();
+  return Player{index, std::move(from), *std::move(process)};
+}
+
+/// Takes what is there; false once the process has closed its end, as it does when it ends.
+bool hear(Player& player) {
+  char bytes[1 << 14];
+  const ssize_t n = read(player.results.number(), bytes, sizeof bytes);
+  if (n > 0) player.said.append(bytes, static_cast<std::size_t>(n));
+  return n > 0 || (n < 0 && errno == EINTR);
+}
+
+void take_result(Player& player, PlayedStory& story) {
+  const int code = player.process.wait();
+  if (code == 0 && read_line(player.said, story)) return;
+  const std::string how =
+      code > 128 ? "a signal (" + std::to_string(code - 128) + ")" : "exit code " + std::to_string(code);
+  story.result = {};
+  story.result.failures.push_back(story.spec.file + ':' + std::to_string(story.spec.line) +
+                                  ": the process that played this story ended with " + how +
+                                  " before the story did; the other stories were played");
+}
+
+/// Each story in a process of its own, so that one that brings the process down fails alone, and reaches nothing but
+/// its own files.
 Status play_in_processes(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, std::size_t jobs,
                          const Host& host) {
-  auto scratch = ScratchFolder::create();
-  if (!scratch) return scratch.error();
-  std::vector<Process> workers;
-  const auto results_of = [&](std::size_t job) { return (*scratch)->path() / std::to_string(job); };
-  for (std::size_t job = 0; job < jobs; ++job) {
-    auto worker = Process::fork({}, [&] {
-      std::ofstream results(results_of(job), std::ios::binary);
-      for (std::size_t i = job; i < stories.size(); i += jobs) {
-        play(stories[i], setup);
-        results << to_line(i, stories[i]) << std::flush;
+  std::list<Player> players;
+  for (std::size_t next = 0; next < stories.size() || !players.empty();) {
+    if (host.stopped()) return {};
+    while (next < stories.size() && players.size() < jobs) {
+      auto player = start_player(next, stories[next], setup);
+      if (!player) return player.error();
+      players.push_back(*std::move(player));
+      ++next;
+    }
+    std::vector<pollfd> ends;
+    for (const Player& player : players) ends.push_back({player.results.number(), POLLIN, 0});
+    constexpr int kLookAtHost = 100;  // ms
+    if (poll(ends.data(), ends.size(), kLookAtHost) <= 0) continue;
+    auto end = ends.begin();
+    for (auto player = players.begin(); player != players.end();) {
+      const bool ready = (end++)->revents != 0;
+      if (!ready || hear(*player)) {
+        ++player;
+        continue;
       }
-      return 0;
-    });
-    if (!worker) return worker.error();
-    workers.push_back(*std::move(worker));
-  }
-  std::vector<bool> played(stories.size(), false);
-  for (std::size_t job = 0; job < jobs; ++job) {
-    while (!workers[job].wait_for(0.1))
-      if (host.stopped()) return {};
-    std::ifstream results(results_of(job));
-    for (std::string text; std::getline(results, text);) {
-      const json line = json::parse(text, nullptr, /*allow_exceptions=*/false);
-      if (line.is_discarded()) continue;  // cut off
-      const std::size_t i = line["story"];
-      read_line(line, stories[i]);
-      played[i] = true;
+      take_result(*player, stories[player->story]);
+      player = players.erase(player);
     }
   }
-  for (std::size_t i = 0; i < stories.size(); ++i)
-    if (!played[i])
-      stories[i].result.failures.push_back(stories[i].spec.file +
-                                           ": the process that played this story ended before it");
   return {};
 }
 
@@ -143,10 +193,9 @@ Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& 
 }
 
 Status play_stories(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, int jobs, const Host& host) {
-  if (jobs > 1) return play_in_processes(stories, setup, static_cast<std::size_t>(jobs), host);
-  for (PlayedStory& story : stories)
-    if (!host.stopped()) play(story, setup);
-  return {};
+  testing::StorySetup confined = setup;
+  if (kPlaysBehindWalls) confined.confine = [](const Wall& wall) { (void)raise_wall(wall); };
+  return play_in_processes(stories, confined, static_cast<std::size_t>(std::max(jobs, 1)), host);
 }
 
 const char* CoveredRule::state() const {

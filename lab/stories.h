@@ -25,7 +25,8 @@ struct PlayedStory {
 /// The stories of these files and of all *.story.yaml below these folders.
 Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& paths);
 
-/// Plays them; with more than one job in copies of this process, which must have one thread only.
+/// Plays each in a copy of this process, which must have one thread only, `jobs` at a time. The copy reaches nothing
+/// but what its story names (cx/wall/wall.h); a story whose copy ends early has failed.
 Status play_stories(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, int jobs,
                     const Host& host = {});
 

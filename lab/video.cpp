@@ -1,8 +1,13 @@
 #include "lab/video.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <tuple>
+
+#include "cx/base/file.h"
 
 namespace cxlab::lab {
 namespace {
@@ -21,6 +26,15 @@ Status check_name(const std::string& file) {
   return usage_error("--video: found '" + file + "', expected a name that ends in .mp4, .mkv, .mov, .avi or .webm");
 }
 
+/// A film, links followed, and the name beside it that it has until it is whole.
+std::pair<std::filesystem::path, std::filesystem::path> names_of(const std::string& file) {
+  std::error_code error;
+  std::filesystem::path film = std::filesystem::weakly_canonical(std::filesystem::absolute(file), error);
+  if (error) film = std::filesystem::absolute(file);
+  const std::string part = film.stem().string() + '.' + std::to_string(getpid()) + ".part" + film.extension().string();
+  return {film, film.parent_path() / part};
+}
+
 /// H.264 has colours for squares of two pixels.
 int even(int side) { return (side + 1) / 2 * 2; }
 std::string size_text(int width, int height) { return std::to_string(width) + 'x' + std::to_string(height); }
@@ -32,7 +46,12 @@ Status Video::check(const VideoOptions& options, View& view) {
   if (const auto first = view.draw(options.camera.empty() ? view.cameras().front() : options.camera); !first)
     return first.error();
   if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
-  if (!std::ofstream(options.file, std::ios::app)) return cannot_write(options.file);
+  const auto [file, part] = names_of(options.file);
+  std::error_code ignored;
+  const bool there = path_exists(file);
+  if (there && (!is_file(file) || access(file.c_str(), W_OK) != 0)) return cannot_write(options.file);
+  if (!std::ofstream(part)) return cannot_write(options.file);
+  std::filesystem::remove(part, ignored);
   return {};
 }
 
@@ -51,12 +70,25 @@ Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, std:
 }
 
 Status Video::start(const sim::Picture& first) {
+  std::tie(file_, part_) = names_of(options_.file);
+  auto keeper = Servant::start(
+      [file = file_, part = part_](const std::string&, const auto&) {
+        std::error_code error;
+        if (path_exists(part)) std::filesystem::rename(part, file, error);
+        return Servant::Answer{error ? error.message() : ""};
+      },
+      [part = part_] {
+        std::error_code ignored;
+        std::filesystem::remove(part, ignored);
+      });
+  if (!keeper) return keeper.error();
+  keeper_ = std::make_unique<Servant>(*std::move(keeper));
   const std::string size = size_text(first.width, first.height);
   const std::string rate = std::to_string(static_cast<int>(kFramesPerSecond));
   // "file:": a name is not read as a protocol.
   ProcessOptions ffmpeg{.argv = {"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
                                  size, "-r", rate, "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt",
-                                 "yuv420p", "file:" + options_.file}};
+                                 "yuv420p", "file:" + part_.string()}};
   ffmpeg.in = Stream::pipe();
   auto started = Process::start(ffmpeg);
   if (!started) return started.error();
@@ -78,7 +110,9 @@ Status Video::look(double now) {
 
 Status Video::finish() {
   ffmpeg_->close_input();
-  return ffmpeg_->wait() == 0 ? Status() : cannot_write(options_.file);
+  if (ffmpeg_->wait() != 0) return cannot_write(options_.file);
+  const auto kept = keeper_->ask("whole");
+  return kept && kept->text.empty() ? Status() : cannot_write(options_.file);
 }
 
 }  // namespace cxlab::lab

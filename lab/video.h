@@ -9,6 +9,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/process.h"
+#include "cx/base/servant.h"
 #include "lab/host.h"
 #include "scenarios/view.h"
 
@@ -34,7 +35,7 @@ class Video {
   double next() const;
   /// Draws the world as it is at `now` for all frames that are due.
   Status look(double now);
-  /// Completes the file; no frame can follow.
+  /// Completes the file, which has its name from then on; no frame can follow.
   Status finish();
 
  private:
@@ -45,7 +46,10 @@ class Video {
   VideoOptions options_;
   std::unique_ptr<View> view_;
   double from_;
-  std::int64_t frames_ = 0;  ///< written
+  std::int64_t frames_ = 0;            ///< written
+  std::filesystem::path file_, part_;  ///< the film, and what ffmpeg writes until it is whole
+  /// Gives the whole film its name, and removes what is left of another one, however this process ends.
+  std::unique_ptr<Servant> keeper_;
   std::unique_ptr<Process> ffmpeg_;
 };
 

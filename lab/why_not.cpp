@@ -8,6 +8,7 @@
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
 #include "cx/explain/json.h"
+#include "lab/confine.h"
 
 namespace cxlab::lab {
 
@@ -117,6 +118,9 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
     end = std::min(end, episode.replay_end());
   }
   Witness witness(episode, question.rule);
+  Wall recorded;
+  recorded.read = {run.folder};
+  confine(episode, host, recorded);
   Status played = episode.start();
   while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) {
     played = episode.tick();

@@ -77,6 +77,8 @@ class Episode {
   Episode(const Episode&) = delete;
   Episode& operator=(const Episode&) = delete;
 
+  /// What it reaches of the machine from now on. Before `start`.
+  Wall wall() const;
   /// Activation: plugins, reset, first run. Before tick 0.
   Status start();
   /// One tick (cx/run/loop.h).
@@ -88,6 +90,12 @@ class Episode {
   /// Deactivates the agents and ends the files. `failure` is what ended the run early, if anything did. A run that was
   /// stopped in the middle of a tick has no hashes: it cannot be played again to the same place.
   Result close(RunStatus status, std::optional<Error> failure = {});
+
+  /// What the journal and the log of inputs hold reaches their files at once: the process may end at any time.
+  void flush() {
+    (void)journal_.flush();
+    inputs_->flush();
+  }
 
   SimTime next_tick() const { return loop_->next_tick(); }  ///< time of the next tick
   SimTime now() const { return loop_->now(); }              ///< time of the last tick; before the first: less than 0

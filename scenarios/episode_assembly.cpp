@@ -5,9 +5,9 @@
 
 #include "cx/base/file.h"
 #include "cx/bus/needed.h"
-#include "cx/executive/own_packages.h"
 #include "cx/network/socket_gateway.h"
 #include "cx/plugins/builtin.h"
+#include "cx/yaml/yaml.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/episode.h"
 #include "scenarios/share.h"
@@ -104,9 +104,6 @@ Status Episode::open_files() {
 Status Episode::build_bus() {
   if (is_folder(options_.interfaces)) bus::set_own_definitions(options_.interfaces);
   bus::forget_not_offered();
-  std::map<std::string, fs::path> own;
-  for (const auto& [name, folder] : own_packages()) own[name] = folder;
-  cx::set_own_packages(std::move(own));
   const bool replays = options_.replay.has_value();
   const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
   if (!replays || is_folder(interfaces))
@@ -220,11 +217,19 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.release = options_.release;
   manager.trust_rules = scenario_.trust_rules;
   manager.native_plugins = options_.programs;
+  for (const Stimulus& stimulus : scenario_.stimuli)
+    if (stimulus.verb == Stimulus::Verb::kSetParam && stimulus.target.ends_with(".plugin"))
+      if (const auto value = yaml::Document::parse(stimulus.content, "stimuli"))
+        manager.native_classes.push_back(value->root().as_string());
   manager.config = scenario_.resolve(spec.config);
   manager.name_space = spec.name_space;
   manager.remaps = spec.remaps;
   manager.params = spec.params;
-  for (const auto& [name, share] : shares_[agent]) manager.packages[name] = {share, share};
+  const auto own = own_packages();
+  for (const auto& [name, share] : shares_[agent]) {
+    cx::Package& package = manager.packages[name] = {share, share};
+    if (const auto found = own.find(name); found != own.end() && found->second != share) package.rest = found->second;
+  }
   manager.plugin_types = cx::builtin_plugins();
   manager.outside = inputs_->outside("agent/" + std::to_string(agent));
   manager.feed = inputs_->feed();
@@ -243,7 +248,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
 
 Status Episode::build_agents() {
   if (options_.run_folder.empty()) {
-    auto folder = ScratchFolder::create();
+    auto folder = ScratchFolder::create(RemovedBy::kServant);
     if (!folder) return folder.error();
     rules_folder_ = *std::move(folder);
   }

@@ -133,6 +133,7 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
     log_.reach(ticked_ = t);
     return log_.status();
   }
+  void flush() override { (void)log_.flush(); }
   Status close() override { return log_.close(ticked_); }
 
  private:

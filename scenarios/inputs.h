@@ -30,6 +30,8 @@ class Inputs {
   virtual bool writes_at(SimTime /*t*/) const { return false; }
   /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.
   virtual Status ticked(SimTime /*t*/, const std::string& /*world*/) { return {}; }
+  /// What has entered reaches the log's file at once: the process may end at any time.
+  virtual void flush() {}
   /// After the last tick.
   virtual Status close() { return {}; }
   /// In a replay: how far the log goes, and whether it is whole.

@@ -27,6 +27,7 @@ Expected<KeptFiles> KeptFiles::create(const fs::path& run_folder, std::vector<Sh
   for (const Shares& of_agent : shares)
     for (const auto& [name, folder] : of_agent) files.packages_[folder] = name;
   files.shares_ = std::move(shares);
+  files.own_ = own_packages();
   if (run_folder.empty()) return files;
   files.run_folder_ = fs::absolute(run_folder).lexically_normal();
   auto store = FileStore::create(run_folder);
@@ -57,7 +58,7 @@ Status KeptFiles::keep_for_agent(std::size_t agent, const fs::path& config, cons
     if (Status s = keep(folder + "packages/" + name + '/' + relative, file); !s) return s;
   }
   if (!in_package)
-    for (const auto& [name, share] : own_packages())
+    for (const auto& [name, share] : own_)
       if (const std::string relative = inside(file, share); shares_[agent].contains(name) && !relative.empty())
         return keep(folder + "packages/" + name + '/' + relative, file);
   return in_package ? Status() : keep(folder + "outside/" + cx::outside_name(file).generic_string(), file);
@@ -82,7 +83,7 @@ Status KeptFiles::keep_interfaces(const bus::Registry& registry) {
 void read_from_copies(const fs::path& copies, std::size_t agent, cx::ManagerOptions& manager) {
   const fs::path folder = copies / folder_of_agent(agent);
   manager.config = folder / "config" / manager.config.filename();
-  for (auto& [name, share] : manager.packages) share.folder = folder / "packages" / name;
+  for (auto& [name, package] : manager.packages) package = {folder / "packages" / name, package.share};
   manager.outside_copies = folder / "outside";
 }
 

@@ -50,6 +50,7 @@ class KeptFiles {
  private:
   std::filesystem::path run_folder_;
   std::vector<Shares> shares_;
+  Shares own_;                                             // of cxlab
   std::map<std::filesystem::path, std::string> packages_;  // by folder
   std::set<std::filesystem::path> interfaces_;             // that were kept
   FileRead file_read_;

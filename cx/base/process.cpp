@@ -147,8 +147,8 @@ Process& Process::operator=(Process&& other) noexcept {
 
 Process::~Process() {
   kill();
+  close_fd(in_);  // behind a wall this process may not kill it: it reads to the end of its input, and ends
   wait();
-  close_fd(in_);
 }
 
 bool Process::reap(bool block) {

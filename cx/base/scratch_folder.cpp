@@ -41,7 +41,7 @@ void remove_the_dead(const fs::path& where) {
 
 }  // namespace
 
-Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
+Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create(RemovedBy remover) {
   std::error_code error;
   const fs::path where = fs::temp_directory_path(error);
   if (!error) remove_the_dead(where);
@@ -49,7 +49,17 @@ Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
     std::string name = (where / kPrefix).string() + "XXXXXX";
     if (!mkdtemp(name.data())) break;
     const int lock = lock_folder(name);
-    if (lock >= 0 && fs::exists(name, error)) return std::unique_ptr<ScratchFolder>(new ScratchFolder(name, lock));
+    if (lock >= 0 && fs::exists(name, error)) {
+      std::unique_ptr<ScratchFolder> folder(new ScratchFolder(name, lock));
+      if (remover == RemovedBy::kThisProcess) return folder;
+      auto servant = Servant::start({}, [path = folder->path_] {
+        std::error_code ignored;
+        fs::remove_all(path, ignored);
+      });
+      if (!servant) return servant.error();
+      folder->servant_ = *std::move(servant);
+      return folder;
+    }
     if (lock >= 0) close(lock);  // another process took the folder for a dead one before it was locked
   }
   return resource_error("cannot make a temporary folder in " + where.string());
@@ -57,7 +67,8 @@ Expected<std::unique_ptr<ScratchFolder>> ScratchFolder::create() {
 
 ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  if (!servant_) fs::remove_all(path_, ignored);
+  servant_.reset();
   close(lock_);
 }
 

@@ -24,6 +24,7 @@
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
 #include "cx/run/parts.h"
+#include "cx/wall/wall.h"
 
 namespace cxlab::cx {
 
@@ -35,7 +36,9 @@ struct ManagerOptions : RunSettings {
   std::vector<GivenParameter> params;                       ///< of this node
   std::map<std::string, Package> packages;
   std::vector<PluginType> plugin_types;  ///< e.g. `builtin_plugins()`
-  FileRead on_read;                      ///< called with each file that plugins and rules read; may be none
+  std::vector<std::string>
+      native_classes;  ///< of libraries, which may be loaded though the configuration names them not
+  FileRead on_read;    ///< called with each file that plugins and rules read; may be none
   std::function<void(bus::ParticipantId)>
       on_join;                            ///< called with the node and each environment on the bus; may be none
   std::filesystem::path outside_copies;   ///< replay: `Files::Options::outside`
@@ -58,6 +61,8 @@ class EnvironmentManager final : public Agent {
   LifeState state() const { return lifecycle_.state(); }
   /// The parameter `autostart_node`: it wants to be configured and activated at the start.
   bool autostart() const;
+  /// Adds what its rules and plugins reach of the disk: the configuration, what that names, the packages.
+  void add_reach(Wall& wall) const;
   /// Makes the environments, without plugins; offers the six services (list_envs, create_env, ...).
   Status configure() { return lifecycle_.change(Transition::kConfigure); }
   /// All plugins of all environments; then each environment: reset, agendas refreshed, run. Environments that were
@@ -126,6 +131,9 @@ class EnvironmentManager final : public Agent {
   };
 
   EnvironmentManager(ManagerOptions options, Parameters parameters, bus::Bus& bus, RecordSink& journal);
+  void read_configured();
+  /// A library that is chosen while the run goes on is code of a stranger, but for those that the configuration names.
+  bool may_load(const PluginType& type) const;
   Status add_packaged_plugins();
   Status check_configuration();
   /// Nothing runs; with `strict` a parameter that is nearly called 'environments' is an error.
@@ -182,6 +190,7 @@ class EnvironmentManager final : public Agent {
   ManagerOptions options_;
   std::unique_ptr<net::Network> own_network_;
   Parameters parameters_;
+  std::set<std::string> configured_;  ///< texts of the configuration, classes of plugins among them
   bus::Bus& bus_;
   RecordSink& journal_;
   Files files_;

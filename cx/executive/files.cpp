@@ -2,7 +2,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/remedy.h"
-#include "cx/executive/own_packages.h"
+#include "cx/executive/reach.h"
 
 namespace cxlab::cx {
 
@@ -38,33 +38,7 @@ bool below(const fs::path& path, const fs::path& folder, fs::path& relative) {
   return !relative.empty() && !leaves(relative);
 }
 
-std::map<std::string, fs::path>& own_packages() {
-  static std::map<std::string, fs::path> folders;
-  return folders;
-}
-
-/// The folder of the package that comes with cxlab, if another one is used. A replay has copies of all that was read.
-fs::path fallback_of(const std::string& name, const Package& package, const Files::Options& options) {
-  const auto own = own_packages().find(name);
-  const bool none = own == own_packages().end() || own->second == package.folder || !options.outside.empty();
-  return none ? fs::path() : own->second;
-}
-
-/// Whether a file of an install space links to the same file of its source, as `colcon build --symlink-install` makes
-/// them: the package.xml does so, too.
-bool links_to_source(const fs::path& file, const fs::path& folder) {
-  std::error_code error;
-  fs::path source = fs::canonical(file, error);
-  if (error) return false;
-  const fs::path relative = file.lexically_relative(folder);
-  for (auto part = relative.end(); part != relative.begin(); source = source.parent_path())
-    if (*--part != source.filename()) return false;
-  return fs::equivalent(folder / "package.xml", source / "package.xml", error) && !error;
-}
-
 }  // namespace
-
-void set_own_packages(std::map<std::string, fs::path> folders) { own_packages() = std::move(folders); }
 
 bool really_below(const fs::path& file, const fs::path& folder) {
   std::error_code error;
@@ -73,6 +47,16 @@ bool really_below(const fs::path& file, const fs::path& folder) {
   const fs::path real_folder = fs::weakly_canonical(folder, error);
   fs::path relative;
   return !error && below(real, real_folder, relative);
+}
+
+bool links_to_source(const fs::path& file, const fs::path& package) {
+  std::error_code error;
+  fs::path source = fs::canonical(file, error);
+  if (error) return false;
+  const fs::path relative = file.lexically_relative(package);
+  for (auto part = relative.end(); part != relative.begin(); source = source.parent_path())
+    if (*--part != source.filename()) return false;
+  return fs::equivalent(package / "package.xml", source / "package.xml", error) && !error;
 }
 
 fs::path outside_name(const fs::path& path) {
@@ -117,15 +101,23 @@ std::vector<std::string> Files::packages() const {
   return out;
 }
 
+std::vector<fs::path> Files::folders() const {
+  std::vector<fs::path> out;
+  for (const auto& [name, package] : options_.packages) {
+    out.push_back(package.folder);
+    if (!package.rest.empty()) out.push_back(package.rest);
+  }
+  return out;
+}
+
 bool Files::find_in(const std::string& package, const fs::path& relative, FoundFile& out) const {
   const fs::path normal = relative.lexically_normal();
   if (leaves(normal)) return false;
   const Package& known = options_.packages.at(package);
-  const fs::path fallback = fallback_of(package, known, options_);
   out.logical_name = package + '/' + normal.generic_string();
   fs::path rest;
   const bool installed = below(normal, fs::path("clips") / package, rest);
-  for (const fs::path& folder : {known.folder, fallback}) {
+  for (const fs::path& folder : {known.folder, known.rest}) {
     if (folder.empty()) continue;
     for (const fs::path& place : {normal, installed ? "clips" / rest : fs::path()})
       if (!place.empty() && is_file(folder / place)) {
@@ -172,7 +164,7 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
   const bool anywhere = !for_rules || options_.trust_rules;
   const auto add = [&](const std::string& package, const fs::path& relative) {
     const Package& known = options_.packages.at(package);
-    for (const fs::path& share : {known.folder, fallback_of(package, known, options_)})
+    for (const fs::path& share : {known.folder, known.rest})
       if (const fs::path path = share / relative; !share.empty() && (anywhere || really_below(path, share)))
         places.push_back({path, package / relative});
   };
@@ -193,6 +185,11 @@ Expected<std::map<std::string, FoundFile>> Files::list(const std::string& folder
     std::error_code error;
     if (!fs::is_directory(place.path, error)) continue;
     exists = true;
+    if (fs::directory_iterator(place.path, error); error && !options_.trust_rules)  // behind a wall: a link leads there
+      return input_error("reading '" + place.path.string() +
+                         "' is refused: rules read only files of packages, and those that rules of this run wrote (" +
+                         kTrustRemedy + ')')
+          .with_code(kRefused);
     std::map<std::string, FoundFile> out;
     for (fs::recursive_directory_iterator file(place.path, fs::directory_options::skip_permission_denied, error), end;
          !error && file != end; file.increment(error)) {
@@ -253,10 +250,10 @@ Expected<FoundFile> Files::find_where_rules_read(const std::string& path) const 
   if (asked.is_absolute()) {
     for (const auto& [name, package] : options_.packages) {
       fs::path relative;
-      if (!below(asked, package.share, relative)) continue;
-      const fs::path fallback = fallback_of(name, package, options_);
+      if (!below(asked, package.share, relative) || (is_hidden(relative) && !options_.trust_rules)) continue;
       if (!find_in(name, relative, found) || really_below(found.path, package.folder) ||
-          links_to_source(found.path, package.folder) || (!fallback.empty() && really_below(found.path, fallback)))
+          links_to_source(found.path, package.folder) ||
+          (!package.rest.empty() && really_below(found.path, package.rest)))
         return found;
     }
     // What cxlab records there differs from run to run: folder, command, machine.
@@ -285,7 +282,7 @@ std::string Files::journal_name(const std::string& path) const {
   };
   for (const auto& [name, package] : options_.packages) {
     look_in(package.folder, name);
-    if (const fs::path fallback = fallback_of(name, package, options_); !fallback.empty()) look_in(fallback, name);
+    if (!package.rest.empty()) look_in(package.rest, name);
     look_in(package.share, name);
   }
   look_in(options_.run_folder, "run");

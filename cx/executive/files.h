@@ -18,10 +18,15 @@ namespace cxlab::cx {
 struct Package {
   std::filesystem::path folder;
   std::string share;  ///< empty = `folder` as an absolute path
+  std::filesystem::path rest =
+      {};  ///< has the files that `folder` lacks: cxlab's own package of that name; may be empty
 };
 
 /// Called with each file before it is read: `logical_name` is "<package>/clips/a.clp" or the file's name.
 using FileRead = std::function<Status(const std::string& logical_name, const std::filesystem::path& file)>;
+
+/// Code of an error: rules may not read what is there.
+inline constexpr const char* kRefused = "refused";
 
 /// A file that was found.
 struct FoundFile {
@@ -34,6 +39,10 @@ std::filesystem::path outside_name(const std::filesystem::path& path);
 
 /// Whether the file, its links followed, lies in the folder or in what the folder itself links to.
 bool really_below(const std::filesystem::path& file, const std::filesystem::path& folder);
+
+/// Whether a file of an install space links to the same file of its source, as `colcon build --symlink-install` makes
+/// them: the package.xml does so, too.
+bool links_to_source(const std::filesystem::path& file, const std::filesystem::path& package);
 
 /// One environment manager's view of the disk. For rules (`FileAccess`): they read packages and what they wrote
 /// themselves; what they write goes below `<run>/written`. With `trust_rules` they read and write anything, but for a
@@ -55,6 +64,8 @@ class Files final : public FileAccess {
   /// As in ament: the path before `/share/<package>`, else the folder itself.
   Expected<std::string> prefix(std::string_view package) const;
   std::vector<std::string> packages() const;  ///< sorted
+  /// Those of all packages, and those that have what these lack.
+  std::vector<std::filesystem::path> folders() const;
 
   /// Finds a file as CX does: absolute, else the first of the packages that has it, asked in order.
   Expected<FoundFile> resolve(const std::string& file, const std::vector<std::string>& packages) const;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "cx/base/remedy.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/executive/plugin_library.h"
+#include "cx/executive/reach.h"
 #include "cx/node/parameter_services.h"
 #include "cx/node/rcl_yaml.h"
 
@@ -25,6 +27,12 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   if (options.on_read)
     if (Status s = options.on_read("config/" + options.config.filename().string(), options.config); !s)
       return s.error();
+  for (const auto& [package, found] : options.packages)
+    if (!options.trust_rules && holds_a_home(found.folder))
+      return input_error("package " + package + ": found " + found.folder.string() +
+                         ", which holds all that a user has; rules may read their packages, so expected a folder of "
+                         "its own (" +
+                         kTrustRemedy + ')');
   bus::NodeName name{options.node, options.name_space, options.remaps};
   bus::rename_node(name);
   options.node = name.name;
@@ -45,6 +53,7 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   auto manager = std::unique_ptr<EnvironmentManager>(
       new EnvironmentManager(std::move(options), std::move(*parameters), bus, journal));
   if (manager->options_.strict) manager->note_each(refused_by_rcl(manager->options_.config));
+  manager->read_configured();
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();

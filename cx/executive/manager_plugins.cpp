@@ -56,6 +56,12 @@ Status EnvironmentManager::load_unchecked(Entry& entry, const std::string& name)
     if (!type) return type.error();
     std::string class_name;
     if (Status s = parameters_.read(name + ".plugin", class_name); !s) return s;
+    if (!may_load(**type))
+      return input_error(
+          "plugin '" + name + "': the class " + (*type)->name +
+          " is native code, and was chosen while the run goes on; expected a class of cxlab, or one that "
+          "the configuration names (" +
+          kTrustRemedy + ')');
     auto plugin = make_plugin(
         **type, {name,
                  class_name,

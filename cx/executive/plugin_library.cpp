@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include "cx/base/remedy.h"
 #include "cx/executive/export_plugins.h"
@@ -29,11 +30,19 @@ class PluginLibrary {
     }
   };
   Expected<std::shared_ptr<Open>> open();
+  /// Keeps it open until the first `open`, which reports what is wrong with it.
+  void open_early() {
+    if (auto opened = open()) early_ = *std::move(opened);
+  }
   Expected<PluginMaker> find(const Open& open, const std::string& class_name, int line) const;
   Error error(ErrorKind kind, std::string message, int line = 0) const {
     return Error{kind, std::move(message), manifest_, line ? line : line_, {}};
   }
   const std::string& name() const { return name_; }
+  std::filesystem::path file() const {
+    const auto found = locate();
+    return found ? found->path : std::filesystem::path();
+  }
   const std::string& manifest() const { return manifest_; }
 
  private:
@@ -44,6 +53,7 @@ class PluginLibrary {
   fs::path share_;
   Files& files_;
   std::weak_ptr<Open> open_;
+  std::shared_ptr<Open> early_;
 };
 
 namespace {
@@ -102,6 +112,7 @@ Expected<FoundFile> PluginLibrary::locate() const {
 }
 
 Expected<std::shared_ptr<PluginLibrary::Open>> PluginLibrary::open() {
+  if (auto early = std::exchange(early_, nullptr)) return early;
   if (auto open = open_.lock()) return open;
   auto file = locate();
   if (!file) return file.error();
@@ -182,6 +193,14 @@ Error manifest_error(const PluginType& type, std::string message) {
   return type.library->error(ErrorKind::kInput, std::move(message), type.line);
 }
 
+std::filesystem::path library_file(const PluginType& type) {
+  return type.library ? type.library->file() : std::filesystem::path();
+}
+
+void open_early(const PluginType& type) {
+  if (type.library) type.library->open_early();
+}
+
 std::string place_of(const PluginType& type) {
   return type.library ? type.library->manifest() + ':' + std::to_string(type.line) : "cxlab";
 }
@@ -206,6 +225,11 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
                        " is native code: it can read, write and run anything. If it may: --trust-programs")
         .with_code(kUntrusted);
   if (type.library) {
+    const fs::path& folder = context.run.run_folder.empty() ? context.run.rules_folder : context.run.run_folder;
+    if (const fs::path file = type.library->file(); !file.empty() && !folder.empty() && really_below(file, folder))
+      return type.library->error(ErrorKind::kInput,
+                                 "library '" + type.library->name() +
+                                     "' lies in the folder of this run, where rules write; expected another place");
     auto opened = type.library->open();
     if (!opened) return opened.error();
     open = *std::move(opened);

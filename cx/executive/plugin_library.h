@@ -11,6 +11,7 @@
 // A package with several libraries has a list of such maps. A library is opened when its first instance is made and
 // closed when the last environment that used it has gone.
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -32,6 +33,10 @@ Expected<std::vector<PluginType>> read_plugin_manifest(const std::string& packag
 
 /// An error where the manifest names this class of a library.
 Error manifest_error(const PluginType& type, std::string message);
+/// The library that the class is in; empty for a class of cxlab, and where it is not there.
+std::filesystem::path library_file(const PluginType& type);
+/// Opens the library before its first instance is made, as long as this process reads and runs what that needs.
+void open_early(const PluginType& type);
 /// "/p/share/greeter/cxlab_plugins.yaml:3", or "cxlab" for one that is built in.
 std::string place_of(const PluginType& type);
 

@@ -1,5 +1,7 @@
 #include "cx/journal/file_store.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -24,6 +26,13 @@ bool is_logical_name(const std::string& name) {
          *path.begin() != ".." && name.find('\0') == std::string::npos;
 }
 
+/// What `replace_file` writes first; it keeps the rights of a file that is there.
+constexpr const char* kUnfinished = ".part";
+
+void make_empty(const std::string& path, mode_t mode) {
+  if (const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); file >= 0) close(file);
+}
+
 bool is_hash(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -46,13 +55,13 @@ Expected<FileStore> FileStore::create(const fs::path& run) {
 Status FileStore::add(const std::string& logical_name, const fs::path& source) {
   auto bytes = read_file(source);
   if (!bytes) return bytes.error();
-  if (Status s = add_content(logical_name, *bytes); !s) return s;
-  // Whom the source is closed to, the copy is closed to.
+  // Whom the source is closed to, the copy is closed to from the beginning: behind a wall no rights are changed.
   std::error_code ignored;
-  const fs::perms closed =
-      (fs::perms::group_read | fs::perms::others_read) & ~fs::status(source, ignored).permissions();
-  fs::permissions(folder_ / content_hash(*bytes), closed, fs::perm_options::remove, ignored);
-  return {};
+  const fs::perms open_to =
+      (fs::perms::group_read | fs::perms::others_read) & fs::status(source, ignored).permissions();
+  const fs::path copy = folder_ / content_hash(*bytes);
+  if (!fs::exists(copy, ignored)) make_empty(copy.string() + kUnfinished, 0600 | static_cast<mode_t>(open_to));
+  return add_content(logical_name, *bytes);
 }
 
 Status FileStore::add_content(const std::string& logical_name, std::string_view bytes) {

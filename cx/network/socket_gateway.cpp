@@ -5,10 +5,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <vector>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::net {
 
@@ -32,7 +35,36 @@ std::string host_of(const sockaddr_in& address) {
 
 bool would_wait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
 
-int make_socket(int type) { return ::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0); }
+/// Sends to this machine only, whatever address a datagram names. Old kernels let only root set this.
+void keep_on_this_machine(int socket) {
+  constexpr char kDevice[] = "lo";
+  (void)::setsockopt(socket, SOL_SOCKET, SO_BINDTODEVICE, kDevice, sizeof kDevice - 1);
+}
+
+constexpr char kSender = 'd', kDatagrams = 'D', kServer = 'S', kConnection = 'C';
+
+/// What a servant opens: on the loopback interface only, whoever asks.
+Servant::Answer open_socket(const std::string& request) {
+  const auto refused = [] { return Servant::Answer{std::strerror(errno)}; };
+  const char kind = request.empty() ? kSender : request.front();
+  const auto port =
+      read_number<std::uint16_t>(std::string_view(request).substr(std::min<std::size_t>(1, request.size())));
+  if (kind != kSender && !port) return {"no port"};
+  const bool stream = kind == kServer || kind == kConnection;
+  Descriptor made(::socket(AF_INET, (stream ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!made) return refused();
+  keep_on_this_machine(made.number());
+  const sockaddr_in address = loopback(port.value_or(0));
+  const int yes = 1;
+  // A server's port may be taken again right after a run; two programs never share one.
+  if (kind == kServer) ::setsockopt(made.number(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (kind == kConnection && ::connect(made.number(), generic(address), sizeof address) != 0 && errno != EINPROGRESS)
+    return refused();
+  if ((kind == kServer || kind == kDatagrams) && ::bind(made.number(), generic(address), sizeof address) != 0)
+    return refused();
+  if (kind == kServer && ::listen(made.number(), SocketGateway::kConnectionsPerTick) != 0) return refused();
+  return {"", std::move(made)};
+}
 
 }  // namespace
 
@@ -42,7 +74,9 @@ SocketGateway::Socket::~Socket() {
 
 Expected<std::unique_ptr<SocketGateway>> SocketGateway::create(Network& network, RecordSink& sink,
                                                                std::function<void(const std::string&)> complain) {
-  std::unique_ptr<SocketGateway> gateway(new SocketGateway(network, std::move(complain)));
+  auto opener = Servant::start([](const std::string& request, const auto&) { return open_socket(request); });
+  if (!opener) return opener.error();
+  std::unique_ptr<SocketGateway> gateway(new SocketGateway(network, *std::move(opener), std::move(complain)));
   bus::NodeName name;
   name.name = "cxlab_sockets";
   const auto node = network.bus().join(bus::ParticipantKind::kNode, std::move(name), sink.open_stream("sockets"));
@@ -59,7 +93,7 @@ Expected<std::unique_ptr<SocketGateway>> SocketGateway::create(Network& network,
       if (link.kind == Host::LinkKind::kServer && !gateway->servers_.contains(link.port))
         gateway->server_opened(link.port);
     }
-  gateway->sender_ = Socket(make_socket(SOCK_DGRAM));
+  gateway->sender_ = gateway->open(kSender, 0).first;
   gateway->buffer_.resize(1 << 16);
   return gateway;
 }
@@ -68,22 +102,22 @@ SocketGateway::~SocketGateway() { network_.watcher_ = nullptr; }
 
 // --- Ports
 
-SocketGateway::Socket SocketGateway::bound(int type, std::uint16_t port) {
-  Socket socket(make_socket(type));
-  const int yes = 1;
-  // A server's port may be taken again right after a run; two programs never share one.
-  if (type == SOCK_STREAM) ::setsockopt(socket.fd(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  const sockaddr_in address = loopback(port);
-  if (socket && ::bind(socket.fd(), generic(address), sizeof address) == 0 &&
-      (type == SOCK_DGRAM || ::listen(socket.fd(), kConnectionsPerTick) == 0))
-    return socket;
-  complain_(std::string(type == SOCK_DGRAM ? "UDP" : "TCP") + " port " + std::to_string(port) +
-            " cannot be opened for programs outside: " + std::strerror(errno));
-  return {};
+std::pair<SocketGateway::Socket, std::string> SocketGateway::open(char kind, std::uint16_t port) {
+  auto answer = opener_.ask(kind + std::to_string(port));
+  if (!answer) return {Socket(), answer.error().message};
+  return {Socket(answer->descriptor.release()), answer->text};
 }
 
-void SocketGateway::datagrams_opened(std::uint16_t port) { datagrams_[port] = bound(SOCK_DGRAM, port); }
-void SocketGateway::server_opened(std::uint16_t port) { servers_[port] = bound(SOCK_STREAM, port); }
+SocketGateway::Socket SocketGateway::bound(char kind, std::uint16_t port) {
+  auto [socket, trouble] = open(kind, port);
+  if (!socket)
+    complain_(std::string(kind == kDatagrams ? "UDP" : "TCP") + " port " + std::to_string(port) +
+              " cannot be opened for programs outside: " + trouble);
+  return std::move(socket);
+}
+
+void SocketGateway::datagrams_opened(std::uint16_t port) { datagrams_[port] = bound(kDatagrams, port); }
+void SocketGateway::server_opened(std::uint16_t port) { servers_[port] = bound(kServer, port); }
 
 // --- In
 
@@ -187,10 +221,8 @@ void SocketGateway::send_datagram(const Event& event) {
 }
 
 void SocketGateway::reach_out(const Event& event) {
-  Socket socket(make_socket(SOCK_STREAM));
-  const sockaddr_in to = loopback(event.to_port);
-  if (!socket || (::connect(socket.fd(), generic(to), sizeof to) != 0 && errno != EINPROGRESS))
-    return host_->close(event.link, std::strerror(errno));
+  auto [socket, trouble] = open(kConnection, event.to_port);
+  if (!socket) return host_->close(event.link, trouble);
   Stream& stream = streams_[event.link];
   stream.socket = std::move(socket);
   stream.outgoing = true;

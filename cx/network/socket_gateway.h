@@ -10,9 +10,11 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "cx/base/expected.h"
 #include "cx/base/record_sink.h"
+#include "cx/base/servant.h"
 #include "cx/network/host.h"
 #include "cx/network/network.h"
 #include "cx/run/parts.h"
@@ -63,14 +65,16 @@ class SocketGateway final : public Server, private PortWatcher {
     std::string unsent;
   };
 
-  SocketGateway(Network& network, std::function<void(const std::string&)> complain)
-      : network_(network), complain_(std::move(complain)) {}
+  SocketGateway(Network& network, Servant opener, std::function<void(const std::string&)> complain)
+      : network_(network), opener_(std::move(opener)), complain_(std::move(complain)) {}
   void datagrams_opened(std::uint16_t port) override;
   void datagrams_closed(std::uint16_t port) override { datagrams_.erase(port); }
   void server_opened(std::uint16_t port) override;
   void server_closed(std::uint16_t port) override { servers_.erase(port); }
+  /// A socket of that kind, or none and why.
+  std::pair<Socket, std::string> open(char kind, std::uint16_t port);
   /// Bound to that port of the loopback interface, or nothing.
-  Socket bound(int type, std::uint16_t port);
+  Socket bound(char kind, std::uint16_t port);
 
   void take(const Event& event);
   void send_datagram(const Event& event);
@@ -82,6 +86,7 @@ class SocketGateway final : public Server, private PortWatcher {
   bool write_stream(Stream& stream);
 
   Network& network_;
+  Servant opener_;  ///< of sockets, which this process cannot open behind a wall (cx/wall/wall.h)
   std::function<void(const std::string&)> complain_;
   std::unique_ptr<Host> host_;
   std::map<std::uint16_t, Socket> datagrams_, servers_;  // by port; those that could not be bound are empty

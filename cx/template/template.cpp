@@ -30,7 +30,10 @@ struct Rendering {
     static_cast<Rendering*>(context)->made.append(text.data, text.size);
   }
   static void fail(void* context, minijinja_text file, size_t line, minijinja_text message) {
-    static_cast<Rendering*>(context)->error = input_error(string(message), string(file), static_cast<int>(line));
+    constexpr const char* kNoThread = "no thread could be started";  // third_party/minijinja/src/bounds.rs
+    Error error = input_error(string(message), string(file), static_cast<int>(line));
+    if (error.message.find(kNoThread) != std::string::npos) error.kind = ErrorKind::kResource;
+    static_cast<Rendering*>(context)->error = std::move(error);
   }
 };
 

@@ -54,7 +54,8 @@ Status Play::prepare() {
   packages.insert(setup_.packages.begin(), setup_.packages.end());
   for (const auto& [name, folder] : packages) {
     if (!is_folder(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
-    options.packages[name] = {folder, {}};
+    const auto own = setup_.own_packages.find(name);
+    options.packages[name] = {folder, {}, own == setup_.own_packages.end() || own->second == folder ? "" : own->second};
     if (!bus::holds_definitions(folder)) continue;
     if (Status s = registry_.add_package(name, folder); !s) return s;
   }
@@ -69,6 +70,7 @@ Status Play::prepare() {
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();
   manager_ = *std::move(manager);
+  scratch_.reset();
   for (const StandIn& stand_in : spec_.stand_ins)
     if (Status s = stand_ins_.add(stand_in); !s) return s;
   for (const Expectation& e : spec_.expect)
@@ -77,6 +79,13 @@ Status Play::prepare() {
   if (Status s = check_contents(); !s) return s;
   loop_.emplace(bus_, kTick, Parts{.servers = {this, &stand_ins_}, .agents = {manager_.get()}});
   return {};
+}
+
+Wall Play::wall() const {
+  Wall wall;
+  wall.read = {setup_.interfaces};
+  manager_->add_reach(wall);
+  return wall;
 }
 
 /// Before anything happens: what is sent and expected has the fields of its type.

@@ -33,6 +33,8 @@ class Play final : private Server, private cx::LogSink {
 
   /// Packages, configuration and stand-ins: an error is a mistake of the story.
   Status prepare();
+  /// What the story reaches of the machine from now on.
+  Wall wall() const;
   /// Activation. Errors of kind kInput are mistakes in rule files or the configuration.
   Status begin();
   /// `line` is that of the story.

@@ -71,6 +71,7 @@ StoryResult run_story(const StorySpec& spec, const StorySetup& setup) {
     return s.ok();
   };
   if (!note(play.prepare())) return result;
+  if (setup.confine) setup.confine(play.wall());
   if (Status s = play.begin(); !s && s.error().kind != ErrorKind::kInput) {
     result.failures.push_back(s.error().text());
     return result;

@@ -5,6 +5,7 @@
 //   StoryResult result = run_story(spec, setup);
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "cx/engine/limits.h"
 #include "cx/node/parameters.h"
 #include "cx/testing/stand_ins.h"
+#include "cx/wall/wall.h"
 
 namespace cxlab::testing {
 
@@ -69,6 +71,10 @@ struct StorySetup {
   bool coverage = false;                             ///< count activations too; costs a line of text for each
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
   Limits limits = {};                                ///< of the rules of each story
+  std::map<std::string, std::string> own_packages =
+      {};  ///< of cxlab: have the files that packages of the same name lack
+  /// Called before the first rule is read, with what the story reaches of the machine from then on; may be none.
+  std::function<void(const Wall&)> confine = {};
 };
 
 /// How often a rule has fired, and been put on the agenda (0 without `StorySetup::coverage`).

@@ -218,8 +218,7 @@ constexpr const char* kCalls[] = {
     "sync_file_range", "msync", "memfd_create",
     // paths: Landlock looks at them; who a file belongs to and its times say nothing of its content
     "stat", "lstat", "newfstatat", "statx", "access", "faccessat", "faccessat2", "readlink", "readlinkat", "statfs",
-    "getcwd", "chdir", "fchdir", "umask", "rename", "renameat", "renameat2", "mkdir", "mkdirat", "rmdir", "unlink",
-    "unlinkat",
+    "getcwd", "umask", "rename", "renameat", "renameat2", "mkdir", "mkdirat", "rmdir", "unlink", "unlinkat",
     // memory
     "brk", "mmap", "mprotect", "munmap", "mremap", "madvise", "mincore", "membarrier", "get_mempolicy",
     // signals to itself, time

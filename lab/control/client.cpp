@@ -113,7 +113,11 @@ Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAdd
     const auto line = client->state_->receive();
     if (!line && !address.path.empty()) return line.error();
     // It greets only those who know the token.
-    if (!line) return usage_error("the run at " + address.text() + " does not take this --token");
+    if (!line)
+      return usage_error("the run at " + address.text() +
+                         " does not take this --token; `cxlab run` printed the right one when it began");
+    if (text_of(*line, "event") == "refused")
+      return resource_error(text_of(*line, "text") + "; one of them has to go first", address.text());
     const auto event = client->state_->take(*line);
     if (event && event->kind == Event::Kind::kHello) return client;
   }

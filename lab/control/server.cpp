@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <asio/generic/stream_protocol.hpp>
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
@@ -9,6 +10,7 @@
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/post.hpp>
 #include <asio/read_until.hpp>
+#include <asio/steady_timer.hpp>
 #include <asio/write.hpp>
 #include <atomic>
 #include <cerrno>
@@ -18,9 +20,11 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "cx/base/number_text.h"
+#include "cx/base/servant.h"
 
 namespace cxlab::lab {
 
@@ -29,6 +33,10 @@ namespace {
 constexpr std::size_t kLongestLine = 1'000'000;
 constexpr std::size_t kMostUnread = 64'000'000;  // bytes that wait for a client
 constexpr std::size_t kMostClients = 8;
+constexpr std::size_t kMostStrangers = 64;                 // connections that have not shown a token yet
+constexpr auto kLongestSilence = std::chrono::seconds(5);  // until a stranger is sent away
+constexpr const char* kFull =
+    R"({"event":"refused","text":"eight are attached to this run already, which is the most"})";
 
 using Socket = asio::generic::stream_protocol::socket;
 
@@ -97,7 +105,15 @@ Expected<ControlAddress> ControlAddress::parse(const std::string& text) {
 /// Runs on the server's thread, but for what `mutex` guards.
 struct ControlServer::State {
   struct Client : std::enable_shared_from_this<Client> {
-    Client(State& all, Socket s, std::uint64_t number) : state(all), socket(std::move(s)), id(number) {}
+    Client(State& all, Socket s, std::uint64_t number)
+        : state(all), socket(std::move(s)), silence(all.context), id(number) {}
+    /// Until the token has come.
+    void wait_for_token() {
+      silence.expires_after(kLongestSilence);
+      silence.async_wait([self = shared_from_this()](const std::error_code& error) {
+        if (!error && !self->known) self->leave();
+      });
+    }
     void read() {
       asio::async_read_until(
           socket, asio::dynamic_buffer(unread, kLongestLine), '\n',
@@ -109,7 +125,7 @@ struct ControlServer::State {
       unread.erase(0, size);
       if (line.ends_with('\r')) line.pop_back();
       if (known) {
-        state.put({id, std::move(line)});
+        if (announced) state.put({id, std::move(line)});
       } else if (same_text(line, state.token)) {
         enter();
       } else {
@@ -118,7 +134,14 @@ struct ControlServer::State {
       read();
     }
     void enter() {
+      silence.cancel();
+      const bool full = state.count(/*known=*/true) >= kMostClients;
       known = true;
+      if (full) {
+        announced = false;
+        write(kFull);
+        return close_after_lines();
+      }
       state.put({id, {}, true, false});
     }
     void write(const std::string& line) {
@@ -149,31 +172,46 @@ struct ControlServer::State {
       gone = true;
       std::error_code ignored;
       socket.close(ignored);
-      if (known) state.put({id, {}, false, true});
+      silence.cancel();
+      if (known && announced) state.put({id, {}, false, true});
       state.clients.erase(id);
     }
 
     State& state;
     Socket socket;
+    asio::steady_timer silence;
     std::uint64_t id;
     std::string unread;
     std::deque<std::string> lines;
     std::size_t waiting = 0;
     bool known = false, gone = false, closing = false;
+    bool announced = true;  // the run hears of it
   };
 
   template <class Acceptor>
   void accept(Acceptor& acceptor) {
     acceptor.async_accept([this, &acceptor](const std::error_code& error, auto socket) {
       if (error == asio::error::operation_aborted) return;
-      if (!error && clients.size() < kMostClients) {
+      if (!error) {
+        if (count(/*known=*/false) >= kMostStrangers) oldest_stranger()->leave();
         auto client = std::make_shared<Client>(*this, Socket(std::move(socket)), ++last_client);
         clients.emplace(client->id, client);
-        if (token.empty()) client->enter();
+        if (token.empty())
+          client->enter();
+        else
+          client->wait_for_token();
         client->read();
       }
       accept(acceptor);
     });
+  }
+
+  std::size_t count(bool known) const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(clients, [known](const auto& client) { return client.second->known == known; }));
+  }
+  std::shared_ptr<Client> oldest_stranger() const {
+    return std::ranges::find_if(clients, [](const auto& client) { return !client.second->known; })->second;
   }
 
   void put(Line line) {
@@ -195,6 +233,14 @@ struct ControlServer::State {
       if (!error) unix_acceptor.bind(here, error);
       if (!error) unix_acceptor.listen(asio::socket_base::max_listen_connections, error);
       if (error) return resource_error("cannot open the socket for --control: " + error.message(), address.path);
+      // Behind a wall (cx/wall/wall.h) this process removes it only from the run's folder.
+      auto made = Servant::start([path = address.path](const std::string&, const auto&) {
+        std::error_code ignored;
+        std::filesystem::remove(path, ignored);
+        return Servant::Answer();
+      });
+      if (!made) return made.error();
+      remover.emplace(*std::move(made));
       accept(unix_acceptor);
     } else {
       auto made = new_token();
@@ -232,8 +278,8 @@ struct ControlServer::State {
     lock.unlock();
     context.stop();
     thread.join();
-    std::error_code ignored;
-    if (!address.path.empty()) std::filesystem::remove(address.path, ignored);
+    if (remover) (void)remover->ask("remove");
+    remover.reset();
   }
 
   asio::io_context context{1};
@@ -243,6 +289,7 @@ struct ControlServer::State {
   std::uint64_t last_client = 0;
   ControlAddress address;
   std::string token;
+  std::optional<Servant> remover;  ///< of the socket at `address.path`
   std::thread thread;
 
   std::atomic<bool> any{false};

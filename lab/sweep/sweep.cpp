@@ -10,11 +10,13 @@
 #include <set>
 #include <thread>
 
+#include "cx/base/append_file.h"
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/journal/file_store.h"
 #include "cx/journal/run_folder.h"
+#include "lab/confine.h"
 #include "lab/session.h"
 
 namespace cxlab::lab {
@@ -76,7 +78,7 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   PlayOptions options;
   options.out = "none";
   options.file_read = note;
-  auto played = play_scenario(options, *std::move(scenario), {.most = host.most});
+  auto played = play_scenario(options, *std::move(scenario), {.most = host.most, .confine = true});
   for (const std::string& library : libraries())
     if (!before.contains(library)) note(library);  // of plugins
   if (!played) return refused(played.error());
@@ -94,6 +96,21 @@ std::optional<Row> read_row(const fs::path& file) {
   const auto text = read_file(file);
   auto row = text ? Row::parse(*text) : Expected<Row>(text.error());
   return row ? std::optional<Row>(*std::move(row)) : std::nullopt;
+}
+
+/// The row that a process has left beside the name that it gets.
+std::optional<Row> take_row(const fs::path& file, const Cell& cell, const std::string& program) {
+  const fs::path part = file.string() + ".part";
+  auto row = read_row(part);
+  std::error_code error;
+  if (!row) {
+    fs::remove(part, error);
+    return row;
+  }
+  row->cell = cell;
+  row->program = program;
+  fs::rename(part, file, error);
+  return row;
 }
 
 struct Running {
@@ -145,18 +162,23 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
   for (const std::optional<Row>& row : found)
     if (row && !row->errors.empty()) host.note("kept: " + line_of(*row));
 
+  if (const auto warning = warning_without_wall()) host.note(*warning);
   std::list<Running> running;
   for (auto next = open.begin(); (next != open.end() || !running.empty()) && !host.stopped();) {
     while (next != open.end() && running.size() < static_cast<std::size_t>(options.jobs)) {
       const std::size_t i = *next++;
       const fs::path file = rows / (row_name(cells[i]) + ".json");
+      const fs::path part = file.string() + ".part";
       fs::remove(file, error);
+      fs::remove(part, error);
       ProcessOptions process;
       process.out = process.err = Stream::file(fs::path(file).replace_extension(".log"));
       auto started = Process::fork(process, [&] {
         (*lock)->release();
+        auto out = AppendFile::create(part);  // the process opens no file of the sweep once rules have run
+        if (!out) return static_cast<int>(ErrorKind::kResource);
         const Row row = play(cells[i], *suite.catalogue, program, host);
-        return replace_file(file, row.to_json()) ? 0 : static_cast<int>(ErrorKind::kResource);
+        return out->append(row.to_json()) && out->close() ? 0 : static_cast<int>(ErrorKind::kResource);
       });
       if (!started) return started.error();
       running.push_back({i, file, *std::move(started)});
@@ -169,7 +191,7 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
         continue;
       }
       std::optional<Row>& row = found[it->cell];
-      row = read_row(it->file);
+      row = take_row(it->file, cells[it->cell], program);
       if (!row) row = Row{cells[it->cell], program, {}, "crashed", *code, {}, {}, {}};
       host.note('[' + std::to_string(++done) + '/' + std::to_string(cells.size()) + "] " + line_of(*row));
       it = running.erase(it);

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <optional>
+#include <vector>
 
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
@@ -42,13 +45,67 @@ std::string last_line(const std::string& text) {
   return body.substr(body.find_last_of('\n') + 1);
 }
 
-/// Its exit code; none if it was ended after its time. `log` is what it prints.
-Expected<std::optional<int>> run(const std::string& command, const fs::path& log, double timeout_s) {
+/// Between texts for a servant.
+const std::string kEnd(1, '\0');
+
+/// What a planner is asked, as texts without a zero byte.
+struct Question {
+  std::string domain, problem;
+  double timeout_s = 0;
+};
+
+/// What came of a command.
+struct Outcome {
+  std::optional<int> code;  ///< none if it was ended after its time
+  std::string printed;
+  std::optional<std::string> plan;
+};
+
+std::vector<std::string> parts_of(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == '\0')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+/// Ended after its time, and when whoever asked is gone.
+std::optional<int> wait_for(Process& process, double timeout_s, const std::function<bool()>& gone) {
+  constexpr double kPart = 0.1;
+  for (double left = timeout_s; left > 0 && !gone(); left -= kPart)
+    if (const auto code = process.wait_for(std::min(left, kPart))) return code;
+  return std::nullopt;
+}
+
+Expected<Outcome> run(const ExternalPlanner& planner, const Question& question, const std::function<bool()>& gone) {
+  const auto scratch = ScratchFolder::create();
+  if (!scratch) return scratch.error();
+  const fs::path& folder = (*scratch)->path();
+  const fs::path domain = folder / "domain.pddl", problem = folder / "problem.pddl", plan = folder / "plan.txt",
+                 log = folder / "log.txt";
+  std::ofstream(domain) << question.domain;
+  std::ofstream(problem) << question.problem;
+  std::string command = planner.command;
+  for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain},
+                                           {"{problem}", problem},
+                                           {"{plan}", plan},
+                                           {"{timeout}", fixed_text(question.timeout_s, 3)}})
+    command = filled(std::move(command), placeholder, value);
   ProcessOptions shell{.argv = {"/bin/sh", "-c", command}};
   shell.out = shell.err = Stream::file(log);
   auto process = Process::start(shell);
   if (!process) return process.error();
-  return process->wait_for(timeout_s);
+  Outcome out;
+  out.code = wait_for(*process, question.timeout_s, gone);
+  if (const auto printed = read_file(log)) out.printed = *printed;
+  std::erase(out.printed, '\0');
+  if (!is_file(plan)) return out;
+  auto text = read_file(plan);
+  if (!text) return text.error();
+  out.plan = *std::move(text);
+  return out;
 }
 
 /// The answer of a planner that wrote no plan; without a code it was ended after its time. `printed` is its last line.
@@ -83,31 +140,12 @@ ExternalPlanner up_engine(const fs::path& script, const std::string& python, con
               python + "'"};
 }
 
-Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {
-  const auto scratch = ScratchFolder::create();
-  if (!scratch) return scratch.error();
-  const fs::path& folder = (*scratch)->path();
-  const fs::path domain = folder / "domain.pddl", problem = folder / "problem.pddl", plan = folder / "plan.txt",
-                 log = folder / "log.txt";
-  std::ofstream(domain) << to_pddl(task.domain);
-  std::ofstream(problem) << to_pddl(task.domain, task.problem);
-  std::string command = planner.command;
-  for (const auto& [placeholder, value] : {std::pair<std::string, std::string>{"{domain}", domain},
-                                           {"{problem}", problem},
-                                           {"{plan}", plan},
-                                           {"{timeout}", fixed_text(timeout_s, 3)}})
-    command = filled(std::move(command), placeholder, value);
-  const auto code = run(command, log, timeout_s);
-  if (!code) return code.error();
-  const auto output = read_file(log.string());
-  const std::string printed = output ? *output : "";
-  std::fputs(printed.c_str(), stderr);  // stdout carries answers only
-  if (!is_file(plan)) return without_plan(planner, *code, last_line(printed));
+static Expected<PlanAnswer> answer_of(const ExternalPlanner& planner, const Outcome& outcome, const Task& task) {
+  std::fputs(outcome.printed.c_str(), stderr);  // stdout carries answers only
+  if (!outcome.plan) return without_plan(planner, outcome.code, last_line(outcome.printed));
 
   PlanAnswer answer;
-  auto text = read_file(plan.string());
-  if (!text) return text.error();
-  auto steps = parse_plan(*text, "plan.txt", task.domain, task.problem);
+  auto steps = parse_plan(*outcome.plan, "plan.txt", task.domain, task.problem);
   if (!steps) return steps.error();
   Meter meter(kMostJudged);
   auto verdict = Validator(task.domain, task.problem, &meter).check(*steps, {.epsilon = kLeastSeparation});
@@ -125,6 +163,43 @@ Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& 
   answer.plan->metric = verdict->metric;
   answer.plan->steps = *std::move(steps);
   return answer;
+}
+
+static Question question_of(const Task& task, double timeout_s) {
+  return {to_pddl(task.domain), to_pddl(task.domain, task.problem), timeout_s};
+}
+
+Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s) {
+  const auto outcome = run(planner, question_of(task, timeout_s), [] { return false; });
+  if (!outcome) return outcome.error();
+  return answer_of(planner, *outcome, task);
+}
+
+Expected<PlannerServant> PlannerServant::start(ExternalPlanner planner) {
+  auto servant = Servant::start([planner](const std::string& request, const std::function<bool()>& gone) {
+    const std::vector<std::string> asked = parts_of(request);
+    const auto timeout_s = asked.size() == 3 ? read_number<double>(asked[2]) : std::nullopt;
+    if (!timeout_s) return Servant::Answer{"error" + kEnd + "is no question"};
+    const auto outcome = run(planner, {asked[0], asked[1], *timeout_s}, gone);
+    if (!outcome) return Servant::Answer{"error" + kEnd + outcome.error().text()};
+    std::string text = (outcome->code ? std::to_string(*outcome->code) : "") + kEnd + outcome->printed;
+    if (outcome->plan) text += kEnd + *outcome->plan;
+    return Servant::Answer{text};
+  });
+  if (!servant) return servant.error();
+  return PlannerServant(std::move(planner), *std::move(servant));
+}
+
+Expected<PlanAnswer> PlannerServant::find_plan(const Task& task, double timeout_s) {
+  const Question question = question_of(task, timeout_s);
+  const auto answer =
+      servant_.ask(question.domain + kEnd + question.problem + kEnd + general_text(question.timeout_s, 17));
+  if (!answer) return answer.error();
+  const std::vector<std::string> parts = parts_of(answer->text);
+  if (parts.size() < 2 || parts[0] == "error") return resource_error(parts.back());
+  Outcome outcome{read_number<int>(parts[0]), parts[1], std::nullopt};
+  if (parts.size() > 2) outcome.plan = parts[2];
+  return answer_of(planner_, outcome, task);
 }
 
 }  // namespace cxlab::planner

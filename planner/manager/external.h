@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "cx/base/expected.h"
+#include "cx/base/servant.h"
 #include "planner/planner.h"
 
 namespace cxlab::planner {
@@ -28,5 +30,20 @@ ExternalPlanner up_engine(const std::filesystem::path& script, const std::string
 /// 127; the error ends with the remedy), wrote a plan that cannot be read or, with `our_codes`, ended with a code that
 /// is no answer.
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s);
+
+/// The same by a servant that runs this one command and nothing else, also where this process starts no programs any
+/// more (cx/wall/wall.h).
+class PlannerServant {
+ public:
+  static Expected<PlannerServant> start(ExternalPlanner planner);
+  Expected<PlanAnswer> find_plan(const Task& task, double timeout_s);
+
+ private:
+  PlannerServant(ExternalPlanner planner, Servant servant)
+      : planner_(std::move(planner)), servant_(std::move(servant)) {}
+
+  ExternalPlanner planner_;
+  Servant servant_;
+};
 
 }  // namespace cxlab::planner

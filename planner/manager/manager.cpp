@@ -35,6 +35,11 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
   bus::rename_node(options.node);
   std::unique_ptr<PddlManager> manager(new PddlManager(std::move(options), bus, sink));
   const PddlManagerOptions& o = manager->options_;
+  if (!o.other.command.empty()) {
+    auto other = PlannerServant::start(o.other);
+    if (!other) return other.error();
+    manager->other_ = *std::move(other);
+  }
   const std::pair<const char*, std::string> parameters[] = {{"autostart_node", o.autostart ? "true" : "false"},
                                                             {"bond_heartbeat_period", std::to_string(o.bond_period)},
                                                             {"compat", o.original ? "original" : "none"},

@@ -139,6 +139,7 @@ class PddlManager : public Server {
   void log(cx::LogLevel level, const std::string& text);
 
   PddlManagerOptions options_;
+  std::optional<PlannerServant> other_;  ///< of `options_.other`
   bus::Bus& bus_;
   RecordSink& sink_;
   bus::ParticipantId node_{};

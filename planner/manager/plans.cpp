@@ -100,7 +100,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   how.warm_start = steps_left(goal.text("pddl_instance"), *task, goals);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   const bool ours = options_.other.command.empty();
-  auto answer = ours ? find_plan(*task, how) : find_plan_with(options_.other, *task, wall_s);
+  auto answer = ours ? find_plan(*task, how) : other_->find_plan(*task, wall_s);
   if (!answer && !ours) return {"ERROR", answer.error().text()};
   if (!answer) return {is(answer.error(), Failure::kOutOfMemory) ? "MEMORY" : "ERROR", answer.error().message};
   Outcome outcome{"PLAN",           answer->reason,     bus::GoalStatus::kSucceeded,

@@ -4,6 +4,7 @@
 #include "cx/base/remedy.h"
 #include "cx/bus/names.h"
 #include "cx/executive/files.h"
+#include "cx/executive/reach.h"
 #include "planner/manager/manager.h"
 #include "scenarios/result.h"
 #include "scenarios/share.h"
@@ -81,7 +82,7 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     if (scenario.trust_rules) return true;
     for (const AgentSpec& agent : scenario.agents)
       for (const auto& [name, share] : scenario.shares(agent))
-        if (cx::really_below(file, share)) return true;
+        if (cx::really_below(file, share)) return !cx::is_hidden(file.lexically_normal().lexically_relative(share));
     if (!run_folder.empty() && cx::really_below(file, run_folder / "written")) return true;
     std::error_code error;
     return std::filesystem::weakly_canonical(file, error).extension() == ".pddl" && !error;

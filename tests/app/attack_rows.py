@@ -725,6 +725,40 @@ ROWS["services"] = [
 """),
 ]
 
+LIBRARY = """(defrule start => (open "evil.so" f "w") (printout f "no library" crlf) (close f)
+  (ros-param-get-value "stolen.plugin" "evil::Plugin") (ros-msgs-create-client "/clips_manager/load_plugin" "cx_msgs/srv/LoadClipsPlugin"))
+(defrule call (ros-msgs-client (service ?s))
+  => (bind ?q (ros-msgs-create-request "cx_msgs/srv/LoadClipsPlugin")) (ros-msgs-set-field ?q "env_name" "main") (ros-msgs-set-field ?q "plugin_name" "stolen")
+  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q))
+"""
+
+
+def library(name, path, config=CONFIG):
+    """Rules have a native library of their package opened."""
+    return Row(name, RUN, 3, {"rules/rules.clp": LIBRARY, "agent.yaml": config, "rules/evil.so": "no library", "rules/cxlab_plugins.yaml": f"library: {path}\nplugins:\n  - class: evil::Plugin\n"})
+
+
+NAMED = CONFIG.replace("    executive:", '    other: {plugin: "evil::Plugin"}\n    executive:')
+HOME = {"home/agent.yaml": CONFIG, "home/.ssh/key": SECRET, "home/rules.clp": act('(open "{here}/home/.ssh/key" f "r")')}
+ROWS["packages"] = [
+    library("library of the package", "evil.so"),
+    library("library of the package, absolute", "{here}/rules/evil.so"),
+    library("library that rules wrote", "{here}/out/written/evil.so", NAMED),
+    library("link to a library that rules wrote", "link.so", NAMED),
+    Row("configuration at home", ["env", "home/agent.yaml", "--out", "out"], 3, HOME, never=[SECRET]),
+    Row("configuration in params at home", ["env", "home/params/agent.yaml", "--out", "out"], 3, {"home/params/agent.yaml": CONFIG, **HOME}, never=[SECRET]),
+    *[Row(f"package {folder}", RUN, 3, {"scenario.yaml": SCENARIO.replace("rules: rules", f"rules: rules, h: {folder}")})
+      for folder in ("/", "{here}/home", "home/..", "/home")],
+    *[attack(f"hidden {name}", act(f'(open "{{here}}/rules/{path}" f "r") (printout t (readline f) crlf)'), 4)
+      for name, path in (("file", ".key"), ("folder", ".ssh/key"), ("folder upwards", "a/../.ssh/key"))],
+]
+for row in ROWS["packages"]:
+    row.files.setdefault("home/readme.txt", "mine")
+    row.files.update({"rules/.key": SECRET, "rules/.ssh/key": SECRET})
+    if "link" in row.name:
+        row.leaves = ("out", "rules")
+        row.files["rules/link.so"] = lambda path: os.symlink("../out/written/evil.so", path)
+
 PROTOBUF = {
     "agent.yaml": CONFIG.replace('"tf",', '"protobuf",') + '    protobuf: {plugin: "cx::ProtobufPlugin", pkg_share_dirs: ["rules"], proto_paths: ["types"]}\n',
     "rules/types/m.proto": 'syntax = "proto2"; message M { enum CompType { COMP_ID = 1; MSG_TYPE = 2; } optional string s = 1; repeated M m = 2; }',

@@ -226,9 +226,9 @@ class HooksInOrder(Installed):
 
     def test_plugin_that_throws_at_its_end_gets_all_calls_of_its_end(self):
         for hook in ("clips_env_destroyed", "finalize"):
-            hooks, said = self.chatty(expect=4, throw=hook)
+            hooks, said = self.chatty(throw=hook)
             self.assertEqual(hooks, WHOLE_LIFE)
-            self.assertIn(f"libchatty.so): {hook} threw: out of words", said)
+            self.assertRegex(said, rf"warning: while the agent shut down: .*libchatty\.so\): {hook} threw: out of words")
 
     def test_library_is_closed_after_the_last_environment_that_used_it(self):
         steps = [("unload_plugin", "UnloadClipsPlugin", "{env_name: one, plugin_name: talk}"), ("destroy_env", "DestroyClipsEnv", "{env_name: two}"),

@@ -1,4 +1,6 @@
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -95,8 +97,10 @@ TEST_F(ControlServerTest, LetsEightInAndCutsOffALineWithoutAnEnd) {
     EXPECT_TRUE(next(*server).came);
   }
   all.push_back(connect());
-  char byte;
-  EXPECT_EQ(::read(all.back(), &byte, 1), 0);
+  char said[256] = {};
+  EXPECT_GT(::read(all.back(), said, sizeof said - 1), 0);
+  EXPECT_THAT(said, testing::HasSubstr("eight are attached to this run already"));
+  EXPECT_EQ(::read(all.back(), said, sizeof said), 0);
   const std::string endless(1'100'000, 'x');
   std::size_t sent = 0;
   for (ssize_t n = 1; sent < endless.size() && n > 0; sent += n > 0 ? static_cast<std::size_t>(n) : 0)
@@ -120,6 +124,37 @@ TEST_F(ControlServerTest, TakesTheTokenBeforeAnythingElse) {
   EXPECT_FALSE(ControlClient::connect(server->address(), server->token() + "0"));
   EXPECT_TRUE(ControlClient::connect(server->address(), server->token()));
   answers.join();
+}
+
+TEST_F(ControlServerTest, StrangersWithoutATokenLockNobodyOut) {
+  const auto server = open({.path = "", .port = 0});
+  std::vector<std::unique_ptr<ControlClient>> attached;
+  std::thread answers([&] {
+    while (const auto line = server->take(10s)) {
+      if (line->came) server->send(line->client, R"({"event": "hello", "text": ""})");
+      if (line->went) break;
+    }
+  });
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(server->address().port);
+  std::vector<int> strangers;
+  for (int i = 0; i < 20; ++i) {
+    strangers.push_back(socket(AF_INET, SOCK_STREAM, 0));
+    ASSERT_EQ(::connect(strangers.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  for (int i = 0; i < 8; ++i) {
+    auto client = ControlClient::connect(server->address(), server->token());
+    ASSERT_TRUE(client) << i << ": " << client.error().text();
+    attached.push_back(*std::move(client));
+  }
+  const auto ninth = ControlClient::connect(server->address(), server->token());
+  ASSERT_FALSE(ninth);
+  EXPECT_EQ(ninth.error().kind, ErrorKind::kResource);
+  attached.clear();
+  answers.join();
+  for (const int at : strangers) ::close(at);
 }
 
 TEST_F(ControlServerTest, TakesThePlaceOfASocketThatNobodyHearsAndOfNothingElse) {

@@ -191,7 +191,8 @@ class ProtobufPlugin final : public Plugin {
     for (const std::string& package : all)
       if (camel_case(package).ends_with(stem)) own.push_back(package);
     for (const auto& packages : {own, all}) {
-      for (const std::string& package : packages) add_files_of(package);
+      for (const std::string& package : packages)
+        if (Status s = add_files_of(package); !s) return s;
       if (!files_.empty()) break;
     }
     if (files_.empty())
@@ -205,13 +206,15 @@ class ProtobufPlugin final : public Plugin {
   }
 
   /// Names in `import` are counted from the folder proto/, else from the topmost folders that have such files.
-  void add_files_of(const std::string& package) {
-    if (auto in_proto = context().files.list("proto", {package}, kExtension); in_proto && !in_proto->empty()) {
+  Status add_files_of(const std::string& package) {
+    auto in_proto = context().files.list("proto", {package}, kExtension);
+    if (!in_proto && in_proto.error().code == cx::kRefused) return in_proto.error();
+    if (in_proto && !in_proto->empty()) {
       files_.merge(*in_proto);
-      return;
+      return {};
     }
     auto files = context().files.list(".", {package}, kExtension);
-    if (!files) return;
+    if (!files) return {};
     std::vector<std::string> roots;
     std::vector<std::string> names;
     for (const auto& [file, found] : *files) names.push_back(file);
@@ -222,6 +225,7 @@ class ProtobufPlugin final : public Plugin {
       if (root == roots.end()) root = roots.insert(roots.end(), file.substr(0, file.rfind('/') + 1));
       files_.emplace(file.substr(root->size()), files->at(file));
     }
+    return {};
   }
 
   // --- Functions

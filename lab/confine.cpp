@@ -1,0 +1,21 @@
+#include "lab/confine.h"
+
+namespace cxlab::lab {
+
+void confine(const Episode& episode, const Host& host, const Wall& more) {
+  if (!kPlaysBehindWalls || !host.confine || episode.scenario().trust_rules) return;
+  Wall wall = episode.wall();
+  wall.read.insert(wall.read.end(), more.read.begin(), more.read.end());
+  wall.write.insert(wall.write.end(), more.write.begin(), more.write.end());
+  wall.pictures = more.pictures;
+  if (const Status raised = raise_wall(wall); !raised) host.note("warning: " + raised.error().message);
+}
+
+std::optional<std::string> warning_without_wall() {
+  const WallParts parts = wall_parts();
+  if (parts.whole()) return std::nullopt;
+  return "warning: this kernel has " + parts.text() +
+         ": rules are checked by cxlab alone, and not confined by the kernel as well; cxlab doctor says more";
+}
+
+}  // namespace cxlab::lab
