@@ -32,13 +32,15 @@ void add_pddl_files(const fs::path& folder, Wall& wall) {
   constexpr int kDeepest = 4, kMostEntries = 20000;
   std::error_code error;
   int seen = 0;
-  for (fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error), end;
+  for (fs::recursive_directory_iterator
+           entry(fs::canonical(folder, error), fs::directory_options::skip_permission_denied, error),
+       end;
        !error && entry != end && seen < kMostEntries; entry.increment(error), ++seen) {
     std::error_code ignored;
     if (entry->is_directory(ignored) && (entry.depth() >= kDeepest || cx::is_hidden(entry->path().filename())))
       entry.disable_recursion_pending();
     if (entry->path().extension() == ".pddl" && entry->is_regular_file(ignored) && !entry->is_symlink(ignored))
-      wall.read.push_back(entry->path());
+      wall.exact.push_back(entry->path());
   }
 }
 

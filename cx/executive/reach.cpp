@@ -24,7 +24,7 @@ void add_definitions(const fs::path& folder, const std::string& extension, Wall&
     if (entry->path().extension() != extension) continue;
     std::error_code broken;
     const fs::path target = fs::canonical(entry->path(), broken);
-    if (!broken && target.filename() == entry->path().filename() && is_file(target)) wall.read.push_back(target);
+    if (!broken && target.filename() == entry->path().filename() && is_file(target)) wall.exact.push_back(target);
   }
 }
 
@@ -36,19 +36,21 @@ void add_sources(const fs::path& package, Wall& wall) {
        !error && entry != end && seen < kMostEntries; entry.increment(error), ++seen) {
     std::error_code broken;
     if (!entry->is_symlink(broken) || !links_to_source(entry->path(), package)) continue;
-    if (const fs::path source = fs::canonical(entry->path(), broken); !broken) wall.read.push_back(source);
+    if (const fs::path source = fs::canonical(entry->path(), broken); !broken) wall.exact.push_back(source);
   }
 }
 
 /// Somebody's folder with a configuration in it: what is hidden there is not meant.
 void add_what_is_not_hidden(const fs::path& folder, Wall& wall) {
-  wall.list.push_back(folder);
   std::error_code error;
+  const fs::path real = fs::canonical(folder, error);
+  if (error) return;
+  wall.list.push_back(real);
   int seen = 0;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end && seen < kMostEntries;
+  for (fs::directory_iterator entry(real, error), end; !error && entry != end && seen < kMostEntries;
        entry.increment(error), ++seen) {
     std::error_code ignored;
-    if (!is_hidden(entry->path().filename()) && !entry->is_symlink(ignored)) wall.read.push_back(entry->path());
+    if (!is_hidden(entry->path().filename()) && !entry->is_symlink(ignored)) wall.exact.push_back(entry->path());
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <linux/openat2.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <signal.h>
@@ -74,9 +75,15 @@ class Ruleset {
   int descriptor() const { return descriptor_; }
   bool is_open() const { return descriptor_ >= 0; }
 
+  /// On the way to a file or folder.
+  enum class Links { kFollowed, kRefused };
+
   /// False with errno set; what is not there is left out.
-  bool allow(const fs::path& path, std::uint64_t access) {
-    const int file = open(path.c_str(), O_PATH | O_CLOEXEC);
+  bool allow(const fs::path& path, std::uint64_t access, Links links = Links::kFollowed) {
+    open_how how{};
+    how.flags = O_PATH | O_CLOEXEC;
+    if (links == Links::kRefused) how.resolve = RESOLVE_NO_SYMLINKS;
+    const int file = static_cast<int>(syscall(SYS_openat2, AT_FDCWD, path.c_str(), &how, sizeof how));
     if (file < 0) return errno != EMFILE && errno != ENFILE && errno != ENOMEM;
     struct stat found{};
     if (fstat(file, &found) == 0 && !S_ISDIR(found.st_mode))
@@ -200,6 +207,7 @@ Status raise_landlock(const Wall& wall, int version) {
   fine = fine && rules.allow("/dev/null", kReadFile | kWriteFile | kTruncate);
   if (wall.pictures) fine = fine && rules.allow("/dev/dri", kReadBelow | kWriteFile | kDeviceControl);
   for (const fs::path& path : wall.read) fine = fine && rules.allow(path, kReadBelow);
+  for (const fs::path& path : wall.exact) fine = fine && rules.allow(path, kReadBelow, Ruleset::Links::kRefused);
   for (const fs::path& path : wall.list) fine = fine && rules.allow(path, kReadFolder);
   for (const fs::path& path : wall.write) fine = fine && rules.allow(path, kWriteBelow | kRefer | kTruncate);
   for (const fs::path& path : wall.links) fine = fine && rules.allow(path, kMakeLink);

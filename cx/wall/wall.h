@@ -21,7 +21,9 @@ namespace cxlab {
 
 /// What a process reaches behind the wall, beside the libraries, locales and time zones of the system.
 struct Wall {
-  std::vector<std::filesystem::path> read;   ///< files, and folders with all below; what is not there is left out
+  std::vector<std::filesystem::path> read;  ///< files, and folders with all below; what is not there is left out
+  /// Real paths, read as those of `read` are: one on which somebody has put a link by now is left out.
+  std::vector<std::filesystem::path> exact;
   std::vector<std::filesystem::path> list;   ///< folders whose names, and those of folders below, are read
   std::vector<std::filesystem::path> write;  ///< folders: files below are read, made, changed and removed
   std::vector<std::filesystem::path> links;  ///< folders in which symbolic links are made, too
