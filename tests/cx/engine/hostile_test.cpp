@@ -122,6 +122,91 @@ TEST_F(HostileTest, WhatAnExpressionHoldsStaysWhateverItsOtherPartsDo) {
   }
 }
 
+TEST_F(HostileTest, RestrictionsOfAQuerySeeTheQueriesAroundItAndNotItself) {
+  EXPECT_EQ(
+      printed("(do-for-all-facts ((?v t)) TRUE (do-for-all-facts ((?w (fact-relation ?v))) (eq ?v ?w) (printout t "
+              "?w:x)))"),
+      "12");
+  EXPECT_EQ(printed("(do-for-all-instances ((?v A)) TRUE (any-instancep ((?w (class ?v))) (printout t ?w:x)))"), "1");
+  EXPECT_EQ(
+      printed("(do-for-all-facts ((?v t)) TRUE (any-factp ((?w (progn (gone 1) t))) TRUE) (printout t (fact-index "
+              "?v)))"),
+      "-1");
+  for (const auto& [query, error] : {
+           std::pair("(do-for-all-facts ((?v ?v)) TRUE 1)", "[FACTQURY1] The restrictions of fact-set query variables"),
+           std::pair("(any-factp ((?v t) (?w (fact-relation ?v:x))) TRUE)", "[FACTQURY1]"),
+           std::pair("(do-for-all-facts ((?v t)) TRUE (find-fact ((?w (fact-relation ?w))) TRUE))", "[FACTQURY1]"),
+           std::pair("(any-instancep ((?v A) (?w (class ?v))) TRUE)", "[INSQUERY1]"),
+           std::pair("(find-all-instances ((?v A) (?w (class ?v:x))) TRUE)", "[INSQUERY1]"),
+           std::pair("(any-factp ((?v t (sym-cat \"(\" QDS \")\") t)) TRUE)", "Unable to find deftemplate '(QDS)'"),
+           std::pair("(find-all-instances ((?v A (sym-cat \"(\" QDS \")\"))) TRUE)", "Unable to find class '(QDS)'"),
+       }) {
+    (void)printed(query);
+    ASSERT_THAT(errors, Not(IsEmpty())) << query;
+    EXPECT_THAT(errors[0].detail, HasSubstr(error)) << query;
+  }
+}
+
+TEST_F(HostileTest, WhatIsDefinedAgainHasTheVariablesAndParametersOfItsLastForm) {
+  given(
+      "(defmethod m ((?x NUMBER)) 1)\n(defmethod m ((?x NUMBER)) (bind ?a 1) (bind ?b 2.5) (bind ?c 3) (bind ?d "
+      "(create$ "
+      "4 5)) (create$ ?a ?b ?c ?d))\n(deffunction f (?x) ?x)\n(deffunction calls () (f 1))\n(deffunction sorts () "
+      "(sort f 3 1 (build \"(deffunction f (?x ?y ?z) (create$ ?x ?y ?z))\")))");
+  const auto said_of = [&](const char* call) {
+    const Expected<Value> value = engine().eval(call);
+    std::string said = value.ok() ? value->print() : value.error().message;
+    for (const RuleError& error : engine().take_errors()) said += '\n' + error.text();
+    return said;
+  };
+  EXPECT_EQ(said_of("(m 7)"), "(1 2.5 3 4 5)");
+  given("(deffunction f (?x ?y) (create$ ?x ?y))");
+  EXPECT_THAT(said_of("(calls)"), HasSubstr("Function 'f' expected exactly 2 arguments"));
+  EXPECT_THAT(said_of("(sorts)"), HasSubstr("Function 'f' expected exactly 3 arguments"));
+  given("(deffunction f ($?x) (length$ ?x))");
+  EXPECT_EQ(said_of("(calls)"), "1");
+}
+
+TEST_F(HostileTest, GenericFunctionsInUseStay) {
+  EXPECT_EQ(
+      printed("(printout t (progn (build \"(defmethod one ((?x NUMBER)) ?x)\") (eval \"(one (progn (undefgeneric *) "
+              "1))\")))"),
+      "");
+  ASSERT_THAT(errors, Not(IsEmpty()));
+  EXPECT_THAT(errors[0].text(), HasSubstr("Unable to delete generic function 'one'"));
+  SetUp();
+  given(
+      "(defmethod two ((?x NUMBER)) (* 2 ?x))\n(deffunction calls (?x) (two ?x))\n(deffunction previews (?x) "
+      "(preview-generic two (nth$ ?x (calls ?x))) ?x)");
+  (void)engine().eval("(undefgeneric *)");
+  EXPECT_FALSE(engine().eval("(calls 1)").ok());
+  given("(defmethod two ((?x NUMBER)) (* 2 ?x))");
+  EXPECT_EQ(engine().eval("(calls 4)")->as_integer(), 8);
+  (void)engine().eval("(previews 1)");
+  EXPECT_EQ(engine().eval("(calls 3)")->as_integer(), 6);
+}
+
+TEST_F(HostileTest, HandlersCannotForgeTheSlotsOfAModifyOrDuplicate) {
+  constexpr const char* kHandlers =
+      "(defmessage-handler A direct-modify around (?o) (printout t ?o) (override-next-handler 1094795585))\n"
+      "(defmessage-handler A message-modify around (?o) (bind ?*g* ?o) (override-next-handler a))\n"
+      "(defmessage-handler A direct-duplicate around (?n ?o) (override-next-handler ?n 1094795585))\n"
+      "(defmessage-handler A message-duplicate around (?n ?o) (override-next-handler 1094795585 ?o))";
+  SetUp();
+  ASSERT_TRUE(engine().load_text(kWorld, "world.clp", LoadMode::kConstructs).ok());
+  given(kHandlers);
+  engine().reset();
+  EXPECT_TRUE(engine().eval("(modify-instance [i] (x 7))").ok());
+  EXPECT_EQ(output["stdout"], "<Pointer-C-(nil)>");  // no address, which would differ between runs
+  EXPECT_EQ(engine().eval("(send [i] get-x)")->as_integer(), 7);
+  EXPECT_TRUE(engine().eval("(message-modify-instance [i] (x 8))").ok());
+  EXPECT_EQ(engine().eval("(send [i] get-x)")->as_integer(), 8);
+  EXPECT_TRUE(engine().eval("(duplicate-instance [i] to j (x 9))").ok());
+  EXPECT_EQ(engine().eval("(send [j] get-x)")->as_integer(), 9);
+  EXPECT_FALSE(engine().eval("(message-duplicate-instance [i] to k (x 9))").ok());
+  EXPECT_FALSE(engine().eval("(send [i] direct-modify ?*g*)").ok());
+}
+
 TEST_F(HostileTest, ModifyOfAFactThatTheValueOfItsSlotRetractsIsAnError) {
   for (const char* value : {"(x (progn (retract ?fact) 5))", "(x (gone 5))", "(m (progn (retract *) (create$ 5 6)))",
                             "(m q) (x (progn (retract ?fact) (fresh) 5))", "(m (gone 5))"}) {
