@@ -1,31 +1,16 @@
 #pragma once
 // What targets with an environment manager share.
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/journal/journal.h"
 #include "cx/run/loop.h"
+#include "tests/fuzz/folder.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace cxlab::fuzz {
-
-/// A folder of this process, which goes with it.
-inline const std::filesystem::path& folder() {
-  static const std::filesystem::path made = [] {
-    auto path = std::filesystem::temp_directory_path() / ("cxlab-fuzz-" + std::to_string(getpid()));
-    std::filesystem::create_directories(path);
-    std::atexit([] {
-      std::error_code ignored;
-      std::filesystem::remove_all(folder(), ignored);
-    });
-    return path;
-  }();
-  return made;
-}
 
 /// The packages that come with cxlab.
 inline bus::Registry& registry() {
