@@ -1,9 +1,17 @@
 // Logs each call of a hook, and fails or throws where its parameters say so.
 
+#include <clips_ns/clips.h>
 #include <cx/executive/export_plugins.h>
 
 #include <cstdio>
 #include <stdexcept>
+
+namespace clips {
+extern "C" {
+void SystemError(Environment*, const char*, int);
+void ExitRouter(Environment*, int);
+}
+}  // namespace clips
 
 namespace test {
 
@@ -29,6 +37,10 @@ class Chatty final : public cx::Plugin {
                                               .doc = "Gives 7."},
                                              [this](cxlab::Call& call) {
                                                if (throw_ == "chat") throw std::runtime_error("no words");
+                                               if (fail_ == "clips") {  // as CLIPS does where its data is in disorder
+                                                 clips::SystemError(call.engine().raw(), "CHATTY", 1);
+                                                 clips::ExitRouter(call.engine().raw(), 1);
+                                               }
                                                call.give_integer(7);
                                              });
   }
