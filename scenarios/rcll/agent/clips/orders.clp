@@ -3,7 +3,7 @@
 (deffunction has-cap (?station)
   "Whether the cap of a cap station is in, or a robot is there to take away the bare base."
   (or (any-factp ((?s cap-station)) (and (eq ?s:name ?station) (eq ?s:phase LOADED)))
-      (any-factp ((?j job)) (and (eq ?j:purpose CLEAR) (eq ?j:station ?station) (neq ?j:robot "")
+      (any-factp ((?j job)) (and (eq ?j:purpose CLEAR) (eq ?j:station ?station)
                                  (or (eq ?j:step GO-FETCH) (eq ?j:step FETCH))))))
 
 (deffunction is-left (?cap)

@@ -27,7 +27,7 @@
   "The cap station is free, and its cap is in, or a robot is there to take away the bare base."
   ?product <- (product (order ?id) (via ?next $?) (keeps $?keeps) (job 0) (state READY|WORKING))
   (or (cap-station (name ?next) (phase LOADED))
-      (job (purpose CLEAR) (station ?next) (robot ~"") (step GO-FETCH|FETCH)))
+      (job (purpose CLEAR) (station ?next) (step GO-FETCH|FETCH)))
   (not (product (order ~?id) (keeps $? ?next $?)))
   =>
   (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))

@@ -22,7 +22,7 @@
 
 (defrule shelf-wait-for-refill
   "All three slots are empty: the crew fills them."
-  (shelf (machine ?name) (state TAKEN))
+  (shelf (machine ?name))
   (not (shelf (machine ?name) (state FULL|BARRED)))
   (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))
   (not (shelf-refill (machine ?name)))
