@@ -226,6 +226,20 @@ TEST(Ground, ADurationThatEffectsReadIsOfferedSeveralTimes) {
   EXPECT_EQ(stretches, (std::vector<double>{0, 0.125, 0.25, 0.5, 1}));
 }
 
+TEST(Ground, AnActionThatTakesNoTimeHasTheEffectsOfBothItsEnds) {
+  const Grounded task(R"((:functions (a) (b)) (:predicates (p) (q) (r))
+    (:durative-action both :parameters () :duration (= ?duration 0) :condition (at start (p))
+     :effect (and (at start (increase (a) 1)) (at end (increase (b) 2)) (at start (q)) (at end (r)))))",
+                      "(:init (p) (= (a) 0) (= (b) 0)) (:goal (and (q) (r) (>= (a) 2) (>= (b) 4)))");
+  ASSERT_EQ(task->actions.size(), 1u);
+  const GroundAction& action = task->actions[0];
+  EXPECT_FALSE(action.durative);
+  EXPECT_EQ(action.at_start.add.size(), 2u);
+  ASSERT_EQ(action.at_start.numbers.size(), 2u) << "those of its end, too";
+  EXPECT_NE(action.at_start.numbers[0].number, action.at_start.numbers[1].number);
+  EXPECT_TRUE(action.at_end.empty());
+}
+
 TEST(Ground, DerivedReadsNameWhatRulesRead) {
   const Grounded task(R"((:predicates (on ?x) (lit) (shut) (plain) (done))
     (:derived (lit) (and (exists (?x) (on ?x)) (not (shut))))
