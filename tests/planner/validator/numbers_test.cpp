@@ -179,6 +179,28 @@ TEST(ValidatorContinuous, DerivedFactsFollowTheNumbers) {
   EXPECT_THAT(checker.verdict("0: (warm) [5]\n2: (stay) [2]"), HasSubstr("a condition over all does not hold"));
 }
 
+TEST(ValidatorContinuous, ABreakIsFoundForEachObjectOfAQuantifierAndOfARule) {
+  // The numbers pass 3 in the second half of the step: nowhere but at the crossing and beyond is the condition broken.
+  for (const char* over_all : {"(forall (?z - zone) (<= (heat ?z) 3))", "(not (exists (?z - zone) (hot ?z)))"}) {
+    const Checker checker(
+        std::string("(:types zone) (:predicates (hot ?z - zone) (done)) (:functions (heat ?z - zone))\n"
+                    "(:derived (hot ?z - zone) (> (heat ?z) 3))\n"
+                    "(:durative-action warm :parameters (?z - zone) :duration (= ?duration 5)"
+                    " :effect (increase (heat ?z) (* #t 1)))\n"
+                    "(:durative-action stay :parameters () :duration (= ?duration 2)"
+                    " :condition (over all ") +
+            over_all + ") :effect (at end (done)))",
+        "(:objects a b c - zone) (:init (= (heat a) 0) (= (heat b) 0) (= (heat c) 0)) (:goal (done))");
+    for (const char* zone : {"a", "b", "c"}) {
+      const auto verdict = [&](const std::string& stay) {
+        return checker.verdict("0: (warm " + std::string(zone) + ") [5]\n" + stay + ": (stay) [2]");
+      };
+      EXPECT_EQ(verdict("1"), "valid") << over_all << zone;
+      EXPECT_THAT(verdict("1.5"), HasSubstr("a condition over all does not hold")) << over_all << zone;
+    }
+  }
+}
+
 TEST(ValidatorTimes, UnixTimesAreTimes) {
   const Checker checker("(:predicates (open) (done)) (:action go :precondition (open) :effect (done))",
                         "(:init (at 1700000000 (open)) (at 1700000010 (not (open)))) (:goal (done))");
@@ -186,6 +208,13 @@ TEST(ValidatorTimes, UnixTimesAreTimes) {
   EXPECT_EQ(checker.verdict("1700000009.999: (go)"), "valid");
   EXPECT_THAT(checker.verdict("1700000000.0009: (go)"), HasSubstr("0.0009 s apart"));
   EXPECT_THAT(checker.verdict("9000000000: (go)"), HasSubstr("found a time that is not below 9000000000 s"));
+  EXPECT_THAT(checker.verdict("-9000000000: (go)"), HasSubstr("found a time that is not below 9000000000 s"));
+  const Checker lasting(
+      "(:predicates (done)) (:durative-action go :parameters () :duration (>= ?duration 1) :effect (at end (done)))",
+      "(:init) (:goal (done))");
+  EXPECT_EQ(lasting.verdict("1: (go) [8999999998]"), "valid");
+  EXPECT_THAT(lasting.verdict("1: (go) [8999999999]"), HasSubstr("found a time that is not below 9000000000 s"));
+  EXPECT_THAT(lasting.verdict("9000000000: (go) [1]"), HasSubstr("found a time that is not below 9000000000 s"));
 }
 
 TEST(ValidatorTimes, NothingIsAskedOverAllOfWhatTakesNoTime) {
