@@ -178,7 +178,6 @@ Status Registry::add_package(const std::string& package, const fs::path& folder)
   if (known.read)
     return input_error("package '" + package + "' was already read from " + known.folders.front().string(),
                        folder.string());
-  std::erase(known.folders, folder);
   known.folders.insert(known.folders.begin(), folder);
   return {};
 }

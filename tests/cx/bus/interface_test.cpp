@@ -323,6 +323,19 @@ TEST(Interfaces, ALaterFolderReplacesAPackageUntilItIsRead) {
   EXPECT_THAT(registry.files_read().front().string(), EndsWith("pkg/msg/T.msg"));
 }
 
+TEST(Interfaces, OfSeveralFoldersOfAPackageTheLastOneAddedIsAskedFirst) {
+  TempPackages first, second;
+  first.write("pkg/msg/T", "int8 a\n");
+  first.write("pkg/msg/Only", "int8 c\n");
+  second.write("pkg/msg/T", "int16 b\n");
+  Registry registry;
+  for (const TempPackages* packages : {&first, &second, &first, &second})
+    ASSERT_TRUE(registry.add_package("pkg", packages->folder() / "pkg").ok());
+  EXPECT_THAT(registry.interfaces("pkg"), ElementsAre("pkg/msg/Only", "pkg/msg/T"));
+  EXPECT_THAT((*registry.message("pkg/msg/T"))->field_names(), ElementsAre("b"));
+  EXPECT_THAT((*registry.message("pkg/msg/Only"))->field_names(), ElementsAre("c"));
+}
+
 TEST(Interfaces, AFolderWithoutDefinitionsIsNotAPackage) {
   TempPackages packages;
   std::filesystem::create_directories(packages.folder() / "empty");
