@@ -17,10 +17,8 @@ namespace {
 using Words = std::set<std::string>;
 
 bool is_symbol(const Term& term) {
-  if (term.kind != Token::Kind::kWord || term.text.size() < 2) return false;
-  const char first = term.text.front();
-  return first != '?' && first != '$' && first != '=' && first != ':' && first != '[' && first != '<' &&
-         std::isalpha(static_cast<unsigned char>(first)) != 0;
+  return term.kind == Token::Kind::kWord && !term.text.empty() &&
+         std::isalpha(static_cast<unsigned char>(term.text.front())) != 0;
 }
 
 std::string without_digits(std::string text) {

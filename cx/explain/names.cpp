@@ -13,7 +13,7 @@ std::optional<std::vector<std::string>> slots_of(const RuleEngine& engine, const
   if (info == nullptr) return std::nullopt;
   std::vector<std::string> slots;
   for (const Term& item : tree_of(Form{info->text, info->line, true, info->kind, info->name}).items)
-    if ((item.is_list() && item.items.size() > 1) &&
+    if (item.items.size() > 1 &&
         (item.head() == "slot" || item.head() == "multislot" || item.head() == "field" || item.head() == "multifield"))
       slots.push_back(item.items[1].text);
   return slots;

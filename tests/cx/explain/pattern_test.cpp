@@ -165,6 +165,25 @@ TEST(Pattern, TheNearestFactFailsInTheFewestSlotsTheLastOfSeveral) {
   EXPECT_EQ(nearest(pattern("(v)"), pointers).fact, nullptr);
 }
 
+TEST(Pattern, OfFactsThatFailInAsManySlotsTheNearestHasWordsThatMayBeMisspelt) {
+  const auto robot = [](const char* name, const char* state) {
+    return fact("robot", {{"name", Value::symbol(name)}, {"state", Value::symbol(state)}});
+  };
+  const auto nearest_of = [](const std::string& text, const std::vector<FactCopy>& facts) {
+    std::vector<const FactCopy*> pointers;
+    for (const FactCopy& f : facts) pointers.push_back(&f);
+    return nearest(pattern(text), pointers).fact - facts.data();
+  };
+  const std::vector<FactCopy> facts{robot("harvester", "WAITING"), robot("harvester", "BROKEN"),
+                                    robot("carrier", "CLEANING")};
+  EXPECT_EQ(nearest_of("(robot (name harvester) (state WAITNG))", facts), 0)
+      << "not the later one, whose state is no word near";
+  EXPECT_EQ(nearest_of("(robot (name harvester) (state BROKN))", facts), 1);
+  EXPECT_EQ(nearest_of("(robot (name harvester) (state CHARGING))", facts), 1) << "no word is near: the last one";
+  EXPECT_EQ(nearest_of("(robot (name carrer) (state CLEANING))", facts), 2);
+  EXPECT_EQ(nearest_of("(robot (name harvester) (state CLEANIN))", facts), 1) << "fewer slots that fail come first";
+}
+
 // --- Left-hand sides
 
 TEST(LeftHandSide, IsATreeOfConditions) {

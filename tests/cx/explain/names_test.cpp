@@ -1,0 +1,72 @@
+// Names that people write in patterns, beside those that the engine has.
+
+#include "cx/explain/names.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cxlab::explain {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::unique_ptr<RuleEngine> engine_with(const std::string& text) {
+  auto engine = *RuleEngine::create({});
+  const LoadReport report = engine->load_text(text, "rules.clp", LoadMode::kConstructs);
+  EXPECT_TRUE(report.ok()) << report.status().error().text();
+  engine->reset();
+  return engine;
+}
+
+/// What is wrong with the names of a pattern; empty where nothing is.
+std::string wrong(const RuleEngine& engine, const std::string& pattern) {
+  const Status status = check_names(*Pattern::parse(tree_of(read_forms(pattern, "f").forms.at(0))), engine);
+  return status.ok() ? "" : status.error().text();
+}
+
+constexpr const char* kRules =
+    "(deftemplate robot \"(slot comment)\" (slot name (type STRING)) (multislot tasks (default 1)))"
+    "(deftemplate old (field state) (multifield parts))"
+    "(deffacts start (count 1))";
+
+TEST(Names, SlotsAreThoseOfTheDeftemplateInEachOfItsFourSpellings) {
+  const auto engine = engine_with(kRules);
+  EXPECT_EQ(wrong(*engine, "(robot (name ?) (tasks $?))"), "");
+  EXPECT_EQ(wrong(*engine, "(old (state ?) (parts $?))"), "");
+  EXPECT_EQ(wrong(*engine, "(robot)"), "");
+}
+
+TEST(Names, SlotThatTheTemplateDoesNotHaveIsNamedWithTheNearestOne) {
+  const auto engine = engine_with(kRules);
+  EXPECT_THAT(wrong(*engine, "(robot (nmae ?))"),
+              testing::AllOf(HasSubstr("template 'robot' has no slot 'nmae'"), HasSubstr("'name'")));
+  EXPECT_THAT(wrong(*engine, "(robot (name ?) (task $?))"),
+              testing::AllOf(HasSubstr("no slot 'task'"), HasSubstr("'tasks'")));
+  EXPECT_THAT(wrong(*engine, "(old (sate ?))"), testing::AllOf(HasSubstr("no slot 'sate'"), HasSubstr("'state'")));
+  for (const char* other : {"slot", "type", "comment", "deftemplate", "robot"})
+    EXPECT_THAT(wrong(*engine, "(robot (" + std::string(other) + " ?))"), HasSubstr("no slot")) << other;
+}
+
+TEST(Names, TemplateIsADeftemplateOrThatOfAnOrderedFact) {
+  const auto engine = engine_with(kRules);
+  EXPECT_EQ(wrong(*engine, "(count ?)"), "");
+  EXPECT_THAT(wrong(*engine, "(coutn ?)"),
+              testing::AllOf(HasSubstr("there is no template 'coutn'"), HasSubstr("'count'")));
+  EXPECT_THAT(wrong(*engine, "(robto (name ?))"), HasSubstr("'robot'"));
+  EXPECT_THAT(wrong(*engine, "(count (name 1))"), HasSubstr("template 'count' has no slots"));
+}
+
+TEST(Names, PatternOfAnInstanceIsNotLookedAt) {
+  const auto engine = engine_with(kRules);
+  EXPECT_EQ(wrong(*engine, "(object (is-a NOBODY) (nmae ?))"), "");
+}
+
+TEST(Names, ConstructsAreListedByTheirKind) {
+  const auto engine = engine_with("(defrule go (a) =>) (deffunction stop () 1) (defrule wait (b) =>)");
+  EXPECT_THAT(names_of(*engine, "defrule"), ElementsAre("go", "wait"));
+  EXPECT_THAT(names_of(*engine, "deffunction"), ElementsAre("stop"));
+}
+
+}  // namespace
+}  // namespace cxlab::explain
