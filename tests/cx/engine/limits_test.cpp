@@ -23,6 +23,20 @@ struct LimitsTest : EngineTest {
   LimitsInUse limits;
 };
 
+TEST_F(LimitsTest, WhatWasTakenBeforeTheRulesCameIsNotTheirs) {
+  Charge::written(50'000'000);
+  Charge::allocated(50'000'000);
+  limits = LimitsInUse();
+  limits.memory = 20'000'000;
+  limits.disk = 5'000'000;
+  SetUp();
+  given("(defrule modest (go) => (assert (done)))");
+  ASSERT_TRUE(engine().assert_string("(go)").ok());
+  engine().run();
+  EXPECT_FALSE(limits.exceeded) << limits.exceeded->message;
+  Charge::allocated(-50'000'000);
+}
+
 TEST_F(LimitsTest, EachWayToTakeMemoryEndsAtTheRule) {
   for (const char* actions : {
            "(bind ?i 0) (while TRUE (bind ?i (+ ?i 1)) (assert (x ?i)))",
