@@ -85,7 +85,7 @@
 (defrule recover-undoable-before-begin
   "Nothing is made of it yet."
   (undoable ?work)
-  (product (order ?id) (todo $? ?work $?) (at ?name) (job 0) (state READY))
+  (product (order ?id) (todo $? ?work $?) (at ?name) (job 0))
   (machine (name ?name) (kind BS))
   =>
   (assert (lost ?id)))
@@ -93,8 +93,8 @@
 (defrule recover-undoable-in-hand
   "The robot would wait with it before the cap station for ever: away with it."
   (undoable ?cap)
-  (product (order ?order) (todo ?cap $?) (job ?id) (state MOVING))
-  ?job <- (job (purpose MOVE) (id ?id) (step PUT) (moving NO) (robot ?robot&~""))
+  (product (order ?order) (todo ?cap $?) (job ?id))
+  ?job <- (job (id ?id) (step PUT) (moving NO) (robot ?robot&~""))
   (cap-station (cap ?cap))
   (machine (name ?delivery) (kind DS))
   =>
