@@ -142,10 +142,11 @@ struct PddlManager::Services {
       return text;
     };
     if (refused(folder / name))
-      return input_error(
-          "reading '" + (folder / name).string() +
-          "' is refused: for rules the manager reads packages, what rules wrote, and files *.pddl only (" +
-          kTrustRemedy + ')');
+      return input_error("reading '" + (folder / name).string() +
+                         "' is refused: for rules the manager reads packages (--package NAME=FOLDER), what rules "
+                         "wrote, and files *.pddl "
+                         "that lie beside the scenario or in a folder that a rule file names (" +
+                         kTrustRemedy + ')');
     if (!is_file(folder / name)) return input_error("there is no such file", (folder / name).string());
     const auto source = below(name.string());
     auto text = templates::render(loader, name.string());

@@ -6,6 +6,7 @@
 #include "cx/executive/files.h"
 #include "cx/executive/reach.h"
 #include "planner/manager/manager.h"
+#include "scenarios/pddl_files.h"
 #include "scenarios/result.h"
 #include "scenarios/share.h"
 
@@ -78,14 +79,15 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   options.log = setup.log;
   options.on_read = setup.keep;
   options.resolve = [&scenario = setup.scenario](const std::string& directory) { return scenario.resolve(directory); };
-  options.may_read = [&scenario = setup.scenario, run_folder = setup.run_folder](const std::filesystem::path& file) {
+  options.may_read = [&scenario = setup.scenario, run_folder = setup.run_folder,
+                      named = pddl_files(setup.scenario)](const std::filesystem::path& file) {
     if (scenario.trust_rules) return true;
     for (const AgentSpec& agent : scenario.agents)
       for (const auto& [name, share] : scenario.shares(agent))
         if (cx::really_below(file, share)) return !cx::is_hidden(file.lexically_normal().lexically_relative(share));
     if (!run_folder.empty() && cx::really_below(file, run_folder / "written")) return true;
     std::error_code error;
-    return std::filesystem::weakly_canonical(file, error).extension() == ".pddl" && !error;
+    return named.contains(std::filesystem::canonical(file, error)) && !error;
   };
   if (!setup.run_folder.empty())
     options.write = [folder = setup.run_folder](const std::filesystem::path& file, const std::string& text) {

@@ -113,6 +113,16 @@ class Signals(Lab):
             self.assertLess(seconds, 3, arguments)
 
 
+ADDS_A_DOMAIN = """(defrule start => (ros-msgs-create-client "/pddl_manager/add_pddl_instance" "cx_pddl_interfaces/srv/AddPddlInstance"))
+(defrule add (ros-msgs-client (service ?s))
+  => (bind ?q (ros-msgs-create-request "cx_pddl_interfaces/srv/AddPddlInstance"))
+  (ros-msgs-set-field ?q "name" "x") (ros-msgs-set-field ?q "directory" %s) (ros-msgs-set-field ?q "domain_file" "%s")
+  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q))
+(defrule added (ros-msgs-response (msg-ptr ?r))
+  => (printout t "answer: " (ros-msgs-get-field ?r "success") " " (ros-msgs-get-field ?r "error") crlf))
+"""
+
+
 class Escapes(Lab):
     """Files outside of packages and the run's folder."""
 
@@ -154,24 +164,28 @@ class Escapes(Lab):
         self.assertIn("SECRET", self.everything(self.env(rules, "--trust-rules")))
 
     def test_the_pddl_manager_reads_for_rules_what_rules_may_read(self):
-        rules = """(defrule start => (ros-msgs-create-client "/pddl_manager/add_pddl_instance" "cx_pddl_interfaces/srv/AddPddlInstance"))
-(defrule add (ros-msgs-client (service ?s))
-  => (bind ?q (ros-msgs-create-request "cx_pddl_interfaces/srv/AddPddlInstance"))
-  (ros-msgs-set-field ?q "name" "x") (ros-msgs-set-field ?q "directory" "%s") (ros-msgs-set-field ?q "domain_file" "%s")
-  (ros-msgs-async-send-request ?q ?s) (ros-msgs-destroy-message ?q))
-(defrule added (ros-msgs-response (msg-ptr ?r))
-  => (printout t "answer: " (ros-msgs-get-field ?r "success") " " (ros-msgs-get-field ?r "error") crlf))
-"""
         outside = self.file("secret.txt", "SECRET")
         self.write("rules/domain.pddl", '{% include "' + str(outside).lstrip("/") + '" %}')
         os.symlink(outside, self.folder / "rules" / "link.pddl")
         for directory, file in ((outside.parent, "secret.txt"), ("/", str(outside).lstrip("/")), ("", outside),
                                 (self.folder / "rules", "link.pddl"), (self.folder / "rules", "domain.pddl")):
-            done = self.env(rules % (directory, file), "--with", "pddl_manager", "--package", f"rules={self.folder}/rules")
+            done = self.env(ADDS_A_DOMAIN % (f'"{directory}"', file), "--with", "pddl_manager", "--package", f"rules={self.folder}/rules")
             self.assertIn("answer: FALSE", done.stderr, (directory, file))
             if file != "domain.pddl":
                 self.assertIn("is refused: for rules the manager reads", done.stderr, (directory, file))
             self.assertNotIn("SECRET", self.everything(done), (directory, file))
+
+    def test_the_pddl_manager_reads_domains_where_a_rule_file_names_their_folder(self):
+        domain = self.file("domain.pddl", "(define (domain far) (:predicates (secret)))")
+        self.file("notes.txt", "SECRET")
+        computed = f'(str-cat "{str(domain.parent)[:-1]}" "{str(domain.parent)[-1]}")'
+        for where, file, answer in ((f'"{domain.parent}"', "domain.pddl", "TRUE"), (f'"{domain.parent}"', "notes.txt", "FALSE"),
+                                    (computed, "domain.pddl", "FALSE")):
+            with self.subTest(where=where, file=file):
+                done = self.env(ADDS_A_DOMAIN % (where, file), "--with", "pddl_manager", "--package", f"rules={self.folder}/rules")
+                self.assertIn(f"answer: {answer}", done.stderr)
+                self.assertEqual("in a folder that a rule file names" in done.stderr, answer == "FALSE", done.stderr)
+                self.assertNotIn("SECRET", self.everything(done))
 
     def test_copies_are_as_private_as_the_files(self):
         self.agent("(deffacts secret (x))")
