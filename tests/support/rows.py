@@ -58,7 +58,7 @@ def state(folder, without):
 
 def said(out, err, folder):
     """What a person is told, on one line: errors, else the log of the rules, else the end of the answer."""
-    out, err = (re.sub(r"headers [0-9a-f]+", "headers N", re.sub(r"\d+ ms", "N ms", text.replace(str(folder), "{here}"))) for text in (out, err))
+    out, err = (re.sub(r"headers [0-9a-f]+", "headers N", re.sub(r"(?<!\d)\d+ ms", "N ms", text.replace(str(folder), "{here}"))) for text in (out, err))
     err = "\n".join(line for line in err.splitlines() if not line.startswith("working: "))  # it depends on the time
     lines = [line for line in err.splitlines() if line.startswith(("error", "errors:"))]
     lines = lines or [line for line in err.splitlines() if re.search(r"\] \[(error|warn)\] |\] \[main\]", line)]
