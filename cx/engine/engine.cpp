@@ -285,6 +285,9 @@ bool RuleEngine::watch(const std::string& item) {
   SetWatchItem(environment_, kStatistics, false, nullptr);  // they have the machine's time
   return known;
 }
+void RuleEngine::count_activations() { agenda_data(environment_)->ActivationMade = Impl::on_activation; }
+const std::map<std::string, std::int64_t>& RuleEngine::activations() const { return impl_->activations; }
+
 bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
 
 std::string RuleEngine::current_rule() const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -248,6 +249,10 @@ class RuleEngine {
   /// "facts", "rules", "activations", ... or "all"; false if there is no such item. "statistics" shows nothing.
   bool watch(const std::string& item);
   bool unwatch(const std::string& item);
+
+  /// From now on `activations` counts how often each rule is put on the agenda, by name with module: "MAIN::go".
+  void count_activations();
+  const std::map<std::string, std::int64_t>& activations() const;
 
   // --- Functions -------------------------------------------------------------------------------------------------
 

@@ -196,6 +196,10 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.fire_recorded = true;
 }
 
+void RuleEngine::Impl::on_activation(Environment* env, Defrule* rule) noexcept {
+  ++RuleEngine::of(env)->impl_->activations[DefruleModule(rule) + ("::" + std::string(DefruleName(rule)))];
+}
+
 void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   if (activation == nullptr) return;

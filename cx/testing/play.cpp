@@ -35,16 +35,8 @@ SimTime Play::next_due() const {
 }
 
 void Play::line(const cx::LogLine& line) {
-  // CLIPS reports activations in no other way: "==> Activation 0      open: f-1,f-2".
-  constexpr std::string_view kActivation = "==> Activation ";
-  if (line.text.starts_with(kActivation)) {
-    const std::string_view salience_and_rule = line.text.substr(kActivation.size());
-    const auto name = salience_and_rule.find_first_not_of(' ', salience_and_rule.find(' '));
-    if (name == std::string_view::npos) return;
-    ++activations_[std::string(salience_and_rule.substr(name, salience_and_rule.find(':', name) - name))];
-  } else if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos) {
+  if (line.level == cx::LogLevel::kWarn && line.text.find("cleaning up") != std::string_view::npos)
     left_open_.emplace_back(line.text);
-  }
 }
 
 Status Play::prepare() {
@@ -67,6 +59,7 @@ Status Play::prepare() {
   options.log = this;
   options.limits = &limits_;
   options.seed = spec_.seed;
+  options.count_activations = setup_.coverage;
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();
   manager_ = *std::move(manager);
@@ -150,8 +143,7 @@ Status Play::find_environment() {
   if (!environment_)
     return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" +
                               did_you_mean(spec_.environment, names));
-  history_ = &histories_.of(journal_.stream_name(engine().stream()));
-  if (setup_.coverage) engine().watch("activations");
+  history_ = &history_of(engine());
   return {};
 }
 

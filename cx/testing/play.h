@@ -1,7 +1,6 @@
 #pragma once
 // Plays the rules of a story: a manager on a bus of its own, stand-ins for what its agent uses, and the loop.
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,10 +48,11 @@ class Play final : private Server, private cx::LogSink {
   /// That of the environment that the story looks at.
   RuleEngine& engine() const { return environment_->engine(); }
   const explain::History& history() const { return *history_; }
+  const explain::History& history_of(const RuleEngine& engine) {
+    return histories_.of(journal_.stream_name(engine.stream()));
+  }
   /// What plugins cleaned up at the end: it was left open.
   const std::vector<std::string>& left_open() const { return left_open_; }
-  /// How often each rule was put on the agenda; needs `StorySetup::coverage`.
-  const std::map<std::string, long>& activations() const { return activations_; }
   const StorySpec& spec() const { return spec_; }
 
  private:
@@ -71,7 +71,6 @@ class Play final : private Server, private cx::LogSink {
   LimitsInUse limits_;
   std::size_t next_step_ = 0;
   std::vector<std::string> left_open_;
-  std::map<std::string, long> activations_;
   std::unique_ptr<ScratchFolder> scratch_;
   explain::Histories histories_;
   const explain::History* history_ = nullptr;  // of `environment_`

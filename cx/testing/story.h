@@ -68,7 +68,7 @@ struct StorySpec {
 
 struct StorySetup {
   std::filesystem::path interfaces;                  ///< folder of packages of definitions
-  bool coverage = false;                             ///< count activations too; costs a line of text for each
+  bool coverage = false;                             ///< count activations too
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =

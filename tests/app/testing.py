@@ -55,8 +55,41 @@ class Testing(unittest.TestCase):
         self.assertEqual([(r["rule"], r["state"]) for r in rules],
                          [("first", "fired"), ("late", "activated but never fired"), ("deaf", "never matched")])
 
+    def counts(self, *files, story):
+        """{rule: (activated, fired)} of one story, whose rules begin with (start)."""
+        (self.folder / "a.story.yaml").write_text(f"- {{story: a, given: [(start)], {story}, expect: [{{fires: go, within_s: 1}}]}}\n")
+        for name, text in files:
+            (self.folder / name).write_text(text)
+        done = cxlab("test", "--json", "--coverage", "c.info", cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return {r["rule"]: (r["activated"], r["fired"]) for r in json.loads(done.stdout)["rules"]}
+
+    def test_rules_of_one_name_are_counted_each(self):
+        rules = ("(defmodule MAIN (export ?ALL))\n(defrule go (start) => (assert (gone)))\n(defmodule NAV (import MAIN ?ALL))\n"
+                 "(defrule NAV::go (start) => (assert (navigated)))\n(defrule MAIN::go:2 (gone) => (assert (done)))\n")
+        self.assertEqual(self.counts(("r.clp", rules), story="rules: r.clp"), {"go": (1, 1), "NAV::go": (1, 0), "go:2": (1, 1)})
+
+    def test_coverage_does_not_depend_on_what_rules_print(self):
+        rules = ('(defrule go (start) => (printout t "==> Activation 0      deaf: f-1" crlf "no end") (unwatch all) (assert (gone)))\n'
+                 "(defrule deaf (nothing) => (assert (heard)))\n(defrule after (gone) => (assert (x)))\n")
+        self.assertEqual(self.counts(("r.clp", rules), story="rules: r.clp"), {"go": (1, 1), "deaf": (0, 0), "after": (1, 1)})
+
+    def test_coverage_has_the_rules_of_all_environments(self):
+        config = """/**:
+  ros__parameters:
+    environments: ["left", "right"]
+    left: {plugins: ["executive", "shared"]}
+    right: {plugins: ["executive", "shared", "more"]}
+    executive: {plugin: "cx::ExecutivePlugin"}
+    shared: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["here"], load: ["shared.clp"]}
+    more: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["here"], load: ["more.clp"]}
+"""
+        files = [("agent.yaml", config), ("shared.clp", "(deffacts h (here))\n(defrule both (here) => (assert (b)))\n(defrule go (start) => (assert (gone)))\n"),
+                 ("more.clp", "(defrule more (b) => (assert (more)))\n")]
+        self.assertEqual(self.counts(*files, story="config: agent.yaml, packages: {here: .}"), {"both": (2, 2), "go": (1, 1), "more": (1, 1)})
+
     def test_readers_accept_the_coverage(self):
-        """The consistency rules of lcov's man page, which genhtml of lcov 2 enforces, and genhtml itself."""
+        """The consistency rules of lcov's man page, which genhtml of lcov 2 enforces (./dev readers asks it), and genhtml of lcov 1 if it is there."""
         (self.folder / "c.clp").write_text("(deftemplate lamp (slot state))\n"
                                            "(defrule on ?l <- (lamp (state OFF)) (bell) => (modify ?l (state ON))) (defrule deaf (nothing) => (halt))\n"
                                            "(defrule blocked (declare (salience -5))\n  (bell) (lamp (state OFF)) => (assert (b)))\n"

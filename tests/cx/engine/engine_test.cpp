@@ -7,6 +7,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Pair;
 using testing::SizeIs;
 
 struct Engine : EngineTest {};
@@ -487,6 +488,19 @@ TEST_F(Engine, WatchOutputGoesToStdoutInTheWordsOfClips) {
   given("(defrule hello-world => (assert (hello)))");
   engine().run();
   EXPECT_EQ(output["stdout"], "FIRE    1 hello-world: *\n==> f-1     (hello)\n");
+}
+
+TEST_F(Engine, ActivationsAreCountedForEachRuleOfEachModule) {
+  given("(defmodule MAIN (export ?ALL))\n(deftemplate p (slot n))\n(defrule go:2 (p) =>)");
+  given("(defmodule NAV (import MAIN ?ALL))\n(defrule NAV::go:2 (p) =>)\n(defrule NAV::deaf (p (n 7)) =>)");
+  given("(defrule NAV::either (or (p (n 1)) (p (n 2)) (not (p (n 2)))) =>)");
+  ASSERT_TRUE(engine().assert_string("(p (n 0))"));
+  EXPECT_THAT(engine().activations(), IsEmpty()) << "nobody asked";
+  engine().count_activations();
+  ASSERT_TRUE(engine().assert_string("(p (n 1))"));
+  engine().run();
+  ASSERT_TRUE(engine().assert_string("(p (n 2))"));
+  EXPECT_THAT(engine().activations(), ElementsAre(Pair("MAIN::go:2", 2), Pair("NAV::either", 2), Pair("NAV::go:2", 2)));
 }
 
 TEST_F(Engine, AFunctionThatGivesNoValueReturnsVoid) {
