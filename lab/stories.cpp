@@ -165,10 +165,13 @@ Status play_in_processes(std::vector<PlayedStory>& stories, const testing::Story
   return {};
 }
 
-/// XML has no way to write most control characters.
+/// XML has no way to write most control characters, nor U+FFFE and U+FFFF.
 std::string for_xml(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = '?';
+  for (const std::string_view no_character : {"\xef\xbf\xbe", "\xef\xbf\xbf"})
+    for (std::size_t at = text.find(no_character); at != std::string::npos; at = text.find(no_character, at))
+      text.replace(at, no_character.size(), "?");
   return text;
 }
 

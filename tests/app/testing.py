@@ -149,7 +149,7 @@ class Testing(unittest.TestCase):
   rules: a.clp
   given: [(start)]
   expect: [{fires: go, within_s: 1}]
-- story: "fails twice \\"<&>' \\u0001"
+- story: "fails twice \\"<&>' \\u0001\\uffff\\n\\tin two lines"
   rules: a.clp
   given: [(start)]
   expect: [{fact: '(t (s "b"))', within_s: 1}, {not_fires: go}]
@@ -162,6 +162,10 @@ class Testing(unittest.TestCase):
         self.assertEqual([len(c.findall("failure")) + len(c.findall("error")) > 0 for c in cases], [False, True])
         self.assertEqual((int(suite.get("tests")), int(suite.get("failures")), int(suite.get("errors"))),
                          (len(cases), sum(c.find("failure") is not None for c in cases), sum(c.find("error") is not None for c in cases)))
+        self.assertEqual(cases[1].get("name"), "fails twice \"<&>' ??\n\tin two lines")
+        self.assertEqual(len(cases[1]), 1, "readers show the first failure only")
+        self.assertRegex(cases[1][0].text, r"expected \(t \(s \"b\"\)\)[^\n]*\n.*does not fire")
+        self.assertTrue(cases[1][0].text.startswith(cases[1][0].get("message") + "\n"))
         for case in cases:
             self.assertTrue(case.get("name") and case.get("classname"))
             self.assertGreaterEqual(float(case.get("time")), 0)

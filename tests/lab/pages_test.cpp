@@ -209,17 +209,20 @@ TEST(PlanPicture, EmptyPlanIsAPicture) {
 TEST(Junit, StoriesAndTheirMessages) {
   const json report = {
       {"stories",
-       {{{"file", "a.yaml"}, {"name", "x<&\""}, {"wall_s", 0.1234}, {"word", "failure"}, {"messages", {"m1", "m2"}}},
+       {{{"file", "a.yaml"}, {"name", "x<&\""}, {"wall_s", 0.1234}, {"word", "failure"}, {"messages", {"m\n1", "m2"}}},
         {{"file", "b.yaml"}, {"name", "y"}, {"wall_s", 1}, {"word", "failure"}, {"messages", json::array()}}}},
       {"failures", 1},
       {"errors", 0},
       {"wall_s", 2}};
   EXPECT_EQ(page("junit.xml", report), R"(<?xml version="1.0" encoding="UTF-8"?>
-<testsuite name="cxlab" tests="2" failures="1" errors="0" time="2.000">
+<testsuite name="cxlab" tests="2" failures="1" errors="0" skipped="0" time="2.000">
   <testcase classname="a.yaml" name="x&lt;&amp;&quot;" time="0.123">
-    <failure message="m1"/>
-    <failure message="m2"/></testcase>
-  <testcase classname="b.yaml" name="y" time="1.000"></testcase>
+    <failure type="failure" message="m&#10;1">m
+1
+m2</failure>
+  </testcase>
+  <testcase classname="b.yaml" name="y" time="1.000">
+  </testcase>
 </testsuite>)");
 }
 
