@@ -292,14 +292,10 @@ static bool is_format(char32_t c) {
   return std::ranges::any_of(kFormat, [c](const auto& range) { return range.first <= c && c <= range.second; });
 }
 
-static std::string escaped_bytes(std::string_view text) {
-  std::string out;
+static std::string escaped_byte(unsigned char byte) {
   char escaped[5];
-  for (const char c : text) {
-    std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned char>(c));
-    out += escaped;
-  }
-  return out;
+  std::snprintf(escaped, sizeof escaped, "\\x%02x", byte);
+  return escaped;
 }
 
 /// As JSON writes it, so that JSON stays what it was.
@@ -320,8 +316,10 @@ std::string printable(std::string_view text) {
     size = 1;
     if (text.substr(i, 2) == "\r\n") continue;
     if (first < 0x80) {
-      const bool seen = (first >= 0x20 && first != 0x7f) || first == '\n' || first == '\t';
-      out += seen ? std::string(1, text[i]) : escaped_bytes(text.substr(i, 1));
+      if (first == 0x7f)  // JSON has it as it is
+        out += escaped_character(first);
+      else
+        out += first >= 0x20 || first == '\n' || first == '\t' ? std::string(1, text[i]) : escaped_byte(first);
       continue;
     }
     const std::size_t length = bytes_of(first);
@@ -329,9 +327,8 @@ std::string printable(std::string_view text) {
     while (size < length && i + size < text.size() && (static_cast<unsigned char>(text[i + size]) & 0xc0) == 0x80)
       c = (c << 6) | (static_cast<unsigned char>(text[i + size++]) & 0x3f);
     const std::string_view character = text.substr(i, size);
-    if (length == 2 && size == 2 && c < 0xa0)  // U+0080 to U+009F are control characters
-      out += escaped_bytes(character);
-    else if (length > 1 && size == length && is_format(c))
+    const bool control = length == 2 && c < 0xa0;  // U+0080 to U+009F
+    if (length > 1 && size == length && (control || is_format(c)))
       out += escaped_character(c);
     else
       out += character;

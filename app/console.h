@@ -50,7 +50,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.
 std::string coloured(std::string_view text, std::string_view colour);
-/// The text with control characters as \x1b: texts of others may not move the cursor, nor rename the terminal.
+/// The text with control characters as \x1b, or as JSON writes them where it leaves them as they are: texts of others
+/// may not move the cursor, nor rename the terminal, and JSON stays what it was.
 std::string printable(std::string_view text);
 /// From here on all that is written to stdout is printable in this sense; false where that cannot be.
 bool make_answers_printable();

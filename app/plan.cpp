@@ -62,6 +62,7 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   if (answer.plan->metric) out["metric"] = rounded_metric(*answer.plan->metric);
   if (answer.metric_bound) out["metric_bound"] = rounded_metric(*answer.metric_bound);
   if (timed) out["first_plan_wall_s"] = answer.first_plan_s;
+  out["steps"] = out["orderings"] = ordered_json::array();
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
     ordered_json arguments = ordered_json::array();

@@ -73,6 +73,10 @@ class Plan(Lab):
             done = subprocess.run([CXLAB, "plan", "d.pddl", "p.pddl"], stdout=full, stderr=subprocess.PIPE, text=True, cwd=self.folder)
         self.assertEqual((done.returncode, done.stderr.splitlines()[-1]), (5, "error: standard output cannot be written"))
 
+    def test_json_of_an_empty_plan_has_its_lists(self):
+        answer = json.loads(self.plan("--json", problem=PROBLEM.replace("(goal (at c))", "(goal (at a))")).stdout)
+        self.assertEqual((answer["status"], answer["steps"], answer["orderings"]), ("plan", [], []))
+
     def test_json_has_order_and_bound(self):
         answer = json.loads(self.plan("--json").stdout)
         self.assertEqual((answer["status"], len(answer["steps"])), ("plan", 2))

@@ -182,6 +182,16 @@ class Testing(unittest.TestCase):
             self.assertIn("a.story.yaml:4: expected that rule go does not fire", done.stdout)
             self.assertEqual(xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().get("failures"), "1")
 
+    def test_json_is_json_whatever_a_name_has(self):
+        name = "".join(map(chr, [*range(1, 0xa1), 0xad, 0x200b, 0x202e, 0x2028, 0xfeff, 0xfffe, 0xffff, 0x10ffff, 0xe0041]))
+        (self.folder / "a.clp").write_text("(defrule go (start) => (assert (gone)))\n")
+        written = "".join(f"\\U{ord(c):08x}" for c in name)
+        (self.folder / "a.story.yaml").write_text(f'- {{story: "{written}", rules: a.clp, expect: [{{not_fires: go}}]}}\n')
+        done = cxlab("test", "--json", cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["stories"][0]["story"], name)
+        self.assertNotRegex(done.stdout, "[^\n -~\u00a0\ufffe\uffff\U0010ffff]", "nothing that moves the cursor or is not seen")
+
     def test_a_bad_story_is_exit_3(self):
         self.story("not_fire: go")
         done = cxlab("test", cwd=self.folder)
