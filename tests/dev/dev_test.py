@@ -4,6 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -73,7 +74,7 @@ class Dev(unittest.TestCase):
         for arguments in ((), ("help",), ("--help",)):
             done = dev(*arguments)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
-            for command in ("run", "test", "cxlab", "sanitize", "format", "fuzz", "path", "help", "--no-install", "--long", "--check"):
+            for command in ("run", "test", "cxlab", "sanitize", "format", "fuzz", "readers", "path", "help", "--no-install", "--long", "--check"):
                 self.assertIn(command, done.stdout)
 
     def test_path_is_where_the_program_is_built(self):
@@ -122,6 +123,18 @@ class Dev(unittest.TestCase):
         done = dev_on_a_bare_machine("test", "--no-install")
         self.assertEqual(done.returncode, 5)
         self.assertRegex(done.stdout, r"^apt-get update; .*apt-get install -y .* cmake .* cargo-web\n$")
+
+    def test_readers_want_more_packages(self):
+        done = dev_on_a_bare_machine("readers", "--no-install")
+        self.assertEqual(done.returncode, 5)
+        self.assertRegex(done.stdout, r" cmake .* libcapture-tiny-perl .* python3-venv")
+
+    def test_readers_that_are_missing_are_an_error_with_the_remedy(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, ROOT / "tests/readers/with_readers.py", "plans"], env={**os.environ, "CXLAB_READERS": folder},
+                                  text=True, capture_output=True, timeout=50)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("./dev readers fetches the readers", done.stderr)
 
     def test_failed_installation_is_reported(self):
         done = dev_on_a_bare_machine("test")

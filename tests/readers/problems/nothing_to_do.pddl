@@ -1,0 +1,8 @@
+(define (domain nothing-to-do)
+  (:requirements :strips)
+  (:predicates (p) (q))
+  (:action a :parameters () :precondition (p) :effect (q)))
+(define (problem done)
+  (:domain nothing-to-do)
+  (:init (p))
+  (:goal (p)))
