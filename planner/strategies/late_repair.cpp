@@ -1,5 +1,7 @@
 #include "planner/strategies/late_repair.h"
 
+#include <utility>
+
 #include "planner/improve/rebuild.h"
 
 namespace cxlab::planner {
@@ -21,7 +23,9 @@ bool bring_in_time(PlanningContext& context, Sequence list, const Turn& turn) {
   const auto in_time = [&](const DecodedPlan& plan) {
     if (!context.best.exists() && context.offer(whole, plan.order)) slice.end();
   };
+  std::int64_t spent = -1;
   for (std::uint64_t round = 0; !context.best.exists() && budget.units() < until && !budget.over(); ++round) {
+    if (std::exchange(spent, budget.units()) == budget.units()) break;  // no list has a move
     LocalSearch local(decoder, whole.space.simulator, turn.round + round);
     local.exchange_late_steps();
     if (!local.start(list)) break;
