@@ -19,10 +19,11 @@ enum class Work : std::uint8_t {
   kNode,      ///< states made
   kSchedule,  ///< actions scheduled or executed by the improvement
   kBound,     ///< operators looked at for lower bounds
+  kTimes,     ///< distances in temporal networks, pairs of points in zones, cells of linear programs
 };
-inline constexpr std::size_t kWorkKinds = 5;
+inline constexpr std::size_t kWorkKinds = 6;
 /// Units of one piece of work, in thousandths. A unit is about a microsecond of a core of 2020.
-inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2000, 150, 20};
+inline constexpr std::array<std::int64_t, kWorkKinds> kWorkWeights = {100, 20, 2000, 150, 20, 4};
 
 /// Looks at whether a comparison or an axiom is known already, in one piece of Work::kGround.
 inline constexpr std::size_t kLooksOfWork = 32;

@@ -53,11 +53,15 @@ class Tableau {
     return values;
   }
 
+  /// Cells that were written when it was made, and looked at since.
+  std::int64_t work() const { return work_ + std::int64_t{rows_ + 2} * (variables_ + 2); }
+
  private:
   double& cell(int row, int column) { return cells_[row][static_cast<std::size_t>(column)]; }
   double bound(int row) const { return cells_[row].back(); }
 
   void pivot(int row, int column) {
+    work_ += std::int64_t{rows_ + 2} * (variables_ + 2);
     const double inverse = 1 / cell(row, column);
     for (int r = 0; r < rows_ + 2; ++r) {
       if (r == row || cell(r, column) == 0) continue;
@@ -76,6 +80,7 @@ class Tableau {
   bool descend(int objective) {
     const bool first_phase = objective == rows_ + 1;
     for (;;) {
+      work_ += rows_ + variables_;
       int into = -1;
       for (int v = 0; v <= variables_; ++v) {
         if (!first_phase && others_[v] == variables_) continue;
@@ -99,12 +104,17 @@ class Tableau {
   const int rows_, variables_;
   ById<std::vector<double>> cells_;
   ById<int> basis_, others_;  ///< variables: those of the problem, the shared slack, then one slack by row
+  std::int64_t work_ = 0;     ///< cells looked at
 };
 
 }  // namespace
 
-std::optional<std::vector<double>> minimize(const std::vector<LinearRow>& rows, const std::vector<double>& objective) {
-  return Tableau(rows, objective).solve();
+std::optional<std::vector<double>> minimize(const std::vector<LinearRow>& rows, const std::vector<double>& objective,
+                                            std::int64_t* work) {
+  Tableau tableau(rows, objective);
+  std::optional<std::vector<double>> values = tableau.solve();
+  if (work) *work += tableau.work();
+  return values;
 }
 
 }  // namespace cxlab::planner

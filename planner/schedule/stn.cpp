@@ -36,6 +36,7 @@ void Stn::connect(int point, std::span<const Touch> touches, bool at_end) {
     std::size_t first = uses.size();
     while (first > 0 && (first == uses.size() || is_own(uses[first]) || !Touches::conflicts_with_all(uses[first].does)))
       --first;
+    work_ += static_cast<std::int64_t>(1 + uses.size() - first);
     for (; first < uses.size(); ++first)
       if (const Use& use = uses[first]; Touches::conflict(use.does, does) && !is_own(use))
         edges_.push_back({use.point, point, !Touches::conflict_at_instant(use.does, does)});
@@ -93,14 +94,18 @@ bool Stn::solve(Micros hold_separation) {
     if (steps_[step].end < 0) open.push_back(step);
   for (const int step : open) {
     steps_[step].end = add_point(step, -1);
-    for (const Touch& touched : touches_.of(steps_[step].action))
+    for (const Touch& touched : touches_.of(steps_[step].action)) {
+      work_ += static_cast<std::int64_t>(1 + keys_[touched.key].size());
       for (const Use& use : keys_[touched.key])
         if (Touches::conflict(use.does, touched.at_end) && point_step_[use.point] != step)
           edges_.push_back({use.point, steps_[step].end, !Touches::conflict_at_instant(use.does, touched.at_end)});
+    }
   }
   for (const int writer : open)
     for (const int holder : open) {
       if (writer == holder) continue;
+      work_ += static_cast<std::int64_t>(touches_.of(steps_[writer].action).size() *
+                                         touches_.of(steps_[holder].action).size());
       for (const Touch& written : touches_.of(steps_[writer].action))
         for (const Touch& held : touches_.of(steps_[holder].action))
           if (written.key == held.key && Touches::surely_violates(written.at_end, held.at_end))
@@ -118,6 +123,7 @@ bool Stn::solve(Micros hold_separation) {
 
 bool Stn::solve_complete(Micros hold_separation) {
   const auto fits_goal = [&] {
+    if (steps_.empty()) return true;  // nothing that an event could come before
     for (int event = next_event_; event < static_cast<int>(touches_.events().size()); ++event)
       if (touches_.breaks_goal(event) && makespan() + kSeparation > touches_.events()[event].time) return false;
     return true;
@@ -149,6 +155,7 @@ bool Stn::relax(Micros hold_separation) {
   };
   while (changed) {
     changed = false;
+    work_ += static_cast<std::int64_t>(edges_.size() + 2 * times_.size());
     // Edges are in the order of their later point, so that one sweep carries times all the way.
     std::size_t edge = 0;
     const auto follow = [&](const Edge& e) {

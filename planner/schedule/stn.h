@@ -2,6 +2,7 @@
 // The simple temporal network of a plan whose actions may overlap: happenings in an order in which they are right, and
 // the distances that keep them so. Earliest times by relaxation (Bellman and Ford; Dechter, Meiri and Pearl 1991).
 
+#include <utility>
 #include <vector>
 
 #include "planner/schedule/timeline.h"
@@ -32,6 +33,8 @@ class Stn {
 
   /// Happenings so far.
   int points() const { return static_cast<int>(point_step_.size()); }
+  /// Distances that were looked at since the last call, in pieces of Work::kTimes.
+  std::int64_t take_work() { return std::exchange(work_, 0); }
   /// Forgets all happenings but the first ones.
   void truncate(int points);
 
@@ -94,6 +97,7 @@ class Stn {
   int next_event_ = 0;
   Micros last_happening_ = 0;
   Micros hold_separation_ = 0;
+  std::int64_t work_ = 0;
 };
 
 }  // namespace cxlab::planner

@@ -261,7 +261,6 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
   };
   /// Whether it is a plan that was wanted.
   const auto add = [&](Moment made, bool wanted) {
-    budget.spend(Work::kNode, 1 + static_cast<std::int64_t>(made.running.size()));
     if (too_late(made, before)) return false;
     const bool time_matters = made.next_event < static_cast<int>(task_.events.size()) || before < kNever;
     std::vector<Word> name = key(made, time_matters);
@@ -294,6 +293,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
     const int node = any ? queue.pop_any(random) : queue.pop();
     const std::vector<int> wanted = preferred_of[node];
     const auto next = [&] {
+      budget.spend(Work::kNode, 1 + static_cast<std::int64_t>(moments[node].running.size()));
       Moment moment = moments[node];
       moment.parent = node;
       moment.ended.clear();
@@ -313,6 +313,7 @@ SearchEnd ClockSearch::run(const LazyOptions& options, Micros before, Budget& bu
       Moment made = next();
       if (begin(made, action) && add(std::move(made), contains(wanted, action))) return SearchEnd::kFound;
     }
+    budget.spend(Work::kReach, static_cast<std::int64_t>(task_.comparisons.size()));
     if (Moment made = next(); wait(made) && add(std::move(made), true)) return SearchEnd::kFound;
   }
   return SearchEnd::kExhausted;

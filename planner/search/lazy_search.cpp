@@ -158,13 +158,17 @@ SearchEnd LazySearch::run(Budget& budget, Sequence& found) {
     std::ranges::reverse(steps);
     return steps;
   };
+  const auto spend_check = [&] { budget.spend(Work::kTimes, check_->take_work()); };
   std::vector<int> order, preferred;
   for (;;) {
     if (node >= 0) {
       const int next_event = nodes[node].next_event;
       if (simulator_.is_lasting_goal(state.data(), next_event)) {
         found = path(node);
-        if (!check_ || check_->accepts_goal(found)) return SearchEnd::kFound;
+        if (!check_) return SearchEnd::kFound;
+        const bool accepted = check_->accepts_goal(found);
+        spend_check();
+        if (accepted) return SearchEnd::kFound;
       }
       const int estimate = heuristic.evaluate(state.data(), next_event);
       budget.spend(Work::kReach, heuristic.work() - reported);
@@ -230,7 +234,9 @@ SearchEnd LazySearch::run(Budget& budget, Sequence& found) {
       Sequence steps = path(entry.parent);
       steps.push_back({made.action, made.duration});
       budget.spend(Work::kSchedule, static_cast<std::int64_t>(steps.size()));
-      if (!check_->accepts(steps, state.data())) continue;
+      const bool accepted = check_->accepts(steps, state.data());
+      spend_check();
+      if (!accepted) continue;
       state.back() = check_->signature();
     }
     if (landmark_words) {

@@ -50,6 +50,8 @@ class PathCheck {
   virtual Word signature() const = 0;
   /// `path` has been accepted and leads to the goal.
   virtual bool accepts_goal(const Sequence& path) = 0;
+  /// What the answers since the last call have cost, in pieces of Work::kTimes.
+  virtual std::int64_t take_work() { return 0; }
 };
 
 /// Accepts sequences of whole actions that keep clear of events.

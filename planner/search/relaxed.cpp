@@ -96,8 +96,7 @@ void RelaxedTask::add_operators(const Simulator& simulator, int action, int cost
   operators_.push_back(std::move(base));
 }
 
-void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects,
-                              int action) const {
+void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action) {
   made.adds.insert(made.adds.end(), effects.add.begin(), effects.add.end());
   sort_unique(made.adds);
   // Net change of each number, infinite where it depends on the state.
@@ -116,6 +115,7 @@ void RelaxedTask::add_effects(const GroundTask& task, RelaxedOperator& made, con
   if (action >= 0)
     for (const ContinuousEffect& effect : task.actions[action].continuous) changes.emplace_back(effect.number, kAny);
   if (changes.empty()) return;
+  work_ += static_cast<std::int64_t>(task.comparisons.size());
   for (std::size_t c = 0; c < task.comparisons.size(); ++c) {
     const LinearForm& linear = task.comparisons[c].linear;
     double change = 0;
@@ -179,7 +179,7 @@ int RelaxedHeuristic::evaluate(const Word* state, int next_event) {
   }
   unreached_goals_ = static_cast<int>(relaxed_.goal().size());
   explore(next_event);
-  work_ += static_cast<std::int64_t>(relaxed_.operators().size() / 4 + 16);
+  work_ += static_cast<std::int64_t>(relaxed_.operators().size() / 4 + gap_.size() + 16);
 
   applicable_.clear();
   plan_.clear();
@@ -213,6 +213,7 @@ void RelaxedHeuristic::explore(int next_event) {
     const int before = sum_[o], cost = std::min(before + prices_[o], kInfinite - 1);
     for (const int fact : relaxed_.adds(o)) reach(fact, cost, o);
     if (!relaxed_.has_gains(o)) return;
+    work_ += static_cast<std::int64_t>(relaxed_.operators()[o].gains.size());
     for (const RelaxedOperator::Gain& gain : relaxed_.operators()[o].gains) {
       const std::size_t c = static_cast<std::size_t>(gain.atom - relaxed_.facts());
       const GroundComparison& comparison = simulator_.task().comparisons[c];

@@ -46,12 +46,15 @@ class RelaxedTask {
   /// Operators without conditions, and whether an operator has gains.
   const std::vector<int>& unconditional() const { return unconditional_; }
   bool has_gains(int op) const { return has_gains_[op] != 0; }
+  /// What it took to make: comparisons looked at.
+  std::int64_t work() const { return work_; }
 
  private:
   void add_operators(const Simulator& simulator, int action, int cost);
-  void add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action) const;
+  void add_effects(const GroundTask& task, RelaxedOperator& made, const GroundEffects& effects, int action);
 
   int facts_ = 0, atoms_ = 0;
+  std::int64_t work_ = 0;
   ById<RelaxedOperator> operators_;
   std::vector<int> goal_;
   /// Lists in one array: what is read all the time lies together.

@@ -13,7 +13,7 @@ constexpr std::int64_t kWordsOfWork = 16;            ///< word operations in one
 SearchSpace::SearchSpace(const GroundTask& task, Budget& budget)
     : simulator(task), relaxed(simulator, true), landmarks(simulator, relaxed, kLandmarkWork, budget) {
   budget.spend(Work::kGround, kSpaceWork * static_cast<std::int64_t>(task.actions.size()));
-  budget.spend(Work::kReach, landmarks.work() / kWordsOfWork);
+  budget.spend(Work::kReach, relaxed.work() + landmarks.work() / kWordsOfWork);
 }
 
 }  // namespace cxlab::planner

@@ -78,6 +78,7 @@ class SplitCheck : public PathCheck {
   /// How long each running action has run by the time of the last happening, roughly.
   Word signature() const override { return signature_; }
   bool accepts_goal(const Sequence& path) override;
+  std::int64_t take_work() override { return stn_.take_work(); }
 
  private:
   /// After a step of the path: what the next one needs to know.

@@ -58,7 +58,9 @@ double Incumbent::cost() const {
 bool Incumbent::offer(const Concurrent& plan) {
   Stn stn(touches_);
   fill(stn, plan);
-  if (!stn.solve_complete(kSeparation) && !stn.solve_complete(0)) return false;
+  const bool solved = stn.solve_complete(kSeparation) || stn.solve_complete(0);
+  budget_.spend(Work::kTimes, stn.take_work());
+  if (!solved) return false;
   std::vector<int> by_start(plan.steps.size());
   std::iota(by_start.begin(), by_start.end(), 0);
   std::ranges::stable_sort(by_start, {}, [&](int step) { return stn.start(step); });

@@ -39,6 +39,17 @@ TEST(LinearProgram, KeepsTheRowsWhereTheObjectiveHasNoBound) {
   EXPECT_GE((*found)[0], 3 - 1e-9);
 }
 
+TEST(LinearProgram, ReportsTheCellsThatItLooksAt) {
+  std::int64_t none = 0, one = 0, two = 0;
+  minimize({{{1, 1}, 4}, {{1, 3}, 6}}, {1, 1}, &none);
+  minimize({{{1, 1}, 4}, {{1, 3}, 6}}, {-1, 0}, &one);
+  minimize({{{1, 1}, 4}, {{1, 3}, 6}}, {-3, -2}, &two);
+  EXPECT_GE(none, 16) << "four rows of four cells";
+  EXPECT_GE(one, none + 16) << "each exchange looks at all cells";
+  minimize({{{1, 1}, 4}, {{1, 3}, 6}}, {-1, -2}, &two);
+  EXPECT_GE(two, one + 2 * 16) << "it is added up";
+}
+
 /// The best of all points where two of the constraints (those of x, y >= 0 included) hold with equality.
 std::optional<double> best_corner(std::vector<LinearRow> rows, const std::vector<double>& objective) {
   rows.push_back({{-1, 0}, 0});
