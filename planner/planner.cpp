@@ -20,15 +20,16 @@ namespace {
 
 constexpr std::int64_t kFirstTurn = 20'000;  ///< units, at least; the turns of each round are half as long again
 constexpr std::int64_t kLongestTurn = 1'000'000'000'000;
-constexpr std::int64_t kTurnOfOperator = 20;      ///< units of the first turn by operator
-constexpr std::int64_t kShareOfUnlikely = 4;      ///< of a turn, for overlaps where nothing hints at them
-constexpr std::int64_t kSearchTurn = 400'000;     ///< units of a search that is to give another plan to improve
-constexpr std::int64_t kHappeningsTurn = 20'000;  ///< units of a search for better orders of happenings
-constexpr std::int64_t kShareBeforeRepair = 8;    ///< of the first turn, where a plan may come too late for events
-constexpr std::int64_t kShareOfWarmStart = 8;     ///< of the budget, for each half of a warm start
-constexpr std::int64_t kIdle = 2000;              ///< moves without a better plan that end the first improvements
-constexpr std::uint64_t kKindsOfRounds = 4;       ///< of improvement
-constexpr std::size_t kMostMissing = 5;           ///< numbers that an answer names
+constexpr std::int64_t kTurnOfOperator = 20;            ///< units of the first turn by operator
+constexpr std::int64_t kShareOfUnlikely = 4;            ///< of a turn, for overlaps where nothing hints at them
+constexpr std::int64_t kSearchTurn = 400'000;           ///< units of a search that is to give another plan to improve
+constexpr std::int64_t kHappeningsTurn = 20'000;        ///< units of a search for better orders of happenings
+constexpr std::int64_t kUnitsOfHappenings = 2'000'000;  ///< when all other searches have come to their end
+constexpr std::int64_t kShareBeforeRepair = 8;  ///< of the first turn, where a plan may come too late for events
+constexpr std::int64_t kShareOfWarmStart = 8;   ///< of the budget, for each half of a warm start
+constexpr std::int64_t kIdle = 2000;            ///< moves without a better plan that end the first improvements
+constexpr std::uint64_t kKindsOfRounds = 4;     ///< of improvement
+constexpr std::size_t kMostMissing = 5;         ///< numbers that an answer names
 
 /// Strategies in turns, until a plan is found and proved best or the budget ends.
 class Portfolio {
@@ -41,6 +42,7 @@ class Portfolio {
   void find_first();
   bool prove_in(const Turn& turn);
   bool prove_by_happenings(const Turn& turn);
+  bool finish_happenings(const Turn& turn);
   void improve_makespan();
   void improve_metric();
   bool is_improving(std::uint64_t round);
@@ -79,7 +81,9 @@ void Portfolio::find_first() {
     if (everything_.run({round, likely ? units : units / kShareOfUnlikely})) return;
     if (!context_.budget.late() && sequences_.exhausted() && envelopes_.exhausted() && everything_.exhausted() &&
         clock_.exhausted()) {
-      without_plan_ = proof_ ? *proof_ : prove_unsolvable(context_);
+      const Conclusion conclusion = proof_ ? *proof_ : prove_unsolvable(context_);
+      if (conclusion.status != PlanStatus::kUnsolvable && finish_happenings(turn)) return;
+      if (!context_.budget.over()) without_plan_ = conclusion;
       return;
     }
   }
@@ -107,6 +111,15 @@ bool Portfolio::prove_by_happenings(const Turn& turn) {
   if (sequences_.exhausted() && !proof_ && !prove_in(turn) && !proof_) return false;
   without_plan_ = proof_ && proof_->status == PlanStatus::kUnsolvable ? *proof_ : kNoPlan;
   return true;
+}
+
+/// All other searches have come to their end: the happenings go on for a while. Whether that gave an answer.
+bool Portfolio::finish_happenings(const Turn& turn) {
+  const BudgetSlice slice(context_.budget, kUnitsOfHappenings);
+  std::int64_t spent = -1;
+  while (!context_.budget.slice_over() && std::exchange(spent, context_.budget.units()) != context_.budget.units())
+    if (happenings_.run(turn) || prove_by_happenings(turn)) return true;
+  return false;
 }
 
 /// False as well when a round of each kind had nothing to do.

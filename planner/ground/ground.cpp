@@ -249,11 +249,17 @@ class Grounder {
     action.durative = schema.durative;
     for (const DurationConstraint& constraint : schema.duration)
       action.duration.push_back({constraint.comparison, expression(constraint.bound, frame), constraint.at_end});
+    bool asks_over_all = false;
     const auto add = [&](const GroundAction& with, bool instant) {
       GroundAction made = with;
       for (const Effect& effect : schema.effects)
         for_each_assignment(task_, effect.variables, frame, budget_, [&] { add_effect(effect, frame, instant, made); });
       for_each_effects(made, tidy);
+      // What changes continuously needs a value, but not where it takes no time.
+      for (const ContinuousEffect& effect : made.continuous) {
+        asks_over_all |= is_undefined(effect.number);
+        effect.rate.for_each_number([&](int n) { asks_over_all |= is_undefined(n); });
+      }
       for (const GroundCondition& start : starts)
         for (const GroundCondition& end : ends) {
           if (instant && !may_be_instant(made, start)) continue;
@@ -264,10 +270,9 @@ class Grounder {
         }
     };
     const bool takes_time = !schema.durative || constant_durations(action).most > 0;
-    bool asks_over_all = false;
     if (takes_time) {
       std::optional<GroundCondition> over_all = conjunction(formula(schema.condition.over_all, frame, false));
-      asks_over_all = !over_all || !std::ranges::all_of(starts, [&](const GroundCondition& start) {
+      asks_over_all |= !over_all || !std::ranges::all_of(starts, [&](const GroundCondition& start) {
         return over_all->comparisons.empty() && std::ranges::includes(start.facts, over_all->facts);
       });
       if (over_all) {
@@ -285,6 +290,10 @@ class Grounder {
     if (!schema.durative || (takes_time && !asks_over_all)) return;
     action.duration.push_back({Comparison::kEqual, GroundExpression::constant(0), false});
     add(action, true);
+  }
+
+  bool is_undefined(int number) const {
+    return std::isnan(initial_value(out_.numbers[number].function, out_.numbers[number].objects));
   }
 
   bool may_be_instant(const GroundAction& action, const GroundCondition& start) const {
@@ -461,7 +470,7 @@ void ask_for_values(GroundTask& task) {
       GroundExpression square = expression;
       square.steps.insert(square.steps.end(), expression.steps.begin(), expression.steps.end());
       square.steps.push_back({GroundExpression::Kind::kMultiply, -1, 0});
-      LinearForm form = linear_form(square);
+      LinearForm form = linear_form_of_all(square);
       task.comparisons.push_back({GroundComparison::Kind::kNotNegative, std::move(square), std::move(form)});
     }
     condition.comparisons.push_back(entry->second);

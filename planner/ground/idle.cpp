@@ -69,19 +69,20 @@ class IdleFinder {
     frame_.assign(static_cast<std::size_t>(schema.slots), -1);
     std::ranges::copy(action.arguments, frame_.begin());
     out_ = &action.idle;
-    at_end_ = false;
+    at_end_ = conditional_ = false;
     read(schema.condition.start, action.start);
     at_end_ = true;
     read(schema.condition.end, action.end);
     for (const Effect& effect : schema.effects) {
       if (effect.time == Effect::Time::kContinuous) continue;
       at_end_ = effect.time == Effect::Time::kEnd;
+      conditional_ = !effect.condition.is_true();
       for_each_assignment(task_, effect.variables, frame_, budget_, [&] { write(effect); });
     }
   }
 
   void look_at_events() {
-    at_end_ = false;
+    at_end_ = conditional_ = false;
     const auto event_at = [this](double time) {
       return std::ranges::lower_bound(ground_.events, in_micros(time), {}, &TimedEvent::time);
     };
@@ -116,13 +117,13 @@ class IdleFinder {
     if (key < first_number_)
       for (const int fact : {key, ground_.facts[key].complement})
         if (fact >= 0 && contains(needed.facts, fact)) return;
-    note({key, at_end_, true, false, false});
+    note({key, at_end_, true, false, false, conditional_});
   }
 
   void read(const Expression& expression) {
     for_each_part(expression, [this](const Expression& part) {
       if (part.kind == Expression::Kind::kFunction && changing_.functions[part.function])
-        note({key_of(symbol(part), Objects(part.terms, frame_)), at_end_, true, false, false});
+        note({key_of(symbol(part), Objects(part.terms, frame_)), at_end_, true, false, false, conditional_});
     });
   }
 
@@ -138,7 +139,8 @@ class IdleFinder {
   }
 
   void write(int symbol, std::span<const ObjectId> objects, bool up, bool down) {
-    if (const int key = key_of(symbol, objects); key >= first_other_) note({key, at_end_, false, up, down});
+    if (const int key = key_of(symbol, objects); key >= first_other_)
+      note({key, at_end_, false, up, down, conditional_});
   }
 
   void note(const IdleTouch& touch) {
@@ -176,7 +178,7 @@ class IdleFinder {
   ById<Other> others_;
   ById<ObjectId> frame_;
   std::vector<IdleTouch>* out_ = nullptr;
-  bool at_end_ = false;
+  bool at_end_ = false, conditional_ = false;
 };
 
 }  // namespace

@@ -59,8 +59,8 @@ struct Use {
   }
 };
 
-/// Whether beginning and end can be one happening.
-bool can_coincide(const GroundTask& task, const GroundAction& action) {
+/// Whether beginning and end can be one happening; `always`: also where all of its conditional effects come about.
+bool can_coincide(const GroundTask& task, const GroundAction& action, bool always) {
   Use begin, end;
   begin.read(task, action.start);
   end.read(task, action.end);
@@ -69,6 +69,7 @@ bool can_coincide(const GroundTask& task, const GroundAction& action) {
   for (const ConditionalEffects& conditional : action.conditional) {
     begin.read(task, conditional.start);
     end.read(task, conditional.end);
+    if (!always) continue;
     begin.write(conditional.at_start);
     end.write(conditional.at_end);
   }
@@ -95,9 +96,16 @@ bool ask_for_zero(GroundTask& task, const GroundDuration& duration, GroundCondit
   return true;
 }
 
-/// The action that takes no time as an instantaneous one; false if there is none.
+/// The action that takes no time as an instantaneous one; false if there is none. It stays as it is, without what is
+/// asked over all, where it depends on the state whether its beginning and its end interfere.
 bool merge(GroundTask& task, GroundAction& action) {
-  if (!can_coincide(task, action)) return false;
+  if (!can_coincide(task, action, false)) return false;
+  if (!can_coincide(task, action, true)) {
+    action.over_all = {};
+    action.continuous.clear();
+    for (ConditionalEffects& conditional : action.conditional) conditional.over_all = {};
+    return true;
+  }
   for (const GroundDuration& duration : action.duration)
     if (!ask_for_zero(task, duration, action.start)) return false;
   append(action.end, action.start);

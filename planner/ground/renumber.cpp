@@ -33,7 +33,7 @@ void rename(GroundExpression& expression, const ById<int>& renamed) {
 void rename_numbers(GroundTask& task, const ById<int>& renamed) {
   for (GroundComparison& comparison : task.comparisons) {
     rename(comparison.expression, renamed);
-    comparison.linear = linear_form(comparison.expression);
+    comparison.linear = linear_form_of_all(comparison.expression);
   }
   for_all_effects(task, [&](GroundEffects& effects) {
     for (NumericEffect& effect : effects.numbers) {

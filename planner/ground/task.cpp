@@ -92,7 +92,7 @@ GroundComparison GroundComparison::of(Kind kind, GroundExpression left, const Gr
       });
   left.steps.insert(left.steps.end(), right.steps.begin(), right.steps.end());
   left.steps.push_back({GroundExpression::Kind::kSubtract, -1, 0});
-  LinearForm difference = linear_form(left);
+  LinearForm difference = linear_form_of_all(left);
   return {kind, std::move(left), std::move(difference), separate};
 }
 
@@ -167,6 +167,15 @@ LinearForm linear_form(const GroundExpression& expression) {
     stack.push_back(std::move(form));
   }
   return stack.size() == 1 ? stack[0] : LinearForm{};
+}
+
+LinearForm linear_form_of_all(const GroundExpression& expression) {
+  LinearForm form = linear_form(expression);
+  expression.for_each_number([&](int number) {
+    if (std::ranges::find(form.weights, number, &std::pair<int, double>::first) == form.weights.end())
+      form.is_linear = false;
+  });
+  return form;
 }
 
 ById<char> significant_numbers(const GroundTask& task) {

@@ -84,6 +84,8 @@ struct LinearForm {
 
 /// The linear form of an expression, or is_linear = false.
 LinearForm linear_form(const GroundExpression& expression);
+/// The same for what is compared: not linear where a number cancels out, because its value is needed all the same.
+LinearForm linear_form_of_all(const GroundExpression& expression);
 
 /// `expression`, a difference of two sides, > 0, >= 0 or = 0. False where the expression is not a number.
 struct GroundComparison {
@@ -150,6 +152,7 @@ struct IdleTouch {
   int key = -1;  ///< a fact, or behind all facts a number, or behind all numbers one of GroundTask::others
   bool at_end = false;
   bool read = false, up = false, down = false;  ///< up: added or increased; down: deleted; both: assigned
+  bool conditional = false;                     ///< of an effect that may not come about
 };
 
 /// Its own conditions and effects, which it always has, and more under conditions.

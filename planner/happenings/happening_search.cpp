@@ -7,18 +7,19 @@ namespace cxlab::planner {
 
 namespace {
 
-constexpr int kUnlikely = 1 << 12;      ///< estimate of what seems to be a dead end
-constexpr int kPairsOfWork = 24;        ///< pairs of points that are looked at in one piece of Work::kNode
-constexpr std::int64_t kStepWork = 2;   ///< of a happening that is tried, in pieces of Work::kNode
-constexpr std::size_t kNodeWords = 60;  ///< of memory, beside the moment
+constexpr int kUnlikely = 1 << 12;        ///< estimate of what seems to be a dead end
+constexpr std::int64_t kLooksOfZone = 8;  ///< of finding a zone that is known, in pieces of Work::kTimes
+constexpr std::size_t kNodeWords = 60;    ///< of memory, beside the moment
 
 }  // namespace
 
-HappeningSearch::HappeningSearch(const GroundTask& task, const Simulator& simulator, const Options& options)
+HappeningSearch::HappeningSearch(const GroundTask& task, const Simulator& simulator, Budget& budget,
+                                 const Options& options)
     : task_(task),
       simulator_(simulator),
+      budget_(budget),
       options_(options),
-      moments_(task, simulator, options.moments),
+      moments_(task, simulator, budget, options.moments),
       loose_(task),
       heuristic_(loose_.heuristic()) {}
 
@@ -47,8 +48,13 @@ std::vector<Word> HappeningSearch::key(const Moment& moment) const {
   }
   add(moment.beyond.size());
   for (const int action : moment.beyond) add(action);
-  for (const Moment::Recent& recent : moment.recent)
+  add(moment.joining.size());
+  for (const int action : moment.joining) add(action);
+  for (const Moment::Recent& recent : moment.recent) {
     for (const int each : {recent.action, static_cast<int>(recent.at_end), recent.point}) add(each);
+    add(recent.fired.size());
+    for (const int effect : recent.fired) add(effect);
+  }
   for (const auto& [number, value] : moment.varying) {
     add(number);
     add_number(value);
@@ -74,7 +80,8 @@ int HappeningSearch::estimate(const Moment& moment) {
     const DurationRange range = constant_durations(task_.actions[each.action]);
     running.push_back({each.action, left, std::max(left, range.least)});
   }
-  for (const int action : moment.beyond) running.push_back({action, {}, 0});
+  for (const auto* actions : {&moment.beyond, &moment.joining})
+    for (const int action : *actions) running.push_back({action, {}, 0});
   const int found = loose_.evaluate(heuristic_, moment.state.data(), numbers.data(), moment.next_event, running);
   return found == RelaxedHeuristic::kDeadEnd ? kUnlikely : std::min(found, kUnlikely);
 }
@@ -95,7 +102,7 @@ std::optional<HappeningPlan> HappeningSearch::plan_of(const Node& node) const {
   std::ranges::reverse(path);
   Moments::Options how = options_.moments;
   how.keep_everything = true;
-  const Moments moments(task_, simulator_, how);
+  const Moments moments(task_, simulator_, budget_, how);
   Moment moment = moments.initial();
   bool orders_are_enough = true;
   Concurrent partial;
@@ -146,13 +153,14 @@ std::optional<HappeningPlan> HappeningSearch::plan_of(const Node& node) const {
 }
 
 /// Whether it is a plan that was accepted.
-bool HappeningSearch::add(Node node, Micros before, Budget& budget,
-                          const std::function<bool(const HappeningPlan&)>& accept) {
+bool HappeningSearch::add(Node node, Micros before, const std::function<bool(const HappeningPlan&)>& accept) {
   const Moment& moment = node.moment;
   if (too_late(moment, before)) return false;
   std::vector<Word> name = key(moment);
   const std::size_t size = 2 * name.size() + 2 * static_cast<std::size_t>(moment.zone.points() * moment.zone.points());
   std::vector<Zone>& zones = known_[std::move(name)];
+  const std::int64_t pairs = std::int64_t{moment.zone.points()} * moment.zone.points();
+  budget_.spend(Work::kTimes, static_cast<std::int64_t>(zones.size()) * (kLooksOfZone + pairs));
   if (std::ranges::any_of(zones, [&](const Zone& zone) { return zone.contains(moment.zone); })) return false;
   std::erase_if(zones, [&](const Zone& zone) { return moment.zone.contains(zone); });
   zones.push_back(moment.zone);
@@ -164,7 +172,7 @@ bool HappeningSearch::add(Node node, Micros before, Budget& budget,
     accepted = plan && accept(*plan);
   }
   const int seems = estimate(moment);
-  budget.spend(Work::kReach, heuristic_.work() - reported_);
+  budget_.spend(Work::kReach, heuristic_.work() - reported_);
   reported_ = heuristic_.work();
   const int id = static_cast<int>(nodes_.size());
   near_.push(seems, id);
@@ -173,13 +181,13 @@ bool HappeningSearch::add(Node node, Micros before, Budget& budget,
   return accepted;
 }
 
-SearchEnd HappeningSearch::run(Budget& budget, Micros before, const std::function<bool(const HappeningPlan&)>& accept) {
+SearchEnd HappeningSearch::run(Micros before, const std::function<bool(const HappeningPlan&)>& accept) {
   if (!begun_) {
     begun_ = true;
-    if (add({moments_.initial(), -1, {}, {}, 0, false}, before, budget, accept)) return SearchEnd::kFound;
+    if (add({moments_.initial(), -1, {}, {}, 0, false}, before, accept)) return SearchEnd::kFound;
   }
   for (;;) {
-    if (budget.slice_over()) return SearchEnd::kBudget;
+    if (budget_.slice_over()) return SearchEnd::kBudget;
     if (words_ > options_.most_words) return SearchEnd::kMemory;
     BucketQueue<int>& queue = turn_++ % 2 == 0 ? near_ : short_;
     if (queue.empty()) {
@@ -194,11 +202,9 @@ SearchEnd HappeningSearch::run(Budget& budget, Micros before, const std::functio
     const int starts = nodes_[id].starts;
     bool accepted = false;
     for (const Happening& happening : moments_.happenings(moment)) {
-      const std::int64_t pairs = std::int64_t{moment.zone.points()} * moment.zone.points();
-      budget.spend(Work::kNode, kStepWork + pairs / kPairsOfWork);
       moments_.each_after(moment, happening, [&](Moment after, const Moments::Signs& signs) {
         const int more = happening.kind == Happening::Kind::kStart ? 1 : 0;
-        accepted |= add({std::move(after), id, happening, signs, starts + more, false}, before, budget, accept);
+        accepted |= add({std::move(after), id, happening, signs, starts + more, false}, before, accept);
       });
     }
     if (accepted) return SearchEnd::kFound;

@@ -29,11 +29,11 @@ class HappeningSearch {
     bool all_numbers = false;  ///< also moments that differ in numbers that only the metric reads are different
     std::size_t most_words = std::size_t{1} << 27;
   };
-  HappeningSearch(const GroundTask& task, const Simulator& simulator, const Options& options);
+  HappeningSearch(const GroundTask& task, const Simulator& simulator, Budget& budget, const Options& options);
 
   /// Searches until a slice of the budget ends; the next call continues there. Calls `accept` with each plan that ends
   /// before `before`, until it returns true; `before` needs Moments::Options::keep_origin.
-  SearchEnd run(Budget& budget, Micros before, const std::function<bool(const HappeningPlan&)>& accept);
+  SearchEnd run(Micros before, const std::function<bool(const HappeningPlan&)>& accept);
   /// Whether every order that could be a plan has been followed or will be, but for more copies at once.
   bool complete() const { return moments_.complete(); }
   /// Whether some order was left out because too many copies of one action would run at once.
@@ -49,7 +49,7 @@ class HappeningSearch {
     bool expanded = false;
   };
 
-  bool add(Node node, Micros before, Budget& budget, const std::function<bool(const HappeningPlan&)>& accept);
+  bool add(Node node, Micros before, const std::function<bool(const HappeningPlan&)>& accept);
   std::vector<Word> key(const Moment& moment) const;
   int estimate(const Moment& moment);
   bool too_late(const Moment& moment, Micros before) const;
@@ -57,6 +57,7 @@ class HappeningSearch {
 
   const GroundTask& task_;
   const Simulator& simulator_;
+  Budget& budget_;
   const Options options_;
   Moments moments_;
   LooseEstimate loose_;

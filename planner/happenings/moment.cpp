@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "planner/ground/sorted.h"
 #include "planner/happenings/linear_program.h"
@@ -12,12 +14,16 @@ namespace cxlab::planner {
 namespace {
 
 constexpr double kMicro = static_cast<double>(kMicrosPerSecond);
-constexpr double kLongest = 1e9;     ///< seconds; validators accept no later time
-constexpr double kNoWeight = 1e-12;  ///< weights that are left by rounding
-constexpr double kRounding = 1e-4;   ///< microseconds by which a computed time may miss a whole one
-constexpr double kSlack = 1e-6;      ///< by which a value may miss what is asked for in proofs
-constexpr double kNothing = 1e-9;    ///< by which a computed value may miss it in plans, which validators judge again
-constexpr double kPositive = 1e-6;   ///< the least value that is asked for where one is to be positive
+constexpr double kLongest = 1e9;       ///< seconds; validators accept no later time
+constexpr double kNoWeight = 1e-12;    ///< weights that are left by rounding
+constexpr double kRounding = 1e-4;     ///< microseconds by which a computed time may miss a whole one
+constexpr double kSlack = 1e-6;        ///< by which a value may miss what is asked for in proofs
+constexpr double kNothing = 1e-9;      ///< by which a computed value may miss it in plans, which validators judge again
+constexpr double kMostFollowed = 5;    ///< copies of an action that are followed one by one where there are no more
+constexpr double kPositive = 1e-6;     ///< the least value that is asked for where one is to be positive
+constexpr std::int64_t kStepWork = 2;  ///< in pieces of Work::kNode
+/// Of a step by pair of points, and of an action that may come next, in pieces of Work::kTimes.
+constexpr std::int64_t kLooksOfPair = 20, kLooksOfCandidate = 4;
 
 TimedNumber plus(const TimedNumber& a, const TimedNumber& b, double factor) {
   TimedNumber sum{a.constant + factor * b.constant, a.weights};
@@ -80,8 +86,12 @@ bool mentions_duration(const GroundAction& action, const GroundTask& task) {
 
 }  // namespace
 
-Moments::Moments(const GroundTask& task, const Simulator& simulator, Options options)
-    : task_(task), simulator_(simulator), touches_(task, Touches::kPointsOnly), options_(options) {
+Moments::Moments(const GroundTask& task, const Simulator& simulator, Budget& budget, Options options)
+    : task_(task),
+      simulator_(simulator),
+      budget_(budget),
+      touches_(task, Touches::kPointsOnly, options.relaxed || options.certain ? Touches::kCertain : Touches::kApart),
+      options_(options) {
   ById<char> lasts(task.facts.size(), 1);  // nothing deletes it
   for (const GroundAction& action : task.actions)
     for_each_effects(action, [&](const GroundEffects& effects) {
@@ -99,8 +109,64 @@ Moments::Moments(const GroundTask& task, const Simulator& simulator, Options opt
           once && effects->numbers.empty() && std::ranges::all_of(effects->add, [&](int f) { return lasts[f] != 0; });
     repeats_nothing_.push_back(once);
     reads_duration_.push_back(mentions_duration(action, task));
+    most_at_once_.push_back(most_copies(action));
   }
   for (const Axiom& axiom : task.axioms) axioms_read_numbers_ |= !axiom.body.comparisons.empty();
+}
+
+namespace {
+
+/// By how much effects change the gap of a comparison; none if that depends on more than the effects.
+std::optional<double> change_of(const LinearForm& gap, const GroundEffects& effects) {
+  double sum = 0;
+  for (const NumericEffect& effect : effects.numbers) {
+    const auto weight = std::ranges::find(gap.weights, effect.number, &std::pair<int, double>::first);
+    if (weight == gap.weights.end()) continue;
+    if (effect.kind != NumericEffect::Kind::kIncrease || !effect.value.is_constant()) return std::nullopt;
+    sum += weight->second * effect.value.steps[0].value;
+  }
+  return sum;
+}
+
+}  // namespace
+
+/// How many copies of `action` the gap of a comparison has room for at once, where each takes of it at its start and
+/// where nothing but the ends of what runs gives back, and no more than it took; none: not known.
+std::optional<double> Moments::room(const LinearForm& gap, const GroundAction& action) const {
+  const auto touches = [&](int number) {
+    return std::ranges::find(gap.weights, number, &std::pair<int, double>::first) != gap.weights.end();
+  };
+  for (const TimedEvent& event : task_.events)
+    for (const NumericEffect& effect : event.effects.numbers)
+      if (touches(effect.number)) return std::nullopt;
+  for (const GroundAction& other : task_.actions) {
+    for (const ContinuousEffect& effect : other.continuous)
+      if (touches(effect.number)) return std::nullopt;
+    for (const ConditionalEffects& conditional : other.conditional)
+      for (const auto* effects : {&conditional.at_start, &conditional.at_end})
+        for (const NumericEffect& effect : effects->numbers)
+          if (touches(effect.number)) return std::nullopt;
+    const std::optional<double> first = change_of(gap, other.at_start), last = change_of(gap, other.at_end);
+    if (!first || !last || !(*first <= 0) || !(*first + *last <= 0)) return std::nullopt;
+  }
+  const double takes = -*change_of(gap, action.at_start);
+  double all = gap.constant;
+  for (const auto& [number, weight] : gap.weights) all += weight * task_.initial_numbers[number];
+  return takes > 0 && std::isfinite(all) ? std::optional(std::max(0.0, std::floor(all / takes + kSlack)))
+                                         : std::nullopt;
+}
+
+/// As many copies as its conditions over all leave room for may end at an instant at which as many begin.
+int Moments::most_copies(const GroundAction& action) const {
+  int most = std::numeric_limits<int>::max();
+  if (!action.durative || constant_durations(action).least <= 0) return most;
+  for (const int c : action.over_all.comparisons) {
+    const LinearForm& gap = task_.comparisons[c].linear;
+    if (!gap.is_linear || gap.duration_weight != 0) continue;
+    if (const std::optional<double> copies = room(gap, action); copies && *copies < kMostFollowed)
+      most = std::min(most, 2 * static_cast<int>(*copies));
+  }
+  return most;
 }
 
 Moment Moments::initial() const {
@@ -307,12 +373,54 @@ bool Moments::derive(Step& step) const {
 
 // ---- one step ------------------------------------------------------------------------------------------------------
 
-bool Moments::keep_clear(Moment& moment, int action, bool at_end, int point) const {
-  for (const Moment::Recent& recent : moment.recent)
-    if (touches_.conflict_at_instant(action, at_end, recent.action, recent.at_end) &&
-        (recent.point == point || !moment.zone.require(recent.point, point, options_.separation)))
-      return false;
+bool Moments::conflict(const Moment::Recent& one, const Moment::Recent& other) const {
+  const auto each = [this](const Moment::Recent& of, const auto& visit) {
+    if (visit(touches_.of_happening(of.action))) return true;
+    return std::ranges::any_of(of.fired, [&](int i) { return visit(touches_.of_conditional(of.action, i)); });
+  };
+  return each(one, [&](std::span<const Touch> mine) {
+    return each(other, [&](std::span<const Touch> theirs) {
+      return Touches::conflict_at_instant(mine, one.at_end, theirs, other.at_end);
+    });
+  });
+}
+
+bool Moments::keep_clear(Moment& moment, const Moment::Recent& happening) const {
+  return std::ranges::all_of(moment.recent, [&](const Moment::Recent& recent) {
+    return !conflict(happening, recent) ||
+           (recent.point != happening.point && moment.zone.require(recent.point, happening.point, options_.separation));
+  });
+}
+
+/// By number: whether it may change while time passes.
+ById<char> Moments::changing_numbers(const Moment& moment) const {
+  ById<char> changes(task_.numbers.size(), 0);
+  for (const Moment::Running& running : moment.running)
+    for (const ContinuousEffect& effect : task_.actions[running.action].continuous) changes[effect.number] = 1;
+  return changes;
+}
+
+/// Whether a condition over all of a copy that is not followed holds now, or may: numbers that depend on times can do.
+bool Moments::may_hold(const Moment& moment, const GroundCondition& over_all, const ById<char>& changes) const {
+  for (const int f : over_all.facts)
+    if (!is_set(moment.state.data(), f)) return false;
+  for (const int c : over_all.comparisons) {
+    const GroundExpression& expression = task_.comparisons[c].expression;
+    bool moves = expression.mentions_duration();
+    expression.for_each_number([&](int n) { moves = moves || changes[n] != 0; });
+    if (moves) continue;
+    const std::optional<TimedNumber> value = gap(moment, c, {});
+    if (value && value->is_constant() && !accepts(c, value->constant)) return false;
+  }
   return true;
+}
+
+/// Time passes: copies that are not followed run only where their conditions over all hold.
+void Moments::let_beyond_pass(Moment& moment, const ById<char>& changes) const {
+  moment.beyond.insert(moment.beyond.end(), moment.joining.begin(), moment.joining.end());
+  moment.joining.clear();
+  sort_unique(moment.beyond);
+  std::erase_if(moment.beyond, [&](int action) { return !may_hold(moment, task_.actions[action].over_all, changes); });
 }
 
 /// Lets time pass until `point`; nothing happens in between. `ending`: the place of the step that ends then, or -1.
@@ -321,6 +429,7 @@ bool Moments::pass_to(Step& step, int point, int ending) const {
   if (!moment.zone.require(moment.now, point, 0)) return false;
   for (std::size_t r = 0; r < moment.running.size(); ++r)
     if (static_cast<int>(r) != ending && !moment.zone.require(point, moment.running[r].end, 0)) return false;
+  if (!moment.beyond.empty() || !moment.joining.empty()) let_beyond_pass(moment, changing_numbers(moment));
   std::vector<std::pair<int, TimedNumber>> rates;
   for (const Moment::Running& running : moment.running)
     for (const ContinuousEffect& effect : task_.actions[running.action].continuous) {
@@ -480,10 +589,11 @@ void append(const GroundEffects& more, GroundEffects& to) {
 }
 
 /// Of several alike only the last one counts: who keeps clear of it keeps clear of those before.
-void note(Moment& moment, int action, bool at_end) {
-  std::erase_if(moment.recent,
-                [&](const Moment::Recent& recent) { return recent.action == action && recent.at_end == at_end; });
-  moment.recent.push_back({action, at_end, moment.now});
+void note(Moment& moment, Moment::Recent happening) {
+  std::erase_if(moment.recent, [&](const Moment::Recent& recent) {
+    return recent.action == happening.action && recent.at_end == happening.at_end && recent.fired == happening.fired;
+  });
+  moment.recent.push_back(std::move(happening));
 }
 
 }  // namespace
@@ -497,7 +607,8 @@ bool Moments::start(Step& step, const Happening& happening) const {
     running.start = moment.zone.add_point();
     if (!pass_to(step, running.start, -1)) return false;
   }
-  if (!keep_clear(moment, happening.index, false, running.start)) return false;
+  Moment::Recent recent{happening.index, false, running.start, {}};
+  if (!keep_clear(moment, recent)) return false;
   const bool lasts = action.durative && !happening.beyond;
   if (lasts) {
     running.end = moment.zone.add_point();
@@ -509,19 +620,21 @@ bool Moments::start(Step& step, const Happening& happening) const {
   for (const ConditionalEffects& conditional : action.conditional) {
     const std::optional<bool> fires = holds(step, conditional.start, length);
     if (!fires) return false;
+    if (*fires && !conditional.at_start.empty()) recent.fired.push_back(static_cast<int>(running.remembered.size()));
     running.remembered.push_back(*fires);
     if (*fires) append(conditional.at_start, all);
   }
+  if (!recent.fired.empty() && !keep_clear(moment, recent)) return false;
   if (options_.keep_everything) {
     DurationRange range{0, 0};
     if (lasts) range = {moment.zone.least(running.start, running.end), moment.zone.most(running.start, running.end)};
     moment.steps.push_back({happening.index, running.start, lasts ? running.end : running.start, range});
   }
   if (!apply(step, all, length)) return false;
-  note(moment, happening.index, false);
+  note(moment, std::move(recent));
   if (happening.beyond) {
-    if (!contains(moment.beyond, happening.index))
-      moment.beyond.insert(std::ranges::lower_bound(moment.beyond, happening.index), happening.index);
+    std::vector<int>& into = constant_durations(action).least > 0 ? moment.joining : moment.beyond;
+    if (!contains(into, happening.index)) into.insert(std::ranges::lower_bound(into, happening.index), happening.index);
     return true;
   }
   if (lasts)
@@ -535,16 +648,22 @@ bool Moments::end(Step& step, const Happening& happening) const {
   if (happening.beyond) {
     const GroundAction& action = task_.actions[happening.index];
     if (!happening.at_once && !pass_to(step, moment.zone.add_point(), -1)) return false;
-    if (!keep_clear(moment, happening.index, true, moment.now) || !demand(moment, action.end, {})) return false;
-    note(moment, happening.index, true);
+    if (!contains(moment.beyond, happening.index)) return false;  // none of them ran until now
+    Moment::Recent recent{happening.index, true, moment.now, {}};
+    if (!keep_clear(moment, recent) || !demand(moment, action.end, {})) return false;
     GroundEffects all = action.at_end;
-    for (const ConditionalEffects& conditional : action.conditional) {
+    for (std::size_t i = 0; i < action.conditional.size(); ++i) {
+      const ConditionalEffects& conditional = action.conditional[i];
       if (conditional.at_end.empty()) continue;
       if (!conditional.start.empty() || !conditional.over_all.empty()) return leave_out();
       const std::optional<bool> fires = holds(step, conditional.end, {});
       if (!fires) return false;
-      if (*fires) append(conditional.at_end, all);
+      if (!*fires) continue;
+      recent.fired.push_back(static_cast<int>(i));
+      append(conditional.at_end, all);
     }
+    if (!recent.fired.empty() && !keep_clear(moment, recent)) return false;
+    note(moment, std::move(recent));
     return apply(step, all, {});
   }
   const int point = moment.running[static_cast<std::size_t>(happening.index)].end;
@@ -552,7 +671,8 @@ bool Moments::end(Step& step, const Happening& happening) const {
     return false;
   const Moment::Running running = moment.running[static_cast<std::size_t>(happening.index)];
   moment.running.erase(moment.running.begin() + happening.index);
-  if (!keep_clear(moment, running.action, true, moment.now) || !limit_duration(moment, running, true)) return false;
+  Moment::Recent recent{running.action, true, moment.now, {}};
+  if (!keep_clear(moment, recent) || !limit_duration(moment, running, true)) return false;
   const GroundAction& action = task_.actions[running.action];
   const TimedNumber length = duration(moment, running);
   if (!demand(moment, action.end, length)) return false;
@@ -561,9 +681,12 @@ bool Moments::end(Step& step, const Happening& happening) const {
     if (!running.remembered[i] || action.conditional[i].at_end.empty()) continue;
     const std::optional<bool> fires = holds(step, action.conditional[i].end, length);
     if (!fires) return false;
-    if (*fires) append(action.conditional[i].at_end, all);
+    if (!*fires) continue;
+    recent.fired.push_back(static_cast<int>(i));
+    append(action.conditional[i].at_end, all);
   }
-  note(moment, running.action, true);
+  if (!recent.fired.empty() && !keep_clear(moment, recent)) return false;
+  note(moment, std::move(recent));
   return apply(step, all, length);
 }
 
@@ -574,8 +697,9 @@ bool Moments::event(Step& step, const Happening& happening) const {
   if (!moment.zone.require(moment.origin, point, event.time) || !moment.zone.require(point, moment.origin, -event.time))
     return false;
   if (!happening.at_once && !pass_to(step, point, -1)) return false;
-  if (!keep_clear(moment, -2 - happening.index, false, point)) return false;
-  note(moment, -2 - happening.index, false);
+  Moment::Recent recent{-2 - happening.index, false, point, {}};
+  if (!keep_clear(moment, recent)) return false;
+  note(moment, std::move(recent));
   ++moment.next_event;
   return apply(step, event.effects, {});
 }
@@ -589,6 +713,8 @@ int Moments::rank(const Happening& happening, const Moment& moment) const {
 }
 
 bool Moments::step(Moment& moment, const Happening& happening, const Signs& signs, bool& open) const {
+  budget_.spend(Work::kNode, kStepWork);
+  budget_.spend(Work::kTimes, kLooksOfPair * moment.zone.points() * moment.zone.points());
   moment.last = rank(happening, moment);
   Step step{moment, signs, 0, false};
   bool taken = happening.kind == Happening::Kind::kStart ? start(step, happening)
@@ -605,12 +731,9 @@ bool Moments::step(Moment& moment, const Happening& happening, const Signs& sign
 void Moments::judge(Moment& moment) const {
   moment.may_pass = true;
   moment.may_join = false;
-  ById<char> changes(task_.numbers.size(), 0);
-  for (const Moment::Running& running : moment.running)
-    for (const ContinuousEffect& effect : task_.actions[running.action].continuous) {
-      changes[effect.number] = 1;
-      if (std::isnan(number(moment, effect.number).constant)) moment.may_pass = false;
-    }
+  const ById<char> changes = changing_numbers(moment);
+  for (std::size_t n = 0; n < changes.size(); ++n)
+    if (changes[n] && std::isnan(number(moment, static_cast<int>(n)).constant)) moment.may_pass = false;
   for (const Moment::Running& running : moment.running) {
     const GroundCondition& over_all = task_.actions[running.action].over_all;
     for (const int f : over_all.facts)
@@ -625,6 +748,11 @@ void Moments::judge(Moment& moment) const {
         moment.may_pass = false;
     }
   }
+  // Copies that are not followed may end at the instant at which their conditions over all stop to hold, or begin at
+  // the one at which these begin to hold.
+  for (const auto* actions : {&moment.beyond, &moment.joining})
+    for (const int action : *actions)
+      if (!may_hold(moment, task_.actions[action].over_all, changes)) moment.may_join = true;
   if (!moment.may_pass) moment.may_join = true;
 }
 
@@ -669,7 +797,7 @@ bool Moments::tidy(Moment& moment) const {
     keep(running.start);
   }
   std::ranges::sort(moment.recent, {},
-                    [](const Moment::Recent& recent) { return std::pair(recent.action, recent.at_end); });
+                    [](const Moment::Recent& recent) { return std::tie(recent.action, recent.at_end, recent.fired); });
   for (Moment::Recent& recent : moment.recent) keep(recent.point);
   const auto keep_all = [&](TimedNumber& value) {
     for (auto& entry : value.weights) keep(entry.first);
@@ -709,7 +837,9 @@ std::optional<ById<double>> Moments::solve(const Moment& moment, int least) cons
   }
   std::vector<double> objective(static_cast<std::size_t>(points), 0);
   if (least >= 0 && least != moment.origin) objective[static_cast<std::size_t>(least)] = 1;
-  std::optional<std::vector<double>> found = minimize(rows, objective);
+  std::int64_t work = 0;
+  std::optional<std::vector<double>> found = minimize(rows, objective, &work);
+  budget_.spend(Work::kTimes, work);
   return found ? std::optional(ById<double>(*std::move(found))) : std::nullopt;
 }
 
@@ -762,6 +892,7 @@ bool Moments::is_needless(const Moment& moment, int action) const {
 }
 
 std::vector<Happening> Moments::happenings(const Moment& moment) const {
+  budget_.spend(Work::kTimes, kLooksOfCandidate * static_cast<std::int64_t>(candidates_.size()));
   std::vector<Happening> found;
   for (const bool at_once : {false, true}) {
     if (at_once ? !moment.may_join : !moment.may_pass) continue;
@@ -776,7 +907,9 @@ std::vector<Happening> Moments::happenings(const Moment& moment) const {
       const auto is_true = [&](int f) { return is_set(moment.state.data(), f); };
       if (!std::ranges::all_of(task_.actions[action].start.facts, is_true) || is_needless(moment, action)) continue;
       const auto copies = std::ranges::count(moment.running, action, &Moment::Running::action);
-      if (copies < options_.copies)
+      if (copies >= most_at_once_[action]) continue;
+      const bool few = most_at_once_[action] < std::numeric_limits<int>::max();
+      if (copies < options_.copies || (options_.relaxed && few))
         offer({Happening::Kind::kStart, action});
       else if (options_.relaxed)
         offer({Happening::Kind::kStart, action, false, true});

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "planner/ground/budget.h"
 #include "planner/happenings/zone.h"
 #include "planner/schedule/timeline.h"
 #include "planner/search/simulator.h"
@@ -49,6 +50,7 @@ struct Moment {
     int action = -1;  ///< event k as -2 - k
     bool at_end = false;
     int point = -1;
+    std::vector<int> fired;  ///< its effects under conditions that came about
   };
 
   PackedState state;                                 ///< numbers that depend on times are not in it
@@ -56,6 +58,7 @@ struct Moment {
   int next_event = 0;
   std::vector<Running> running;  ///< by action
   std::vector<int> beyond;       ///< actions of which any number of further copies may run; ascending
+  std::vector<int> joining;      ///< those whose further copies began at this instant and last longer; ascending
   std::vector<Recent> recent;
   std::vector<TimedDemand> demands;  ///< that are no distances of two points
   /// A step of the plan, with how long it may last; noted where no point is forgotten.
@@ -83,12 +86,14 @@ class Moments {
     /// Asks for less than PDDL does, so that what cannot be reached has no plan: where rounding could decide, it
     /// decides for a plan, and copies beyond the first are not followed one by one.
     bool relaxed = false;
+    bool certain = false;          ///< what only validators keep apart counts where it is certain
     int copies = 3;                ///< of one action that run at once, at most
     bool keep_origin = false;      ///< distances from the start of the plan matter
     bool keep_everything = false;  ///< no point is forgotten
   };
 
-  Moments(const GroundTask& task, const Simulator& simulator, Options options);
+  /// Spends what it does; where the budget ends, the rest of a step is left out.
+  Moments(const GroundTask& task, const Simulator& simulator, Budget& budget, Options options);
   Moments(const Moments&) = delete;
   Moments& operator=(const Moments&) = delete;
 
@@ -129,7 +134,7 @@ class Moments {
       return;
     }
     if (!open) return;
-    if (signs.size() == kMostSigns) {
+    if (signs.size() == kMostSigns || budget_.over()) {
       leave_out();
       return;
     }
@@ -166,7 +171,13 @@ class Moments {
   bool derive(Step& step) const;
 
   bool pass_to(Step& step, int point, int ending) const;
-  bool keep_clear(Moment& moment, int action, bool at_end, int point) const;
+  int most_copies(const GroundAction& action) const;
+  std::optional<double> room(const LinearForm& gap, const GroundAction& action) const;
+  bool may_hold(const Moment& moment, const GroundCondition& over_all, const ById<char>& changes) const;
+  void let_beyond_pass(Moment& moment, const ById<char>& changes) const;
+  ById<char> changing_numbers(const Moment& moment) const;
+  bool conflict(const Moment::Recent& one, const Moment::Recent& other) const;
+  bool keep_clear(Moment& moment, const Moment::Recent& happening) const;
   bool start(Step& step, const Happening& happening) const;
   bool end(Step& step, const Happening& happening) const;
   bool event(Step& step, const Happening& happening) const;
@@ -185,11 +196,13 @@ class Moments {
 
   const GroundTask& task_;
   const Simulator& simulator_;
+  Budget& budget_;
   const Touches touches_;
   const Options options_;
   ById<int> candidates_;        ///< actions that may begin
   ById<char> repeats_nothing_;  ///< by action: once it has been done, doing it again changes nothing
   ById<char> reads_duration_;   ///< by action: also its end does, or limits it
+  ById<int> most_at_once_;      ///< by action: how many of its copies can begin or run at one instant
   bool axioms_read_numbers_ = false;
   mutable bool complete_ = true, capped_ = false;
 };

@@ -17,7 +17,7 @@ void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_star
 
 }  // namespace
 
-Touches::Touches(const GroundTask& task, Continuous continuous)
+Touches::Touches(const GroundTask& task, Continuous continuous, Conditional conditional)
     : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
   bases_.resize(task.facts.size());
   for (std::size_t f = 0; f < task.facts.size(); ++f)
@@ -45,10 +45,14 @@ Touches::Touches(const GroundTask& task, Continuous continuous)
 
   for (const GroundAction& action : task.actions) {
     std::vector<Touch> touches;
-    for_each_share(action, [&](const ConditionalEffects& share) {
-      write(touches, share.at_start, true);
-      write(touches, share.at_end, false);
-    });
+    write(touches, action.at_start, true);
+    write(touches, action.at_end, false);
+    if (conditional != kAlways) conditional_.emplace_back();
+    for (const ConditionalEffects& share : action.conditional) {
+      std::vector<Touch>& into = conditional == kAlways ? touches : conditional_.back().emplace_back();
+      write(into, share.at_start, true);
+      write(into, share.at_end, false);
+    }
     for_each_share(action, [&](const ConditionalEffects& share) {
       read(touches, share.start, true, false);
       hold(touches, share.over_all);
@@ -68,7 +72,7 @@ Touches::Touches(const GroundTask& task, Continuous continuous)
       touch(touches, static_cast<int>(task.facts.size()) + effect.number, Touch::kRead | Touch::kUp | Touch::kDown,
             true, true);
     }
-    idle(touches, action.idle);
+    idle(touches, action.idle, conditional == kCertain);
     actions_.push_back(std::move(touches));
   }
   hold(goal_, task.goal);
@@ -76,7 +80,7 @@ Touches::Touches(const GroundTask& task, Continuous continuous)
   for (std::size_t e = 0; e < task.events.size(); ++e) {
     std::vector<Touch> touches;
     write(touches, task.events[e].effects, true);
-    idle(touches, task.events[e].idle);
+    idle(touches, task.events[e].idle, false);
     for (const Touch& touched : touches) events_of_key_[touched.key].push_back(static_cast<int>(e));
     events_.push_back(std::move(touches));
   }
@@ -84,9 +88,10 @@ Touches::Touches(const GroundTask& task, Continuous continuous)
     for (Touch& touched : touches) touched.meets_events = !events_of_key_[touched.key].empty();
 }
 
-bool Touches::conflict_at_instant(int id, bool at_end, int other, bool other_at_end) const {
-  for (const Touch& mine : of_happening(id))
-    for (const Touch& theirs : of_happening(other))
+bool Touches::conflict_at_instant(std::span<const Touch> one, bool at_end, std::span<const Touch> other,
+                                  bool other_at_end) {
+  for (const Touch& mine : one)
+    for (const Touch& theirs : other)
       if (mine.key == theirs.key &&
           conflict_at_instant(at_end ? mine.at_end : mine.at_start, other_at_end ? theirs.at_end : theirs.at_start))
         return true;
@@ -154,8 +159,9 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
   }
 }
 
-void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const {
+void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from, bool certain) const {
   for (const IdleTouch& each : from) {
+    if (certain && each.conditional) continue;
     const int key = each.key < static_cast<int>(task_.facts.size()) ? key_of_fact(each.key) : each.key;
     const int does = (each.read ? Touch::kRead : 0) | (each.up ? Touch::kUp : 0) | (each.down ? Touch::kDown : 0);
     touch(touches, key, static_cast<std::uint8_t>(does), !each.at_end, each.at_end);
@@ -164,6 +170,7 @@ void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& fr
 
 bool Timeline::finish() {
   mark();
+  if (appended_ == 0) return true;  // nothing that an event could come before
   for (int event = next_event_; event < static_cast<int>(touches_.events().size()); ++event) {
     const Micros late = makespan_ + kSeparation - touches_.events()[event].time;
     if (late <= 0 || !touches_.breaks_goal(event)) continue;

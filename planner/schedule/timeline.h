@@ -34,11 +34,19 @@ class Touches {
     kOnlyLater,   ///< what changes all along counts as changed at both ends: who reads it comes before or after
     kPointsOnly,  ///< only what the ends themselves read and change, as validators judge what may share an instant
   };
-  explicit Touches(const GroundTask& task, Continuous continuous = kOnlyLater);
+  /// Effects under conditions.
+  enum Conditional {
+    kAlways,   ///< count as if they always came about
+    kApart,    ///< are asked for one by one
+    kCertain,  ///< the same, and what only validators keep apart counts where it is certain
+  };
+  explicit Touches(const GroundTask& task, Continuous continuous = kOnlyLater, Conditional conditional = kAlways);
 
   int keys() const { return keys_; }
   std::span<const Touch> of(int action) const { return actions_[action]; }
   std::span<const Touch> of_event(int event) const { return events_[event]; }
+  /// What an effect under conditions changes where it comes about; not where they always count.
+  std::span<const Touch> of_conditional(int action, int effect) const { return conditional_[action][effect]; }
   /// Of an action, or of the event e as -2 - e.
   std::span<const Touch> of_happening(int id) const { return id < 0 ? of_event(-2 - id) : of(id); }
   /// Whether an event makes the goal false.
@@ -63,7 +71,11 @@ class Touches {
     return conflict(a & kPoint, b & kPoint);
   }
   /// Whether these ends of two happenings (ids as for `of_happening`) must not share an instant.
-  bool conflict_at_instant(int id, bool at_end, int other, bool other_at_end) const;
+  bool conflict_at_instant(int id, bool at_end, int other, bool other_at_end) const {
+    return conflict_at_instant(of_happening(id), at_end, of_happening(other), other_at_end);
+  }
+  static bool conflict_at_instant(std::span<const Touch> one, bool at_end, std::span<const Touch> other,
+                                  bool other_at_end);
   /// Whether `writer` may make false what `holder` needs.
   static bool violates(std::uint8_t writer, std::uint8_t holder) {
     return ((writer & Touch::kDown) && (holder & Touch::kHoldTrue)) ||
@@ -81,13 +93,14 @@ class Touches {
   void hold(std::vector<Touch>& touches, const GroundCondition& condition) const;
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
-  void idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from) const;
+  void idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from, bool certain) const;
   int key_of_fact(int fact) const;
 
   const GroundTask& task_;
   int keys_ = 0;
   ById<std::vector<int>> bases_;  ///< by fact: keys that it depends on
   ById<std::vector<Touch>> actions_, events_;
+  ById<ById<std::vector<Touch>>> conditional_;  ///< by action and conditional effect
   std::vector<Touch> goal_;
   ById<std::vector<int>> events_of_key_;
 };

@@ -1,5 +1,7 @@
 #include "planner/strategies/happening_strategy.h"
 
+#include <algorithm>
+
 namespace cxlab::planner {
 
 namespace {
@@ -19,15 +21,23 @@ bool HappeningStrategy::is_needed() const {
          task.events.size() <= kMostEvents;
 }
 
+/// Whether effects that may not come about keep happenings apart.
+bool HappeningStrategy::may_be_apart_in_vain() const {
+  return std::ranges::any_of(context_.ground.actions, [](const GroundAction& action) {
+    return std::ranges::any_of(action.idle, &IdleTouch::conditional);
+  });
+}
+
 std::unique_ptr<HappeningSearch> HappeningStrategy::make(bool relaxed, int copies) const {
   HappeningSearch::Options how;
   how.most_words = context_.search_options(0).most_words;
   how.moments.keep_origin = better_;
   how.all_numbers = better_ && context_.best.by_metric();
   how.moments.relaxed = relaxed;
+  how.moments.certain = certain_;
   how.moments.copies = copies;
   if (relaxed) how.moments.separation = kProofSeparation;
-  return std::make_unique<HappeningSearch>(context_.ground, context_.whole.space.simulator, how);
+  return std::make_unique<HappeningSearch>(context_.ground, context_.whole.space.simulator, context_.budget, how);
 }
 
 bool HappeningStrategy::run(const Turn& turn) {
@@ -39,10 +49,15 @@ bool HappeningStrategy::run(const Turn& turn) {
   if (!search_) search_ = make(false, kMostCopies);
   const bool bounded = better_ && !context_.best.by_metric();
   const BudgetSlice slice(context_.budget, turn.units);
-  const SearchEnd end = search_->run(
-      context_.budget, bounded ? context_.best.makespan() : DurationRange::kForever, [this](const HappeningPlan& plan) {
+  const SearchEnd end =
+      search_->run(bounded ? context_.best.makespan() : DurationRange::kForever, [this](const HappeningPlan& plan) {
         return (plan.partial && context_.best.offer(*plan.partial)) || context_.best.offer(plan.steps);
       });
+  if (end == SearchEnd::kExhausted && !better_ && !certain_ && may_be_apart_in_vain()) {
+    certain_ = true;
+    search_.reset();
+    return false;
+  }
   exhausted_ = end == SearchEnd::kExhausted || end == SearchEnd::kMemory;
   seen_all_ = end == SearchEnd::kExhausted && search_->complete() && (!better_ || !search_->capped());
   if (exhausted_) search_.reset();
@@ -58,8 +73,7 @@ bool HappeningStrategy::prove(const Turn& turn) {
   const BudgetSlice slice(context_.budget, turn.units);
   for (;;) {
     if (!proof_) proof_ = make(true, copies_of_proof_);
-    const SearchEnd end =
-        proof_->run(context_.budget, DurationRange::kForever, [](const HappeningPlan&) { return true; });
+    const SearchEnd end = proof_->run(DurationRange::kForever, [](const HappeningPlan&) { return true; });
     if (end == SearchEnd::kBudget) return false;
     const bool proved = end == SearchEnd::kExhausted && proof_->complete();
     proof_.reset();

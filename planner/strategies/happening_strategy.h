@@ -32,12 +32,14 @@ class HappeningStrategy {
 
  private:
   std::unique_ptr<HappeningSearch> make(bool relaxed, int copies) const;
+  bool may_be_apart_in_vain() const;
 
   PlanningContext& context_;
   const bool better_;
   std::unique_ptr<HappeningSearch> search_, proof_;
   int copies_of_proof_ = 1;
   bool exhausted_ = false, seen_all_ = false, proof_ended_ = false;
+  bool certain_ = false;  ///< the second search: only what is certain is kept apart
 };
 
 }  // namespace cxlab::planner
