@@ -9,6 +9,7 @@
 #include "planner/planner.h"
 #include "planner/validator/validator.h"
 #include "tests/planner/random/numeric_problem.h"
+#include "tests/planner/random/wide_problem.h"
 
 namespace cxlab::planner {
 
@@ -20,11 +21,16 @@ struct NumericTally {
   std::int64_t most_units = 0;  ///< for a plan
 };
 
-inline NumericTally check_numeric(std::uint64_t seed, int count, std::int64_t budget) {
+inline std::string plan_text(const std::vector<WitnessStep>& plan) { return to_text(plan); }
+inline std::string plan_text(const std::string& plan) { return plan; }
+
+/// `Problem` is NumericProblem or WideProblem.
+template <class Problem>
+NumericTally check_numeric(std::uint64_t seed, int count, std::int64_t budget) {
   NumericTally tally;
   for (int i = 0; i < count; ++i) {
     RandomStream random(seed + static_cast<std::uint64_t>(i), "random temporal-numeric problems");
-    const NumericProblem problem = NumericProblem::draw(random);
+    const Problem problem = Problem::draw(random);
     SCOPED_TRACE("seed " + std::to_string(seed + static_cast<std::uint64_t>(i)) + "\n" + problem.domain() +
                  problem.problem());
     Expected<Domain> domain = parse_domain(problem.domain(), "domain");
@@ -32,7 +38,7 @@ inline NumericTally check_numeric(std::uint64_t seed, int count, std::int64_t bu
       ADD_FAILURE() << domain.error().text();
       return tally;
     }
-    Expected<Problem> parsed = parse_problem(problem.problem(), "problem", *domain);
+    Expected<planner::Problem> parsed = parse_problem(problem.problem(), "problem", *domain);
     if (!parsed) {
       ADD_FAILURE() << parsed.error().text();
       return tally;
@@ -56,10 +62,10 @@ inline NumericTally check_numeric(std::uint64_t seed, int count, std::int64_t bu
     tally.unsolvable += answer->status == PlanStatus::kUnsolvable;
     tally.ended += answer->status == PlanStatus::kEnded;
     tally.out_of_budget += answer->status == PlanStatus::kBudget;
-    const WitnessAnswer witness = find_witness(problem);
+    const auto witness = find_witness(problem);
     tally.exhausted += !witness.plan && !witness.too_large;
     if (!witness.plan) continue;
-    const std::string text = to_text(*witness.plan);
+    const std::string text = plan_text(*witness.plan);
     const auto plan = parse_plan(text, "witness", task.domain, task.problem);
     const Expected<Verdict> verdict = plan ? validator.check(*plan) : Expected<Verdict>(plan.error());
     EXPECT_TRUE(verdict && verdict->valid)

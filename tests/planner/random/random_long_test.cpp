@@ -13,7 +13,16 @@ TEST(RandomProblems, TenThousandProblems) {
 }
 
 TEST(RandomProblems, FiveThousandWithNumbersLinearChangeAndTimedValues) {
-  const NumericTally tally = check_numeric(100'000, 5'000, 2'000'000);
+  const NumericTally tally = check_numeric<NumericProblem>(100'000, 5'000, 2'000'000);
+  std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
+              tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
+              tally.missed);
+  EXPECT_GT(tally.plans, 1'000);
+  EXPECT_EQ(tally.missed, 0);
+}
+
+TEST(RandomProblems, FiveThousandOfMoreKinds) {
+  const NumericTally tally = check_numeric<WideProblem>(100'000, 5'000, 2'000'000);
   std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
               tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
               tally.missed);
