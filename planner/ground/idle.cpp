@@ -77,7 +77,10 @@ class IdleFinder {
       if (effect.time == Effect::Time::kContinuous) continue;
       at_end_ = effect.time == Effect::Time::kEnd;
       conditional_ = !effect.condition.is_true();
-      for_each_assignment(task_, effect.variables, frame_, budget_, [&] { write(effect); });
+      for_each_assignment(task_, effect.variables, frame_, budget_, [&] {
+        write(effect);
+        if (effect.kind == Effect::Kind::kDelete) write_in_vain(effect, action);
+      });
     }
   }
 
@@ -125,6 +128,19 @@ class IdleFinder {
       if (part.kind == Expression::Kind::kFunction && changing_.functions[part.function])
         note({key_of(symbol(part), Objects(part.terms, frame_)), at_end_, true, false, false, conditional_});
     });
+  }
+
+  /// A fact that the same happening adds stays true; validators count the deletion all the same.
+  void write_in_vain(const Effect& effect, const GroundAction& action) {
+    const int key = key_of(effect.predicate, Objects(effect.terms, frame_));
+    if (key >= first_number_) return;
+    bool added = false;
+    for_each_share(action, [&](const ConditionalEffects& share) {
+      const GroundEffects& effects = at_end_ ? share.at_end : share.at_start;
+      const std::vector<int>& adds = ground_.facts[key].is_complement ? effects.remove : effects.add;
+      added = added || std::ranges::find(adds, key) != adds.end();
+    });
+    if (added) note({key, at_end_, false, false, true, conditional_});
   }
 
   void write(const Effect& effect) {

@@ -111,6 +111,10 @@ const Row kRows[] = {
      kOven,
      "(:objects a b) (:init (open) (= (used) 0) (at 7.5 (not (open)))) (:goal (and (baked a) (baked b)))",
      {}},
+    {"AFactThatIsDeletedAndAddedAtOnce", R"((:predicates (p ?x) (q ?x)) (:functions (n))
+  (:action renew :parameters (?x) :precondition () :effect (and (forall (?y) (p ?y)) (not (p ?x)) (increase (n) 1)))
+  (:action mark :parameters (?x) :precondition () :effect (and (p ?x) (q ?x))))",
+     "(:objects a) (:init (= (n) 0)) (:goal (and (p a) (q a) (>= (n) 2)))", 0.002},
     {"AnEffectThatWouldMeetTheStart", R"((:predicates (dry) (g))
   (:durative-action wipe :parameters () :duration (= ?duration 0) :condition (and (at start (dry)) (over all (dry)))
    :effect (and (at end (g)) (when (at start (not (dry))) (at end (dry))))))",
