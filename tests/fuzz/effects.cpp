@@ -40,6 +40,11 @@ constexpr const char* kWorld = R"(
 (defclass ROBOT (is-a THING) (role concrete) (pattern-match reactive) (slot speed (default 1)) (multislot load)
   (slot shared (storage shared) (default 0)) (multislot many (storage shared)))
 (defclass LATE (is-a ROBOT) (role concrete) (slot speed (default-dynamic (pop))) (multislot load (default-dynamic (create$ ?*list* (gensym*)))))
+(deftemplate idle (slot x (default-dynamic (gensym*))) (multislot y (default a b)))
+(defclass IDLE (is-a THING) (role concrete) (slot x (default-dynamic (gensym*))) (multislot y))
+(defmessage-handler IDLE does (?x) ?x)
+(defgeneric rests)
+(defmethod rests 1 ((?x NUMBER)) ?x)
 (deffunction first-of (?l) (nth$ 1 ?l))
 (deffunction twice (?x) (create$ ?x ?x))
 (deffunction rest-of ($?x) (rest$ $?x))
@@ -292,6 +297,47 @@ constexpr const char* kForms[] = {
     R"x((progn (open "o" o "w") (printout o "([r1] of ROBOT (load #))" crlf) (close o) (restore-instances "o")))x",
     R"x((progn (dribble-on "d") @ (dribble-off)))x",
     R"x((progn (open "o" o "w") @ (printout o @) (close)))x",
+    // What is named first may go with what stands after it.
+    "(undefclass IDLE)",
+    "(undeftemplate idle)",
+    "(undefgeneric rests)",
+    R"x((build "(defclass IDLE (is-a USER) (role concrete) (slot z))"))x",
+    R"x((build "(deftemplate idle (slot z (default #)))"))x",
+    R"x((build "(defclass NEW (is-a IDLE) (role concrete) (slot x (default #)) (multislot y (source composite) (default #)))"))x",
+    R"x((build "(defclass IDLE (is-a USER) (role concrete) (slot x (default (make-instance of IDLE))) (slot z (default #)))"))x",
+    R"x((build "(defrule ranks (declare (salience (progn # 3))) (order (id ?x)) => #)"))x",
+    "(class-slots IDLE (progn @ inherit))",
+    "(class-superclasses IDLE (progn @ inherit))",
+    "(list-defmessage-handlers IDLE (progn @ inherit))",
+    "(slot-types IDLE (progn @ x))",
+    "(slot-default-value IDLE (progn @ x))",
+    "(slot-existp IDLE (progn @ x) (progn @ inherit))",
+    "(superclassp THING (progn @ IDLE))",
+    "(subclassp IDLE (progn @ THING))",
+    "(message-handler-existp IDLE (progn @ does) (progn @ primary))",
+    "(preview-send IDLE (progn @ does))",
+    "(undefmessage-handler IDLE (progn @ does) (progn @ primary))",
+    "(undefmethod rests (progn @ 1))",
+    "(get-method-restrictions rests (progn @ 1))",
+    "(call-specific-method rests (progn @ 1) @)",
+    "(matches open (progn @ terse))",
+    "(join-activity acts (progn @ terse))",
+    "(watch message-handlers IDLE (progn @ does) (progn @ primary))",
+    "(list-watch-items methods rests (progn @ 1))",
+    "(deftemplate-slot-types idle (progn @ y))",
+    "(deftemplate-slot-default-value idle (progn @ x))",
+    "(deftemplate-slot-facet-value idle (progn @ x) (progn @ default-dynamic))",
+    R"x((save-facts "f" local idle (progn @ order)))x",
+    R"x((save-instances "i" visible IDLE (progn @ ROBOT)))x",
+    "(ppfact 1 (progn @ t) @)",
+    "(ppdefclass IDLE (progn @ nil))",
+    "(fact-slot-value 1 (progn @ parts))",
+    "(slot-replace$ [r1] (progn @ load) 1 1 @)",
+    "(dynamic-put (progn @ load) @)",
+    "(dynamic-get (progn @ load))",
+    "(duplicate-instance [r1] to (progn @ r5) (load @))",
+    "(make-instance of (progn @ IDLE) (y @))",
+    "(assert (idle (y @)))",
 };
 
 /// With facts ?f and ?g in their later parts.
@@ -386,6 +432,9 @@ constexpr const char* kValues[] = {"?*list*",
                                    "(assert (order (id 9) (parts k 8.5)))",
                                    "[l1]",
                                    "LATE",
+                                   "IDLE",
+                                   "idle",
+                                   "rests",
                                    "OTHER",
                                    "does",
                                    "acts",
@@ -767,14 +816,19 @@ std::size_t put(std::vector<std::string> lines, std::uint8_t* data, std::size_t 
   return text.size();
 }
 
-/// Another expression in the place of one, or one around it, or one of another place.
+/// Another expression in the place of one, one around or before it, or one of another place.
 void change(std::vector<std::string>& lines, Writer& writer) {
   std::string& line = lines[writer.below(lines.size())];
   const std::vector<Part> parts = parts_of(line);
   if (parts.empty()) return;
   const Part part = parts[writer.below(parts.size())];
   std::string instead;
-  switch (writer.below(5)) {
+  switch (writer.below(6)) {
+    case 5: {
+      const std::string effect = writer.expression(part.scope, static_cast<int>(writer.below(4)));
+      instead = "(progn " + effect + ' ' + line.substr(part.begin, part.end - part.begin) + ')';
+      break;
+    }
     case 0: instead = writer.around(line.substr(part.begin, part.end - part.begin), part.scope); break;
     case 1: {
       const std::string& other = lines[writer.below(lines.size())];

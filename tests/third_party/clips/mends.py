@@ -289,6 +289,108 @@ class Mends(unittest.TestCase):
 (printout t "= " (any-factp ((?f a)) (progn (away) (gensym*) FALSE)) crlf)
 """), ["()", "FALSE", "FALSE", "once"])
 
+    def test_names_are_looked_up_when_all_arguments_have_their_values(self):
+        world = """
+(deftemplate a (slot x) (multislot y))
+(defclass Q (is-a USER) (role concrete) (slot x) (multislot m))
+(defclass R (is-a Q) (role concrete))
+(defmessage-handler Q h () 1)
+(defgeneric g)
+(defmethod g 1 ((?x NUMBER)) ?x)
+(defrule r (b) => (halt))
+(deffunction away (?x) (undefrule r) (unmake-instance *) (do-for-all-facts ((?f a)) TRUE (retract ?f)) (undefclass Q)
+  (undeftemplate a) (undefgeneric g) ?x)
+(make-instance q of Q)
+(assert (a (x 1)))
+"""
+        for call in ("(class-slots Q (away inherit))", "(class-superclasses R (away inherit))",
+                     "(class-subclasses Q (away inherit))", "(get-defmessage-handler-list Q (away inherit))",
+                     "(list-defmessage-handlers Q (away inherit))", "(slot-types Q (away x))", "(slot-facets Q (away x))",
+                     "(slot-existp R x (away inherit))", "(slot-default-value Q (away x))", "(superclassp Q (away R))",
+                     "(subclassp R (away Q))", "(message-handler-existp Q h (away primary))", "(preview-send Q (away h))",
+                     "(undefmessage-handler Q h (away primary))", "(undefmethod g (away 1))",
+                     "(get-method-restrictions g (away 1))", "(call-specific-method g (away 1) 2)",
+                     "(matches r (away terse))", "(join-activity r (away terse))", "(watch methods g (away 1))",
+                     "(watch message-handlers Q h (away primary))", "(create$ (list-watch-items message-handlers Q (away h)))",
+                     "(deftemplate-slot-types a (away x))", "(deftemplate-slot-default-value a (away y))",
+                     "(deftemplate-slot-facet-existp a x (away default))", '(save-facts "/dev/null" local a (away a))',
+                     '(save-instances "/dev/null" local Q (away R))', "(ppfact 1 (away t))", "(fact-slot-value 1 (away x))",
+                     "(slot-insert$ q m (away 1) a)", "(duplicate-instance q to (away p))", "(ppdefclass Q (away nil))",
+                     "(ppdefrule r (away nil))"):
+            with self.subTest(call):
+                self.assertEqual(printed(world + call + """
+(printout t "= " (class-existp Q) crlf)
+(defclass Q (is-a USER))
+(printout t "= " (class-slots Q) crlf)
+""")[:2], ["()", "FALSE"])
+
+    def test_instance_goes_in_the_middle_of_its_change(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete) (slot x) (slot y (default 5)) (multislot z))
+(defmessage-handler Q put-x around ($?a) (send ?self delete))
+(defmessage-handler Q change () (dynamic-put (progn (send ?self delete) y) 1))
+(defmessage-handler Q lengthen () (slot-direct-insert$ z (progn (send ?self delete) 1) a))
+(deffunction again () (make-instance q of Q))
+(again)
+(message-modify-instance q (x 1) (y 2))
+(printout t "= 1 " (instance-existp q) crlf)
+(again)
+(message-duplicate-instance q to p (x 1) (y 2))
+(printout t "= 2 " (instance-existp p) crlf)
+(again)
+(send [q] change)
+(printout t "= 3 " (instance-existp q) crlf)
+(again)
+(send [q] lengthen)
+(printout t "= 4 " (instance-existp q) crlf)
+(again)
+(defclass N (is-a USER) (role concrete))
+(defmessage-handler Q delete before () (unmake-instance n) (undefclass N))
+(make-instance n of N)
+(again)
+(printout t "= 5 " (instance-existp q) (instance-existp n) (class-existp N) crlf)
+(defclass S (is-a USER) (role concrete) (slot x))
+(defmessage-handler S create after () (unmake-instance ?self))
+(make-instance s of S (x 1))
+(printout t "= 6 " (instance-existp s) crlf)
+"""), ["1 FALSE", "2 FALSE", "3 FALSE", "4 FALSE", "5 TRUEFALSEFALSE", "6 FALSE"])
+
+    def test_what_is_evaluated_while_a_construct_is_read_leaves_it_whole(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete) (slot x))
+(defclass R (is-a Q) (role concrete) (slot y (default (undefclass Q))) (slot x (source composite)))
+(defclass R (is-a Q) (role concrete) (slot y (default (clear))))
+(printout t "= 1 " (class-existp Q) (class-existp R) crlf)
+(defclass Q (is-a USER) (role concrete) (slot x))
+(defclass Q (is-a USER) (role concrete) (slot x (default (make-instance q of Q))))
+(printout t "= 2 " (send [q] get-x) crlf)
+(defrule a (declare (salience (progn (build "(defrule b (declare (salience 7)) (go) => (printout t \\"= 3 b\\" crlf))") 5)))
+  (go) => (printout t "= 4 a" crlf))
+(assert (go))
+(run)
+"""), ["1 TRUEFALSE", "2 nil", "3 b", "4 a"])
+
+    def test_binary_files_do_not_take_one_another_s_place(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(printed(f"""
+(defclass Q (is-a USER) (role concrete) (slot x))
+(make-instance q of Q (x (gensym*)))
+(assert (a 1))
+(bsave-facts "{folder}/facts")
+(bsave-instances "{folder}/instances")
+(defmessage-handler Q delete before () (bload-facts "{folder}/facts") (bload-instances "{folder}/instances"))
+(bload-instances "{folder}/instances")
+(printout t "= 1 " (length$ (find-all-facts ((?f a)) TRUE)) crlf)
+(undefmessage-handler Q *)
+(defclass R (is-a USER))
+(deffunction f () (bload "{folder}/all"))
+(bsave "{folder}/all")
+(f)
+(printout t "= 2 " (class-existp Q) (class-existp R) crlf)
+(bload "{folder}/all")
+(printout t "= 3 " (class-existp Q) crlf)
+"""), ["1 1", "2 TRUETRUE", "3 TRUE"])
+
 
 if __name__ == "__main__":
     unittest.main()
