@@ -74,7 +74,7 @@ class Plan(Lab):
         self.assertEqual((done.returncode, done.stderr.splitlines()[-1]), (5, "error: standard output cannot be written"))
 
     def test_json_of_an_empty_plan_has_its_lists(self):
-        answer = json.loads(self.plan("--json", problem=PROBLEM.replace("(goal (at c))", "(goal (at a))")).stdout)
+        answer = json.loads(self.plan("--json", problem=PROBLEM.replace("(:goal (at c))", "(:goal (at a))")).stdout)
         self.assertEqual((answer["status"], answer["steps"], answer["orderings"]), ("plan", [], []))
 
     def test_json_has_order_and_bound(self):

@@ -164,7 +164,7 @@ class Testing(unittest.TestCase):
                          (len(cases), sum(c.find("failure") is not None for c in cases), sum(c.find("error") is not None for c in cases)))
         self.assertEqual(cases[1].get("name"), "fails twice \"<&>' ??\n\tin two lines")
         self.assertEqual(len(cases[1]), 1, "readers show the first failure only")
-        self.assertRegex(cases[1][0].text, r"expected \(t \(s \"b\"\)\)[^\n]*\n.*does not fire")
+        self.assertRegex(cases[1][0].text, r"expected fact \(t \(s \"b\"\)\)[^\n]*\n.*does not fire")
         self.assertTrue(cases[1][0].text.startswith(cases[1][0].get("message") + "\n"))
         for case in cases:
             self.assertTrue(case.get("name") and case.get("classname"))
