@@ -31,6 +31,9 @@ constexpr std::int64_t kIdle = 2000;            ///< moves without a better plan
 constexpr std::uint64_t kKindsOfRounds = 4;     ///< of improvement
 constexpr std::size_t kMostMissing = 5;         ///< numbers that an answer names
 
+const Conclusion kProvedByHappenings = {PlanStatus::kUnsolvable,
+                                        "no order of starts, ends and events reaches the goal"};
+
 /// Strategies in turns, until a plan is found and proved best or the budget ends.
 class Portfolio {
  public:
@@ -104,7 +107,7 @@ bool Portfolio::prove_in(const Turn& turn) {
 /// Whether no plan exists, or at least none that a search could find.
 bool Portfolio::prove_by_happenings(const Turn& turn) {
   if (happenings_.prove(turn)) {
-    without_plan_ = {PlanStatus::kUnsolvable, "no order of starts, ends and events reaches the goal"};
+    without_plan_ = kProvedByHappenings;
     return true;
   }
   if (!happenings_.has_ended_proof() || !happenings_.has_seen_all()) return false;
@@ -116,9 +119,13 @@ bool Portfolio::prove_by_happenings(const Turn& turn) {
 /// All other searches have come to their end: the happenings go on for a while. Whether that gave an answer.
 bool Portfolio::finish_happenings(const Turn& turn) {
   const BudgetSlice slice(context_.budget, kUnitsOfHappenings);
-  std::int64_t spent = -1;
-  while (!context_.budget.slice_over() && std::exchange(spent, context_.budget.units()) != context_.budget.units())
-    if (happenings_.run(turn) || prove_by_happenings(turn)) return true;
+  while (!context_.budget.slice_over() && !context_.budget.late() &&
+         !(happenings_.exhausted() && happenings_.has_ended_proof())) {
+    if (happenings_.run(turn)) return true;
+    if (!happenings_.prove(turn)) continue;
+    without_plan_ = kProvedByHappenings;
+    return true;
+  }
   return false;
 }
 

@@ -427,6 +427,9 @@ void Moments::let_beyond_pass(Moment& moment, const ById<char>& changes) const {
 bool Moments::pass_to(Step& step, int point, int ending) const {
   Moment& moment = step.moment;
   if (!moment.zone.require(moment.now, point, 0)) return false;
+  if (moment.next_event < static_cast<int>(task_.events.size()) &&  // which does not wait
+      !moment.zone.require(point, moment.origin, -task_.events[moment.next_event].time))
+    return false;
   for (std::size_t r = 0; r < moment.running.size(); ++r)
     if (static_cast<int>(r) != ending && !moment.zone.require(point, moment.running[r].end, 0)) return false;
   if (!moment.beyond.empty() || !moment.joining.empty()) let_beyond_pass(moment, changing_numbers(moment));

@@ -52,6 +52,9 @@ constexpr const char* kGear = R"((:predicates (there) (low)) (:functions (speed)
 constexpr const char* kOven = R"((:predicates (baked ?b) (open)) (:functions (used))
   (:durative-action bake :parameters (?b) :duration (= ?duration 4) :condition (and (over all (<= (used) 1)) (at end (open)))
    :effect (and (at start (increase (used) 1)) (at end (decrease (used) 1)) (at end (baked ?b)))))";
+constexpr const char* kPress = R"((:predicates (open) (free)) (:functions (made))
+  (:durative-action press :parameters () :duration (= ?duration 4) :condition (and (at start (free)) (at end (open)))
+   :effect (and (at start (not (free))) (at end (free)) (at end (increase (made) 1)))))";
 constexpr const char* kTimer = R"((:predicates (done) (idle)) (:functions (watch))
   (:durative-action measure :parameters () :duration (= ?duration 6) :condition (and (at start (idle)) (over all (<= (watch) 12)))
    :effect (and (at start (not (idle))) (at start (assign (watch) 0)) (increase (watch) (* #t 2)) (at end (done)))))";
@@ -111,6 +114,12 @@ const Row kRows[] = {
      kOven,
      "(:objects a b) (:init (open) (= (used) 0) (at 7.5 (not (open)))) (:goal (and (baked a) (baked b)))",
      {}},
+    {"ACounterBeforeADeadline",
+     kPress,
+     "(:init (open) (free) (= (made) 0) (at 11.5 (not (open)))) (:goal (>= (made) 3))",
+     {}},
+    {"ACounterAndADeadline", kPress, "(:init (open) (free) (= (made) 0) (at 12.5 (not (open)))) (:goal (>= (made) 3))",
+     12.002},
     {"AFactThatIsDeletedAndAddedAtOnce", R"((:predicates (p ?x) (q ?x)) (:functions (n))
   (:action renew :parameters (?x) :precondition () :effect (and (forall (?y) (p ?y)) (not (p ?x)) (increase (n) 1)))
   (:action mark :parameters (?x) :precondition () :effect (and (p ?x) (q ?x))))",
