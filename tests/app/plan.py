@@ -106,11 +106,17 @@ class Plan(Lab):
         # The road is open for less time than going takes.
         closing = PROBLEM.replace("(road b c)", "(at 1 (road b c)) (at 4 (not (road b c)))")
         self.assertEqual(self.plan(problem=closing).returncode, 10)
-        # Nine parts of two seconds each are wanted in nine seconds: no search counts that.
+        # Nine parts of two seconds each are wanted in nine seconds.
         making = ("(define (domain d) (:predicates (free) (open)) (:functions (made)) (:durative-action make :parameters () "
                   ":duration (= ?duration 2) :condition (and (at start (free)) (over all (open))) :effect (and (at start (not (free))) "
                   "(at end (free)) (at end (increase (made) 1)))))")
         wanted = "(define (problem p) (:domain d) (:init (free) (open) (= (made) 0) (at 9 (not (open)))) (:goal (>= (made) 9)))"
+        self.assertEqual(self.plan(domain=making, problem=wanted).returncode, 10)
+        # Five must work at one time: no search starts so many copies of an action.
+        making = ("(define (domain d) (:predicates (done)) (:functions (workers)) (:durative-action work :parameters () "
+                  ":duration (= ?duration 2) :effect (and (at start (increase (workers) 1)) (at end (decrease (workers) 1)))) "
+                  "(:durative-action meet :parameters () :duration (= ?duration 1) :condition (at start (>= (workers) 5)) :effect (at end (done))))")
+        wanted = "(define (problem p) (:domain d) (:init (= (workers) 0)) (:goal (done)))"
         self.assertEqual(self.plan(domain=making, problem=wanted).returncode, 12)
         for limit in ("--budget", "1"), ("--timeout", "1e-9"):
             ended = self.plan("--json", *limit)
