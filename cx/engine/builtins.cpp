@@ -40,10 +40,12 @@ void call_original(UDFContext* context, UDFValue* result, const std::vector<UDFV
   call.functionValue = context->theFunction;
   Expression** last = &call.argList;
   for (const UDFValue& arg : args) {
-    *last = GenConstant(env, arg.header->type, arg.value);
+    // What an expression has of a multifield is a pointer to the value, which knows the part that is meant.
+    const bool is_list = arg.header->type == MULTIFIELD_TYPE;
+    *last = GenConstant(env, arg.header->type, is_list ? const_cast<UDFValue*>(&arg) : arg.value);
     last = &(*last)->nextArg;
+    Retain(env, arg.header);
   }
-  ExpressionInstall(env, &call);
   Expression* outer = evaluation_data(env)->CurrentExpression;
   evaluation_data(env)->CurrentExpression = &call;
   UDFContext inner = *context;
@@ -56,7 +58,7 @@ void call_original(UDFContext* context, UDFValue* result, const std::vector<UDFV
   builtin_of(context).original(env, &inner, result);
   if (outermost) impl_of(context).carried_out = nullptr;
   evaluation_data(env)->CurrentExpression = outer;
-  ExpressionDeinstall(env, &call);
+  for (const UDFValue& arg : args) Release(env, arg.header);
   ReturnExpression(env, call.argList);
 }
 

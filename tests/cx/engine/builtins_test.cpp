@@ -161,6 +161,8 @@ TEST_F(Builtins, RegionsAreThoseOfTheFileThatRulesFetchedByItsName) {
   EXPECT_EQ(engine().eval("(get-region \"help.txt\" ROOT ONE)")->text(), "one\n");
   EXPECT_EQ(engine().eval("(print-region t \"help.txt\" ^)")->text(), "FALSE");
   EXPECT_EQ(engine().eval("(print-region t \"help.txt\" ROOT)")->text(), "TRUE");
+  const auto list = engine().eval("(get-region \"help.txt\" ROOT (create$ ONE 2 three))");
+  EXPECT_EQ(list->text(), "") << "a list names no topic";
   EXPECT_EQ(engine().eval("(toss \"help.txt\")")->text(), "TRUE");
   EXPECT_THAT(engine().eval("(get-region \"/secret/key\" ONE)").error().message, HasSubstr("may not read /secret/key"));
 }
