@@ -391,6 +391,16 @@ class Mends(unittest.TestCase):
 (printout t "= 3 " (class-existp Q) crlf)
 """), ["1 1", "2 TRUETRUE", "3 TRUE"])
 
+    def test_global_that_is_reset_stays_with_its_expression(self):
+        self.assertEqual(printed("""
+(defglobal ?*g* = (progn (undefglobal *) 1))
+(defglobal ?*h* = (progn (build "(defglobal ?*h* = 2)") 1))
+(reset)
+(printout t "= 1 " ?*g* ?*h* crlf)
+(reset)
+(printout t "= 2 " ?*g* ?*h* crlf)
+"""), ["1 11", "2 12"])
+
 
 if __name__ == "__main__":
     unittest.main()
