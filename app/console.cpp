@@ -21,8 +21,8 @@
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
-#include "app/faults.h"
 #include "cx/base/number_text.h"
+#include "cx/base/sanitized.h"
 #include "cx/engine/engine.h"
 
 namespace cxlab::app {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "cx/base/sanitized.h"
 #include "cx/engine/engine.h"
 #include "lab/session.h"
 

@@ -63,7 +63,7 @@ bool is_shortage(const std::error_code& code) {
   return code.value() == EDQUOT;
 }
 
-/// Of an exception that nobody caught.
+/// The error that a person reads where nobody caught the exception.
 Error error_of(const std::exception& e) {
   if (dynamic_cast<const std::bad_alloc*>(&e)) return resource_error("out of memory");
   if (const auto* system = dynamic_cast<const std::system_error*>(&e); system && is_shortage(system->code()))

@@ -10,7 +10,7 @@
 namespace cxlab::lab {
 
 /// To be called when all is open that the rules do not need, before `Episode::start`. `more` is what else this process
-/// reads and writes afterwards. Where the kernel has no wall, the host hears of it once.
+/// reads and writes afterwards. Where the kernel has no wall, the host gets a note, once.
 void confine(const Episode& episode, const Host& host, const Wall& more = {});
 
 /// What a person is told where the kernel cannot confine processes that play rules.

@@ -2,7 +2,6 @@
 
 #include "cx/executive/reach.h"
 #include "scenarios/episode.h"
-#include "scenarios/pddl_files.h"
 #include "scenarios/share.h"
 
 namespace cxlab {
@@ -16,12 +15,11 @@ Wall Episode::wall() const {
   if (!share.prefix.empty()) wall.read.push_back(share.prefix / "lib");
   if (options_.replay) wall.read.insert(wall.read.end(), {options_.replay->inputs, options_.replay->copies});
   for (const auto& [key, file] : scenario_.world_files) wall.read.push_back(file.path);
-  std::map<std::string, PackageSpec> packages = scenario_.packages;
-  for (const AgentSpec& agent : scenario_.agents) packages.insert(agent.packages.begin(), agent.packages.end());
+  wall.exact = stage_->readable;
   if (!options_.replay) {
-    for (const fs::path& file : pddl_files(scenario_)) wall.exact.push_back(file);
-    for (const auto& [name, package] : packages) cx::add_package(scenario_.resolve(package.folder), wall);
-    for (const fs::path& path : paths_in(scenario_.text.empty() ? scenario_.to_yaml() : scenario_.text))
+    if (agents_.empty())  // else each agent adds what it sees
+      for (const auto& [name, folder] : scenario_.shares({})) cx::add_package(folder, wall);
+    for (const fs::path& path : cx::paths_in(scenario_.text.empty() ? scenario_.to_yaml() : scenario_.text))
       if (!cx::holds_a_home(path)) wall.read.push_back(path);
   }
   for (const auto& agent : agents_) agent->add_reach(wall);

@@ -22,6 +22,7 @@ struct Stage {
   std::vector<std::unique_ptr<Server>> servers;     ///< called in this order
   Referee* referee = nullptr;                       ///< one of the servers; may be none
   std::vector<std::filesystem::path> files;         ///< models that were read
+  std::vector<std::filesystem::path> readable;      ///< real paths of files that rules may name to the servers
   std::vector<ViewMaker> views;                     ///< of the world, then of nodes beside it
   std::string without_views = "the world is empty: there is nothing to look at";  ///< the error where there are none
   std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 
 #include "cx/base/file.h"
@@ -13,31 +14,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMostEntries = 20000;  // of a folder that are looked at
-
 /// Definitions that are links, as colcon --symlink-install makes them: to files of the same name.
 void add_definitions(const fs::path& folder, const std::string& extension, Wall& wall) {
-  std::error_code error;
-  int seen = 0;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end && seen < kMostEntries;
-       entry.increment(error), ++seen) {
-    if (entry->path().extension() != extension) continue;
+  for_each_entry<fs::directory_iterator>(folder, [&](const auto& entry) {
+    if (entry->path().extension() != extension) return;
     std::error_code broken;
     const fs::path target = fs::canonical(entry->path(), broken);
     if (!broken && target.filename() == entry->path().filename() && is_file(target)) wall.exact.push_back(target);
-  }
+  });
 }
 
 /// Files of a package that are links to its source.
 void add_sources(const fs::path& package, Wall& wall) {
-  std::error_code error;
-  int seen = 0;
-  for (fs::recursive_directory_iterator entry(package, fs::directory_options::skip_permission_denied, error), end;
-       !error && entry != end && seen < kMostEntries; entry.increment(error), ++seen) {
+  for_each_entry<fs::recursive_directory_iterator>(package, [&](const auto& entry) {
     std::error_code broken;
-    if (!entry->is_symlink(broken) || !links_to_source(entry->path(), package)) continue;
+    if (!entry->is_symlink(broken) || !links_to_source(entry->path(), package)) return;
     if (const fs::path source = fs::canonical(entry->path(), broken); !broken) wall.exact.push_back(source);
-  }
+  });
 }
 
 /// Somebody's folder with a configuration in it: what is hidden there is not meant.
@@ -46,12 +39,10 @@ void add_what_is_not_hidden(const fs::path& folder, Wall& wall) {
   const fs::path real = fs::canonical(folder, error);
   if (error) return;
   wall.list.push_back(real);
-  int seen = 0;
-  for (fs::directory_iterator entry(real, error), end; !error && entry != end && seen < kMostEntries;
-       entry.increment(error), ++seen) {
+  for_each_entry<fs::directory_iterator>(real, [&](const auto& entry) {
     std::error_code ignored;
     if (!is_hidden(entry->path().filename()) && !entry->is_symlink(ignored)) wall.exact.push_back(entry->path());
-  }
+  });
 }
 
 }  // namespace
@@ -72,6 +63,18 @@ bool holds_a_home(const fs::path& folder) {
     if (!from_there.empty() && *from_there.begin() != "..") return true;
   }
   return false;
+}
+
+std::vector<fs::path> paths_in(const std::string& text) {
+  constexpr const char* kEnd = " \t\r\n\"',;:()[]{}<>|";
+  std::vector<fs::path> paths;
+  for (std::size_t at = text.find('/'); at != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kEnd, at), text.size());
+    if (at == 0 || std::strchr(kEnd, text[at - 1]) || text[at - 1] == '=')
+      paths.emplace_back(text.substr(at, end - at));
+    at = text.find('/', end);
+  }
+  return paths;
 }
 
 void add_package(const fs::path& folder, Wall& wall) {

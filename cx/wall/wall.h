@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/sanitized.h"
 
 namespace cxlab {
 
@@ -41,11 +42,7 @@ struct WallParts {
 WallParts wall_parts();
 
 /// A sanitizer does what a wall forbids, as to trace its own process at the end: programs with one play without a wall.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kPlaysBehindWalls = false;
-#else
-inline constexpr bool kPlaysBehindWalls = true;
-#endif
+inline constexpr bool kPlaysBehindWalls = !kSanitized;
 
 /// Raises the wall. An error says which part of it is missing, and what that leaves open; the other part stands.
 Status raise_wall(const Wall& wall);

@@ -185,7 +185,7 @@ struct ControlServer::State {
     std::deque<std::string> lines;
     std::size_t waiting = 0;
     bool known = false, gone = false, closing = false;
-    bool announced = true;  // the run hears of it
+    bool announced = true;  // to the run
   };
 
   template <class Acceptor>

@@ -22,7 +22,7 @@ constexpr double kNothing = 1e-9;      ///< by which a computed value may miss i
 constexpr double kMostFollowed = 5;    ///< copies of an action that are followed one by one where there are no more
 constexpr double kPositive = 1e-6;     ///< the least value that is asked for where one is to be positive
 constexpr std::int64_t kStepWork = 2;  ///< in pieces of Work::kNode
-/// Of a step by pair of points, and of an action that may come next, in pieces of Work::kTimes.
+/// What a step spends for each pair of points, and for each action that may come next, in pieces of Work::kTimes.
 constexpr std::int64_t kLooksOfPair = 20, kLooksOfCandidate = 4;
 
 TimedNumber plus(const TimedNumber& a, const TimedNumber& b, double factor) {

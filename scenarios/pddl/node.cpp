@@ -6,7 +6,7 @@
 #include "cx/executive/files.h"
 #include "cx/executive/reach.h"
 #include "planner/manager/manager.h"
-#include "scenarios/pddl_files.h"
+#include "scenarios/pddl/files.h"
 #include "scenarios/result.h"
 #include "scenarios/share.h"
 
@@ -79,8 +79,10 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   options.log = setup.log;
   options.on_read = setup.keep;
   options.resolve = [&scenario = setup.scenario](const std::string& directory) { return scenario.resolve(directory); };
+  const std::set<std::filesystem::path> named = files(setup.scenario);
+  stage.readable.insert(stage.readable.end(), named.begin(), named.end());
   options.may_read = [&scenario = setup.scenario, run_folder = setup.run_folder,
-                      named = pddl_files(setup.scenario)](const std::filesystem::path& file) {
+                      named](const std::filesystem::path& file) {
     if (scenario.trust_rules) return true;
     for (const AgentSpec& agent : scenario.agents)
       for (const auto& [name, share] : scenario.shares(agent))

@@ -4,6 +4,14 @@
 
 namespace cxlab::planner {
 
+static void expect_plans_and_no_miss(const NumericTally& tally) {
+  std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
+              tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
+              tally.missed);
+  EXPECT_GT(tally.plans, 1'000);
+  EXPECT_EQ(tally.missed, 0);
+}
+
 TEST(RandomProblems, TenThousandProblems) {
   const Tally tally = check_many(2, 10'000);
   std::printf("plans %d, proved unsolvable %d, no answer %d, of which the oracle solves %d\n", tally.plans,
@@ -13,21 +21,11 @@ TEST(RandomProblems, TenThousandProblems) {
 }
 
 TEST(RandomProblems, FiveThousandWithNumbersLinearChangeAndTimedValues) {
-  const NumericTally tally = check_numeric<NumericProblem>(100'000, 5'000, 2'000'000);
-  std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
-              tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
-              tally.missed);
-  EXPECT_GT(tally.plans, 1'000);
-  EXPECT_EQ(tally.missed, 0);
+  expect_plans_and_no_miss(check_numeric<NumericProblem>(100'000, 5'000, 2'000'000));
 }
 
 TEST(RandomProblems, FiveThousandOfMoreKinds) {
-  const NumericTally tally = check_numeric<WideProblem>(100'000, 5'000, 2'000'000);
-  std::printf("plans %d (at most %lld units), proved unsolvable %d, ended %d, out of budget %d, missed %d\n",
-              tally.plans, static_cast<long long>(tally.most_units), tally.unsolvable, tally.ended, tally.out_of_budget,
-              tally.missed);
-  EXPECT_GT(tally.plans, 1'000);
-  EXPECT_EQ(tally.missed, 0);
+  expect_plans_and_no_miss(check_numeric<WideProblem>(100'000, 5'000, 2'000'000));
 }
 
 TEST(RandomProblems, TwentyThousandWithTinyAndHugeConstants) {
