@@ -179,21 +179,27 @@ void format_function(Environment* env, UDFContext* context, UDFValue* result) {
   if (name != "nil") WriteString(env, name.c_str(), out.c_str());
 }
 
-/// A function that takes time with the length of its texts.
-void text_function(Environment* env, UDFContext* context, UDFValue* result) {
+/// Calls the function of CLIPS, and counts the length of its texts. Whether it gives a text.
+static bool call_with_texts(Environment* env, UDFContext* context, UDFValue* result) {
   evaluationData& counted = *evaluation_data(env);
   const bool outer = std::exchange(counted.TextsAreSteps, true);
   builtin_of(context).original(env, context, result);
   counted.TextsAreSteps = outer;
   const unsigned short type = result->header->type;
-  if (type == STRING_TYPE || type == SYMBOL_TYPE)
-    counted.Steps += std::strlen(result->lexemeValue->contents) / kBytesOfAStep;
+  if (type != STRING_TYPE && type != SYMBOL_TYPE) return false;
+  counted.Steps += std::strlen(result->lexemeValue->contents) / kBytesOfAStep;
+  return true;
+}
+
+/// A function that takes time with the length of its texts, and for making one.
+void text_function(Environment* env, UDFContext* context, UDFValue* result) {
+  if (call_with_texts(env, context, result)) evaluation_data(env)->Steps += kStepsOfAText;
 }
 
 /// One that reads each byte: a step.
 void scanning_function(Environment* env, UDFContext* context, UDFValue* result) {
   const std::uint64_t before = evaluation_data(env)->Steps;
-  text_function(env, context, result);
+  (void)call_with_texts(env, context, result);
   evaluation_data(env)->Steps += (kBytesOfAStep - 1) * (evaluation_data(env)->Steps - before);
 }
 

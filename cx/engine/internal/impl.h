@@ -51,6 +51,8 @@ extern constinit thread_local RuleEngine* g_at_work;
 inline constexpr std::uint64_t kStepsOfAByte = 10;
 /// Of a text that is read, made or recorded.
 inline constexpr std::uint64_t kBytesOfAStep = 16;
+/// Of a text that a function makes: it is printed, hashed, and taken back.
+inline constexpr std::uint64_t kStepsOfAText = 2;
 
 struct RuleEngine::Impl {
   explicit Impl(RuleEngine& owner) : engine(owner) {}

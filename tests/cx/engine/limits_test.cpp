@@ -194,6 +194,19 @@ TEST_F(LimitsTest, StepsAreThoseOfATick) {
   EXPECT_TRUE(limits.exceeded);
 }
 
+TEST_F(LimitsTest, ATextThatIsMadeIsTwoSteps) {
+  limits.steps = 100'000;
+  for (const auto& [call, too_many] : {std::pair("(+ 1 1)", false),
+                                       {"(str-compare a b)", false},
+                                       {"(str-cat a b)", true},
+                                       {"(sub-string 1 1 ab)", true}}) {
+    engine().begin_tick();
+    (void)engine().eval("(loop-for-count 24000 " + std::string(call) + ")");
+    EXPECT_EQ(limits.exceeded.has_value(), too_many) << call;
+    limits.exceeded.reset();
+  }
+}
+
 TEST_F(LimitsTest, ARunThatStaysBelowEndsAtTheSameStep) {
   std::vector<std::int64_t> facts;
   for (const std::int64_t steps : {50'000, 50'000, 100'000}) {
