@@ -33,6 +33,8 @@ std::vector<std::string> words_of(const CLI::Option& option);
 CLI::Option* whole_number(CLI::Option* option, std::int64_t low, std::int64_t high = INT64_MAX);
 /// The option takes a whole number from 0 that 64 bits hold.
 CLI::Option* seed_number(CLI::Option* option);
+/// The option takes a time of a run, as s (312.4) or as minutes and s (5:12, 5:12.4), and holds it in s.
+CLI::Option* time_option(CLI::Option* option);
 /// The option may come often, with one value each time; it takes no argument that follows.
 CLI::Option* once_each(CLI::Option* option);
 /// Declares `--prefix`.

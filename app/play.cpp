@@ -13,7 +13,7 @@ namespace cxlab::app {
 void declare_play(CLI::App& command, PlayCommand& options) {
   lab::PlayOptions& play = options.play;
   seed_number(command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's"));
-  command.add_option("--until", play.until, "End, s of simulated time")->check(not_negative());
+  time_option(command.add_option("--until", play.until, "End, s of simulated time, or 5:12.4"));
   command.add_option("--out", play.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", play.force, "Overwrites a folder that is in use");
   command.add_option("--journal", play.journal, "What journal.jsonl holds: none, decisions or full")

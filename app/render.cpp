@@ -89,16 +89,14 @@ void add_render(CLI::App& app, Action& action) {
           scenario_names, true)
       ->required();
   CLI::Option* out = command->add_option("--out", options->picture.out, "A picture (PNG)");
-  CLI::Option* at = command
-                        ->add_option("--at", options->picture.at,
-                                     "When, s of simulated time (of a run: default its end, or how far its log goes)")
-                        ->check(not_negative());
+  CLI::Option* at = time_option(
+      command->add_option("--at", options->picture.at,
+                          "When, s of simulated time, or 5:12.4 (of a run: default its end, or how far its log goes)"));
   CLI::Option* film = command->add_option("--video", options->film.video.file, "A film, as film.mp4 (needs ffmpeg)")
                           ->excludes(out)
                           ->excludes(at);
-  command->add_option("--from", options->film.from, "Of a film: its beginning, s")->check(not_negative())->needs(film);
-  command->add_option("--to", options->film.to, "Of a film: its end, s (default that of the run)")
-      ->check(not_negative())
+  time_option(command->add_option("--from", options->film.from, "Of a film: its beginning, s"))->needs(film);
+  time_option(command->add_option("--to", options->film.to, "Of a film: its end, s (default that of the run)"))
       ->needs(film);
   command->add_option("--speed", options->film.video.speed, "Of a film: seconds of simulated time in a second of it")
       ->check(between(kSlowest, kFastest))

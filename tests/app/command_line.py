@@ -195,6 +195,19 @@ class Output(Lab):
             done = cxlab("run", "--out", "none", "scenario.yaml", "--seed", text, "--json", "--quiet", cwd=self.folder)
             self.assertEqual(json.loads(done.stdout)["seed"], 10, text)
 
+    def test_a_time_may_have_minutes(self):
+        self.agent("")
+        run = ["run", "--out", "none", "scenario.yaml", "--set", "duration_s=4000", "--json", "--quiet", "--until"]
+        for text, seconds in (("312.4", 312.4), ("5:12.4", 312.4), ("5:12", 312), ("0:00.25", 0.25), ("65:07", 3907), ("0:00", 0)):
+            done = cxlab(*run, text, cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            # The last tick is the first that is not before it.
+            self.assertAlmostEqual(json.loads(done.stdout)["sim_time_s"], seconds, delta=0.1, msg=text)
+        for text in ("5:60", "5:1", "5:123", ":12", "5:", "-5:12", "5:-2", "5:12.", "5:12.x", "1:05:12", "5.5:12", "+5:12", "1e3:00", "99999999999:00", "1000000001"):
+            done = cxlab(*run, text, cwd=self.folder)
+            self.assertEqual(done.returncode, 2, text)
+            self.assertIn(f"--until: found '{text}', expected a time: s from 0 to 1e9, as 312.4, or minutes and s, as 5:12.4", done.stderr)
+
     def test_a_failed_run_has_no_score_board(self):
         self.agent("(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))", "schema: 1\nworld: {kind: rcll}\ntier: timed\n"
                    "packages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
