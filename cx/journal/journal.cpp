@@ -135,19 +135,25 @@ RecordRef Journal::write(StreamId id, SimTime t, RecordKind kind, const RecordDa
   stream.took(out + bytes.size());
 
   if (file_.is_open() && is_exported(kind, level_)) export_line(stream, t, kind, bytes, causes);
-  if (listener_ != nullptr && listener_->wants(stream.name, kind)) notify_listener(stream, t, kind, bytes, causes);
+  if (!listeners_.empty()) notify_listeners(stream, t, kind, bytes, causes);
   return {id, stream.records++};
 }
 
-void Journal::notify_listener(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
-                              std::span<const RecordRef> causes) {
+void Journal::notify_listeners(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
+                               std::span<const RecordRef> causes) {
   const Charge charge(false);
-  JournalRecord record{stream.name, stream.records, t, kind, {}, {}};
+  const WrittenRecord record{*this, stream.name, stream.records, t, kind, data, causes};
+  for (JournalListener* listener : listeners_)
+    if (listener->wants(stream.name, kind)) listener->written(record);
+}
+
+JournalRecord WrittenRecord::read() const {
+  JournalRecord record{std::string(stream), n, t, kind, {}, {}};
   auto value = decode_record_data(data);
   assert(value.ok() && "RecordData: a list or map without as many values as it announced");
   record.data = *std::move(value);
-  for (const RecordRef& cause : causes) record.causes.push_back({stream_name(cause.stream), cause.n});
-  listener_->heard(record);
+  for (const RecordRef& cause : causes) record.causes.push_back({journal.stream_name(cause.stream), cause.n});
+  return record;
 }
 
 void Journal::export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,

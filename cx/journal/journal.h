@@ -37,8 +37,10 @@ class Journal final : public RecordSink {
   /// come together, at least every 10 s of simulated time, and with `flush`.
   Status export_to(const std::filesystem::path& path, JournalLevel level);
 
-  /// From now on this one hears of records; nullptr: nobody. It outlives the journal or is taken out before.
-  void set_listener(JournalListener* listener) { listener_ = listener; }
+  /// From now on this one hears of records, after those who came before. It outlives the journal, or `ignore` takes it
+  /// out before.
+  void observe(JournalListener& listener) { listeners_.push_back(&listener); }
+  void ignore(JournalListener& listener) { std::erase(listeners_, &listener); }
 
   /// From now on texts in records that hold this folder hold the name instead, e.g. "package://agent".
   void name_folder(const std::string& folder, const std::string& name) { folders_.add(folder, name); }
@@ -69,8 +71,8 @@ class Journal final : public RecordSink {
 
  private:
   struct Stream;
-  void notify_listener(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
-                       std::span<const RecordRef> causes);
+  void notify_listeners(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
+                        std::span<const RecordRef> causes);
   void export_line(const Stream& stream, SimTime t, RecordKind kind, std::string_view data,
                    std::span<const RecordRef> causes);
 
@@ -79,7 +81,7 @@ class Journal final : public RecordSink {
   FolderNames folders_;
   std::string renamed_;  // data of a record with names of folders
   JournalLevel level_ = JournalLevel::kNone;
-  JournalListener* listener_ = nullptr;
+  std::vector<JournalListener*> listeners_;
   AppendFile file_;
   SimTime flush_due_{};
   std::string line_;

@@ -2,6 +2,7 @@
 // A record of the journal, for reading (pages, why-not, tests), and who hears of records while they are written.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -53,13 +54,29 @@ struct JournalRecord {
   std::vector<Cause> causes;
 };
 
-/// Is called with records as they are written, whatever is exported (`Journal::set_listener`).
+class Journal;
+
+/// A record while it is written; what it points to is there only during the call.
+struct WrittenRecord {
+  const Journal& journal;  ///< has the names of streams
+  std::string_view stream;
+  std::uint64_t n = 0;
+  SimTime t{};
+  RecordKind kind{};
+  std::string_view data;  ///< bytes of a `RecordData`
+  std::span<const RecordRef> causes;
+  JournalRecord read() const;
+};
+
+/// Is called with records as they are written, whatever is exported (`Journal::observe`).
 class JournalListener {
  public:
   virtual ~JournalListener() = default;
-  /// Whether `heard` is to be called; asked for each record.
+  /// Whether this one hears of a record; asked for each.
   virtual bool wants(std::string_view stream, RecordKind kind) const = 0;
-  virtual void heard(const JournalRecord& record) = 0;
+  /// Reads the record and calls `heard`; one that keeps bytes overrides it.
+  virtual void written(const WrittenRecord& record) { heard(record.read()); }
+  virtual void heard(const JournalRecord&) {}
 };
 
 }  // namespace cxlab

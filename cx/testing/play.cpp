@@ -20,7 +20,7 @@ std::string seconds(SimTime t) {
 
 Play::Play(const StorySpec& spec, const StorySetup& setup, bool each_tick)
     : spec_(spec), setup_(setup), each_tick_(each_tick), limits_(setup.limits) {
-  journal_.set_listener(&histories_);
+  journal_.observe(histories_);
 }
 
 Status Play::sense(SimTime now) {

@@ -475,7 +475,7 @@ std::string print(const Element& element) {
 class RuleBase {
  public:
   RuleBase(std::uint32_t seed, Counts& counts) : chance_(seed), counts_(counts), seed_(seed), all_(chance_.elements()) {
-    journal_.set_listener(&histories_);
+    journal_.observe(histories_);
     EngineOptions options;
     options.journal = &journal_;
     engine_ = *RuleEngine::create(std::move(options));

@@ -23,7 +23,7 @@ using testing::StartsWith;
 class WhyNotTest : public testing::Test {
  protected:
   WhyNotTest() {
-    journal_.set_listener(&histories_);
+    journal_.observe(histories_);
     EngineOptions options;
     options.journal = &journal_;
     options.now = [this] { return now_; };

@@ -220,14 +220,16 @@ class Listener final : public JournalListener {
   std::vector<JournalRecord> records;
 };
 
-TEST(Journal, AListenerHearsOfWhatItWantsWhateverIsExported) {
+TEST(Journal, ListenersHearOfWhatTheyWantWhateverIsExported) {
   Journal journal;
-  Listener listener;
-  journal.set_listener(&listener);
+  Listener listener, second;
+  journal.observe(listener);
+  journal.observe(second);
   const StreamId env = journal.open_stream("env/a"), robot = journal.open_stream("node/robot1");
   tell(journal, env, robot);
-  journal.set_listener(nullptr);
+  journal.ignore(listener);
   tell(journal, env, robot);
+  EXPECT_EQ(second.records.size(), 2u);
   ASSERT_EQ(listener.records.size(), 1u);
   const JournalRecord& record = listener.records.front();
   EXPECT_EQ(record.stream, "env/a");
