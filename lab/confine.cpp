@@ -7,6 +7,9 @@ void confine(const Episode& episode, const Host& host, const Wall& more) {
   Wall wall = episode.wall();
   wall.read.insert(wall.read.end(), more.read.begin(), more.read.end());
   wall.write.insert(wall.write.end(), more.write.begin(), more.write.end());
+  wall.exact.insert(wall.exact.end(), more.exact.begin(), more.exact.end());
+  wall.list.insert(wall.list.end(), more.list.begin(), more.list.end());
+  wall.links.insert(wall.links.end(), more.links.begin(), more.links.end());
   wall.pictures = more.pictures;
   if (const Status raised = raise_wall(wall); !raised) host.note("warning: " + raised.error().message);
 }

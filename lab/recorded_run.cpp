@@ -10,6 +10,7 @@
 #include "cx/base/remedy.h"
 #include "cx/engine/form_reader.h"
 #include "cx/journal/input_log.h"
+#include "cx/journal/run_folder.h"
 #include "lab/versions.h"
 
 namespace cxlab::lab {
@@ -152,39 +153,44 @@ std::optional<Error> RecordedRun::untrusted(const Status& played) const {
   return error;
 }
 
-Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
-                                        cx::LogSink* log) {
+Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, const Host& host, const Options& given) {
   RulesReplay replay;
   if ((!run.finished || run.ticks > 0) && !has_first_tick(run.folder / "inputs.bin"))
     return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
                                     : "the run ended before the log of its inputs had the first tick",
                        run.folder.string());
-  auto scenario = run.scenario();
-  if (!scenario) return scenario.error();
-  scenario->duration = end;
   auto scratch = ScratchFolder::create(RemovedBy::kServant);
   if (!scratch) return scratch.error();
   replay.scratch = *std::move(scratch);
-  const fs::path root = replay.scratch->path();
   auto files = StoredFiles::open(run.folder);
   if (!files) return files.error();
-  if (Status s = files->materialise(root / "copies"); !s) return s.error();
-  std::error_code error;
-  if (!fs::create_directory(root / "run", error))
-    return resource_error("cannot make a folder", (root / "run").string());
+  if (Status s = files->materialise(replay.scratch->path() / "copies"); !s) return s.error();
+  if (Status s = replay.load_again(run, host, given); !s) return s.error();
+  return replay;
+}
+
+Status RulesReplay::load_again(const RecordedRun& run, const Host& host, const Options& given) {
+  auto scenario = run.scenario();
+  if (!scenario) return scenario.error();
+  scenario->duration = given.end;
+  episode.reset();
+  const fs::path folder = written() / std::to_string(++plays);
+  if (Status s = make_folder(folder); !s) return s;
   EpisodeOptions options = shared_episode_options(host);
-  options.run_folder = root / "run";
-  options.journal = level;
-  options.log = log;
-  options.replay = ReplaySource{run.folder / "inputs.bin", root / "copies", run.shares, run.recorded_folder};
+  options.run_folder = folder;
+  options.journal = given.level;
+  options.log = given.log;
+  options.control = given.control;
+  options.count_activations = given.count_activations;
+  options.replay = ReplaySource{run.folder / "inputs.bin", scratch->path() / "copies", run.shares, run.recorded_folder};
   options.keep_going = run.options.keep_going;
   options.strict = run.options.strict;
   options.release = run.options.release;
   options.programs = run.options.programs;
-  auto episode = Episode::load(*std::move(scenario), std::move(options));
-  if (!episode) return episode.error();
-  replay.episode = *std::move(episode);
-  return replay;
+  auto loaded = Episode::load(*std::move(scenario), std::move(options));
+  if (!loaded) return loaded.error();
+  episode = *std::move(loaded);
+  return {};
 }
 
 }  // namespace cxlab::lab

@@ -59,11 +59,20 @@ struct RecordedRun {
 struct RulesReplay {
   std::unique_ptr<ScratchFolder> scratch;
   std::unique_ptr<Episode> episode;
-  std::filesystem::path journal() const { return scratch->path() / "run" / "journal.jsonl"; }
+  int plays = 0;  ///< how often an episode was made; each writes into a folder of its own in `written`
+  std::filesystem::path written() const { return scratch->path() / "plays"; }
+  std::filesystem::path journal() const { return written() / std::to_string(plays) / "journal.jsonl"; }
 
-  /// Ends at `end`.
-  static Expected<RulesReplay> load(const RecordedRun& run, SimTime end, JournalLevel level, const Host& host,
-                                    cx::LogSink* log = nullptr);
+  struct Options {
+    SimTime end{};  ///< of the episode
+    JournalLevel level = JournalLevel::kNone;
+    cx::LogSink* log = nullptr;
+    cx::RunControl* control = nullptr;
+    bool count_activations = false;
+  };
+  static Expected<RulesReplay> load(const RecordedRun& run, const Host& host, const Options& options);
+  /// Makes the episode anew, to be played from its start.
+  Status load_again(const RecordedRun& run, const Host& host, const Options& options);
 };
 
 }  // namespace cxlab::lab

@@ -61,7 +61,7 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
 
 Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   SimTime end = run.sim_time;
-  auto replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
+  auto replay = RulesReplay::load(run, host, {.end = end, .level = JournalLevel::kFull});
   if (!replay) return replay.error();
   ReplayOutcome out;
   Status whole = replay->episode->replay_log_status();
@@ -69,7 +69,7 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   if (!whole) {
     out.broken = whole.error();
     end = replay->episode->replay_end();
-    replay = RulesReplay::load(run, end, JournalLevel::kFull, host);
+    replay = RulesReplay::load(run, host, {.end = end, .level = JournalLevel::kFull});
     if (!replay) return replay.error();
   }
   Wall recorded;

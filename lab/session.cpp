@@ -53,6 +53,7 @@ class Meter : public WallMeter {
 struct Control {
   std::unique_ptr<ControlServer> server;
   std::unique_ptr<Debugger> debugger;
+  inspect::Timelines timelines;  ///< what the person may ask about
   std::chrono::steady_clock::time_point wait_begun;
   std::chrono::steady_clock::duration waited{};  ///< in all
 };
@@ -147,13 +148,14 @@ Status open_control(Run& run) {
       run.control.waited += now - run.control.wait_begun;
   };
   control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
-  control.debugger->watch([&run] {
-    std::vector<cx::Environment*> all;
-    if (!run.episode) return all;
-    for (const auto& agent : run.episode->agents())
-      for (std::size_t i = 0; i < agent->size(); ++i) all.push_back(&agent->environment(i));
-    return all;
-  });
+  control.debugger->watch(
+      [&run] { return run.episode ? run.episode->environments() : std::vector<cx::Environment*>(); },
+      [&run](cx::Environment& environment) {
+        return inspect::Inspector(
+            environment.name_in_log(), environment.engine(),
+            run.control.timelines.of(run.episode->journal().stream_name(environment.engine().stream())),
+            [&environment](const std::string& file) { return environment.files().journal_name(file); });
+      });
   run.host.log = control.debugger.get();
   return {};
 }
@@ -205,6 +207,7 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
   Episode& episode = *run.episode;
   const double end = end_of(run);
   if (Status s = episode.start(); !s) return s;
+  run.control.timelines.start_is_over();
   const auto wall_start = std::chrono::steady_clock::now();
   while (!episode.over() && !run.host.stopped() &&
          !(run.options.until && to_seconds(episode.now()) >= *run.options.until)) {
@@ -393,6 +396,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   auto episode = Episode::load(run.scenario, for_episode);
   if (!episode) return refused(run, episode.error());
   run.episode = *std::move(episode);
+  if (run.control.debugger) run.episode->journal().observe(run.control.timelines);
   finish(run, play(run));
   if (run.control.debugger)
     run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +

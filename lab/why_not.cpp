@@ -5,30 +5,22 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
 #include "cx/explain/json.h"
-#include "lab/confine.h"
+#include "lab/moment.h"
 
 namespace cxlab::lab {
 
 namespace {
-
-std::vector<cx::Environment*> environments_of(Episode& episode) {
-  std::vector<cx::Environment*> out;
-  for (auto& agent : episode.agents())
-    for (std::size_t i = 0; i < agent->size(); ++i) out.push_back(&agent->environment(i));
-  return out;
-}
 
 /// Hears of all firings: the facts of the run, and what waits on the agendas.
 class Witness final : public JournalListener {
  public:
   Witness(Episode& episode, const std::string& rule)
       : episode_(episode), rule_(without_module(rule)), histories_({.past_facts = false, .rule = rule_}) {
-    episode_.journal().set_listener(this);
+    episode_.journal().observe(*this);
   }
-  ~Witness() override { episode_.journal().set_listener(nullptr); }
+  ~Witness() override { episode_.journal().ignore(*this); }
   Witness(const Witness&) = delete;
   Witness& operator=(const Witness&) = delete;
 
@@ -36,7 +28,7 @@ class Witness final : public JournalListener {
   void heard(const JournalRecord& record) override {
     if (record.kind == RecordKind::kFire) {
       const StreamId stream = episode_.journal().open_stream(record.stream);  // finds it
-      for (const cx::Environment* environment : environments_of(episode_))
+      for (const cx::Environment* environment : episode_.environments())
         if (environment->engine().stream() == stream)
           watch(record.stream)
               .look(environment->engine(), record.t, explain::module_of(record), std::string(record.data.text("rule")));
@@ -44,7 +36,7 @@ class Witness final : public JournalListener {
     histories_.heard(record);
   }
   void tick_is_over() {
-    for (const cx::Environment* environment : environments_of(episode_))
+    for (const cx::Environment* environment : episode_.environments())
       watch(stream_of(*environment)).look(environment->engine(), episode_.now());
   }
   const explain::History& history(const cx::Environment& environment) { return histories_.of(stream_of(environment)); }
@@ -71,7 +63,7 @@ class Witness final : public JournalListener {
 
 Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& rule) {
   const std::string module = rule.substr(0, rule.size() - without_module(rule).size());  // "A::"
-  const auto environments = environments_of(episode);
+  const auto environments = episode.environments();
   const bool module_is_known =
       module.empty() || module == "MAIN::" || std::ranges::any_of(environments, [&](const cx::Environment* e) {
         return e->engine().has("defmodule", module.substr(0, module.size() - 2));
@@ -88,57 +80,27 @@ Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& 
   return input_error("no environment has a rule '" + rule + "'" + did_you_mean(rule, names));
 }
 
-/// The executive takes its time fact back after each run: here is what the next run would find.
-void assert_time(cx::Environment& environment, const explain::History& history) {
-  RuleEngine& engine = environment.engine();
-  if (!engine.find_construct("defrule", "time-retract") || !history.ever("time") || !engine.facts("time").empty())
-    return;
-  const Value time = Value::number(to_seconds(environment.now()));
-  if (engine.assert_ordered("time", {&time, 1})) engine.refresh_all_agendas();
-}
-
-/// Whether the recorded run failed just so.
-bool failed_then(const RecordedRun& run, const Error& error, SimTime now) {
-  return run.finished && run.status == "failed" && error.kind != ErrorKind::kNo && now >= run.sim_time;
-}
-
 }  // namespace
 
 Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host) {
-  if (run.finished && question.at && *question.at > run.sim_time)
-    return usage_error("--at: the run ends at " + general_text(to_seconds(run.sim_time), 9) + " s");
-  const SimTime longest = run.finished ? run.sim_time : kLongestRun;
-  auto replay = RulesReplay::load(run, longest, JournalLevel::kNone, host, host.log);
-  if (!replay) return replay.error();
-  Episode& episode = *replay->episode;
-  WhyNotAnswer answer;
-  SimTime end = std::min(longest, question.at.value_or(kNever));
-  if (!run.finished || !episode.replay_log_status() || !run.whole(episode.replay_end())) {
-    answer.cut_off = question.at.value_or(run.sim_time) > episode.replay_end();
-    end = std::min(end, episode.replay_end());
-  }
+  auto moment = Moment::open(run, host, {.timelines = false});
+  if (!moment) return moment.error();
+  Episode& episode = (*moment)->episode();
   Witness witness(episode, question.rule);
-  Wall recorded;
-  recorded.read = {run.folder};
-  confine(episode, host, recorded);
-  Status played = episode.start();
-  while (played && !episode.over() && !host.stopped() && episode.next_tick() <= end) {
-    played = episode.tick();
-    witness.tick_is_over();
-  }
-  answer.at = std::max(SimTime::zero(), episode.now());
-  answer.stopped = host.stopped();
-  if (answer.stopped) return answer;
-  if (auto error = run.untrusted(played)) return *error;
-  if (!played && !failed_then(run, played.error(), answer.at)) return played.error();
+  (*moment)->after_tick = [&witness] { witness.tick_is_over(); };
+  WhyNotAnswer answer;
+  if (Status played = (*moment)->seek(question.at); !played) return about_option(played.error(), "--at");
+  answer.at = (*moment)->t();
+  answer.cut_off = (*moment)->cut_off();
+  if ((answer.stopped = (*moment)->stopped())) return answer;
   std::optional<Error> refused;  // what is wanted of a rule that has no such variable
-  for (cx::Environment* environment : environments_of(episode)) {
+  for (cx::Environment* environment : episode.environments()) {
     RuleEngine& engine = environment->engine();
     const explain::History& history = witness.history(*environment);
     bool first = true;
     for (const ConstructInfo& rule : engine.find_constructs("defrule", question.rule)) {
       if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
-      if (std::exchange(first, false)) assert_time(*environment, history);
+      if (std::exchange(first, false)) assert_time(*environment, history.ever("time"));
       auto found = explain::why_not(engine, rule, history, question.wanted);
       if (!found) {
         refused = found.error();

@@ -39,6 +39,13 @@ Episode::Episode(Scenario scenario, EpisodeOptions options)
 
 Episode::~Episode() = default;
 
+std::vector<cx::Environment*> Episode::environments() const {
+  std::vector<cx::Environment*> all;
+  for (const auto& agent : agents_)
+    for (std::size_t i = 0; i < agent->size(); ++i) all.push_back(&agent->environment(i));
+  return all;
+}
+
 Status Episode::start() {
   const auto starts = [&](std::size_t i) { return scenario_.agents[i].activate || agents_[i]->autostart(); };
   for (std::size_t i = 0; i < agents_.size(); ++i)

@@ -63,9 +63,10 @@ struct EpisodeOptions {
   Limits limits;                                     ///< of all its environments together
   bool strict = false;                               ///< what the real CX would do otherwise are errors
   cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
-  bool keep_going = false;  ///< errors in rule files are reported and the run goes on, as CX does
-  bool programs = true;     ///< libraries of packages may be opened, and programs that nodes name started
-  bool sockets = false;     ///< programs outside reach its network on the loopback interface; not deterministic
+  bool keep_going = false;         ///< errors in rule files are reported and the run goes on, as CX does
+  bool programs = true;            ///< libraries of packages may be opened, and programs that nodes name started
+  bool count_activations = false;  ///< engines count how often each rule is put on the agenda
+  bool sockets = false;            ///< programs outside reach its network on the loopback interface; not deterministic
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 
@@ -104,6 +105,8 @@ class Episode {
   bus::Bus& bus() { return *bus_; }
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
+  /// Those of all agents that there are now.
+  std::vector<cx::Environment*> environments() const;
   /// In a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
   SimTime replay_end() const { return inputs_->end(); }
   Status replay_log_status() const { return inputs_->log_status(); }

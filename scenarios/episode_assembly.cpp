@@ -214,6 +214,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.limits = &limits_;
   manager.keep_going = options_.keep_going;
   manager.strict = options_.strict;
+  manager.count_activations = options_.count_activations;
   manager.release = options_.release;
   manager.trust_rules = scenario_.trust_rules;
   manager.native_plugins = options_.programs;

@@ -42,6 +42,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
   self.engine_ = std::move(*made);
+  if (given.run->count_activations) self.engine_->count_activations();
   self.participant_ =
       bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream(), "environment " + given.name);
   return environment;

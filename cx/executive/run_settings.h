@@ -40,6 +40,7 @@ struct RunSettings {
   LimitsInUse* limits = nullptr;             ///< of all environments; may be none
   bool stop_on_rule_error = true;            ///< else errors are only noted, as CX does
   bool keep_going = false;                   ///< errors in rule files and plugins are noted and loading goes on
+  bool count_activations = false;            ///< `RuleEngine::count_activations` of each environment
   bool strict = false;                       ///< what the real CX would do otherwise are errors (docs/strict-cx.md)
   RosRelease release = RosRelease::kKilted;  ///< that `strict` is about
   bool trust_rules = false;                  ///< rules read and write any file and call `system`

@@ -7,6 +7,7 @@
 #include "cx/engine/form_reader.h"
 #include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
+#include "cx/inspect/text.h"
 #include "lab/control/debugger.h"
 
 namespace cxlab::lab {
@@ -89,6 +90,14 @@ const std::vector<Debugger::Command>& Debugger::commands() {
     Expected<std::string> text = show(**environment);
     return text ? A{true, *text} : A{false, text.error().text()};
   };
+  static const auto ask = [](D& d, auto show) -> A {
+    return look(d, [&](cx::Environment& e) -> Expected<std::string> {
+      inspect::Inspector inspector = d.inspect_(e);
+      auto text = show(inspector);
+      if (text && text->ends_with('\n')) text->pop_back();
+      return text;
+    });
+  };
   static const auto count = [](D& d, const std::string& rest, std::int64_t D::* what) -> A {
     const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
     if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
@@ -163,7 +172,32 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            return lines_of(lines, "none");
          });
        }},
-      {"why", "RULE", "what a rule lacks to fire",
+      {"changes", "FACT|PATTERN", "facts with all their changes, and who made them: changes f-12",
+       [](D& d, const std::string& rest) {
+         return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
+           auto found = i.facts(rest);
+           if (!found) return found.error();
+           return found->empty() ? "none" : inspect::text_of(*found, true);
+         });
+       }},
+      {"firings", "[RULE]", "the last 1000 rules that fired, or firings of this one",
+       [](D& d, const std::string& rest) {
+         return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
+           auto found = i.firings(rest, SimTime::min(), SimTime::max());
+           if (!found) return found.error();
+           if (found->size() > kMostLines) found->erase(found->begin(), found->end() - kMostLines);
+           return found->empty() ? "none" : inspect::text_of(*found);
+         });
+       }},
+      {"why", "FACT|PATTERN|RULE", "how a fact came about, or why a rule fired: why f-12",
+       [](D& d, const std::string& rest) {
+         return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
+           auto found = i.why(rest);
+           if (!found) return found.error();
+           return inspect::text_of(inspect::tree_of(*found, false));
+         });
+       }},
+      {"why-not", "RULE", "what a rule lacks to fire",
        [](D& d, const std::string& rest) {
          return look(d, [&](cx::Environment& e) -> Expected<std::string> {
            const ConstructInfo* rule = e.engine().find_construct("defrule", rest);
@@ -188,12 +222,18 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string& rest) { return count(d, rest, &D::steps_); }},
       {"tick", "[N]", "goes on to the beginning of the next tick, or the N-th",
        [](D& d, const std::string& rest) { return count(d, rest, &D::ticks_); }},
-      {"until", "T|rule NAME|fact PATTERN", "goes on until a time (s), before a rule fires, or until a fact is there",
+      {"at", "T", "of a recorded run: goes to the first tick from T on, 312.4 or 5:12.4",
+       [](D& d, const std::string& rest) { return d.go_to_time(rest); }},
+      {"back", "[N]", "of a recorded run: goes back to before the last rule that fired, or the N-th last",
+       [](D& d, const std::string& rest) { return d.back(rest); }},
+      {"back-until", "RULE|PATTERN", "of a recorded run: goes back to before that rule fired, or the fact was made",
+       [](D& d, const std::string& rest) { return d.back_until(rest); }},
+      {"until", "T|RULE|PATTERN", "goes on until a time, before a rule fires, or until a fact is there",
        [](D& d, const std::string& rest) {
          A set = d.set_break(rest, true);
          return set.ok ? d.go_on() : set;
        }},
-      {"break", "T|rule NAME|fact PATTERN", "stops there from now on",
+      {"break", "T|RULE|PATTERN", "stops there from now on",
        [](D& d, const std::string& rest) { return d.set_break(rest, false); }},
       {"breaks", "", "the break points",
        [](D& d, const std::string&) -> A {
@@ -314,52 +354,139 @@ Debugger::Answer Debugger::act(cx::ControlAct::Verb verb, const std::string& tex
                        (*environment)->name_in_log() + " stops"};
   if (const std::size_t forms = read_forms(text, {}).forms.size(); forms > 1)
     return {false, "expected one expression or construct, found " + std::to_string(forms)};
+  changed_ = options_.recorded;
   auto done = here_->act(verb, text);
   return done ? Answer{true, *done} : Answer{false, done.error().text()};
 }
 
 Debugger::Answer Debugger::go_on() {
   if (!stopped_) return {false, "the run goes on already"};
+  if (at_end_) return {false, "this is the end of the run: at T, back and back-until go back"};
   stopped_ = false;
   return {true, {}, true};
+}
+
+std::optional<SimTime> Debugger::time_in(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const auto seconds = read_number<double>(colon == text.npos ? text : text.substr(colon + 1));
+  const auto minutes = colon == text.npos ? std::optional(0) : read_number<int>(text.substr(0, colon));
+  if (!seconds || !minutes || !(*seconds >= 0 && *seconds < 1e9) || *minutes < 0 || *minutes > 10'000'000 ||
+      (colon != text.npos && *seconds >= 60))
+    return std::nullopt;
+  return from_seconds(60.0 * *minutes + *seconds);
+}
+
+Status Debugger::check_rule(const std::string& rule) const {
+  std::vector<std::string> known;
+  for (const cx::Environment* e : environments_())
+    for (const ConstructInfo& info : e->engine().constructs())
+      if (info.kind == "defrule") known.insert(known.end(), {info.name, info.module + "::" + info.name});
+  if (std::ranges::find(known, rule) != known.end()) return {};
+  return input_error("there is no rule '" + rule + "'" + did_you_mean(rule, known));
+}
+
+Expected<explain::Pattern> Debugger::pattern_of(const std::string& text) const {
+  auto pattern = explain::Pattern::parse_plain(text, {}, 0);
+  if (!pattern) return pattern;
+  Status names = input_error("there is no environment");
+  for (const cx::Environment* e : environments_())
+    if (!names) names = explain::check_names(*pattern, e->engine());
+  if (!names) return names.error();
+  return pattern;
 }
 
 Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
   BreakPoint point;
   const auto [word, rest] = split(what);
   point.text = what;
-  if (const auto time = read_number<double>(what); time && *time >= 0 && *time < 1e9) {
-    point.time = from_seconds(*time);
+  if (const auto time = time_in(what)) {
+    point.time = *time;
     if (here_ && place_.t >= point.time) return {false, "that time has passed"};
     point.text += " s";
-  } else if (word == "rule" && !rest.empty()) {
-    point.kind = BreakPoint::Kind::kRule;
-    point.rule = rest;
-    std::vector<std::string> known;
-    for (const cx::Environment* e : environments_())
-      for (const ConstructInfo& info : e->engine().constructs())
-        if (info.kind == "defrule") known.insert(known.end(), {info.name, info.module + "::" + info.name});
-    if (std::find(known.begin(), known.end(), rest) == known.end())
-      return {false, "there is no rule '" + rest + "'" + did_you_mean(rest, known)};
-  } else if (word == "fact" && !rest.empty()) {
-    auto pattern = explain::Pattern::parse_plain(rest, {}, 0);
-    if (!pattern) return {false, pattern.error().text()};
+  } else if (what.starts_with('(') || word == "fact") {
+    auto pattern = pattern_of(word == "fact" ? rest : what);
+    if (!pattern) return {false, pattern.error().message};
     point.kind = BreakPoint::Kind::kFact;
     point.pattern = *std::move(pattern);
-    Status names = input_error("there is no environment");
-    for (const cx::Environment* e : environments_()) {
-      if (!names) names = explain::check_names(*point.pattern, e->engine());
+    for (const cx::Environment* e : environments_())
       if (holds(point, *e)) point.held.insert(e);
-    }
-    if (!names) return {false, names.error().message};
     if (once && here_ && point.held.contains(here_)) return {false, "that fact is there already"};
+  } else if (!what.empty()) {
+    point.kind = BreakPoint::Kind::kRule;
+    point.rule = word == "rule" && !rest.empty() ? rest : what;
+    if (Status s = check_rule(point.rule); !s) return {false, s.error().message};
   } else {
-    return {false, "found '" + what + "', expected a time in s, rule NAME, or fact (TEMPLATE (SLOT VALUE)...)"};
+    return {false, "expected a time, the name of a rule, or a pattern (TEMPLATE (SLOT VALUE)...)"};
   }
   point.once = once;
   if (!once) point.number = ++last_break_;
   breaks_.push_back(std::move(point));
   return {true, once ? "" : "break point " + std::to_string(last_break_)};
+}
+
+// --- A recorded run
+
+Debugger::Answer Debugger::only_when_recorded() {
+  return {false, "this run is still played, and does not go back; when it is over: cxlab attach RUN"};
+}
+
+Debugger::Answer Debugger::go_to_time(const std::string& text) {
+  if (!options_.recorded) return only_when_recorded();
+  const auto time = time_in(text);
+  if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
+  const auto there = std::ranges::lower_bound(visits_, *time, {}, &Visit::t);
+  if (there != visits_.end()) {
+    go_to(static_cast<std::size_t>(there - visits_.begin()));
+  } else if (at_end_) {
+    return {false, "the run ends at " + general_text(to_seconds(place_.t), 9) + " s"};
+  } else {
+    breaks_.push_back({.text = text + " s", .time = *time, .once = true});
+    stopped_ = false;
+  }
+  return {true, {}, true};
+}
+
+Debugger::Answer Debugger::back(const std::string& rest) {
+  if (!options_.recorded) return only_when_recorded();
+  auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
+  if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
+  std::size_t visit = at_end_ ? visits_.size() : visits_.size() - 1;
+  while (visit-- > 0)
+    if ((selected_.empty() || visits_[visit].environment == selected_) && fires_at(visit) && --*n == 0) {
+      go_to(visit);
+      return {true, {}, true};
+    }
+  return {false, "no rule fired before" + std::string(rest.empty() ? "" : " that often")};
+}
+
+Debugger::Answer Debugger::back_until(const std::string& what) {
+  if (!options_.recorded) return only_when_recorded();
+  const bool is_fact = what.starts_with('(');
+  std::optional<explain::Pattern> pattern;
+  if (is_fact) {
+    auto read = pattern_of(what);
+    if (!read) return {false, read.error().message};
+    pattern = *std::move(read);
+  } else if (Status s = check_rule(what); !s) {
+    return {false, s.error().message};
+  }
+  std::optional<std::size_t> last;
+  for (cx::Environment* environment : environments_()) {
+    if (!selected_.empty() && environment->name_in_log() != selected_) continue;
+    const inspect::Inspector inspector = inspect_(*environment);
+    const auto n = is_fact ? inspector.last_made(*pattern) : inspector.last_firing(what);
+    if (!n) continue;
+    // The last place from which on it was recorded.
+    const std::size_t end = at_end_ ? visits_.size() : visits_.size() - 1;
+    for (std::size_t visit = end; visit-- > 0;)
+      if (visits_[visit].environment == environment->name_in_log() && visits_[visit].next <= *n) {
+        last = std::max(last.value_or(0), visit);
+        break;
+      }
+  }
+  if (!last) return {false, what + (is_fact ? " was not made before" : " did not fire before")};
+  go_to(*last);
+  return {true, {}, true};
 }
 
 }  // namespace cxlab::lab

@@ -37,24 +37,31 @@ std::optional<ActivationInfo> next_activation(const RuleEngine& engine) {
 }
 
 bool Debugger::before_each_firing() const {
-  return pause_ || steps_ > 0 || std::any_of(breaks_.begin(), breaks_.end(), [](const BreakPoint& b) {
-           return b.kind != BreakPoint::Kind::kTime;
-         });
+  return options_.recorded || pause_ || steps_ > 0 ||
+         std::any_of(breaks_.begin(), breaks_.end(),
+                     [](const BreakPoint& b) { return b.kind != BreakPoint::Kind::kTime; });
 }
 
 void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
+  if (gives_up_) return;
   here_ = &environment;
   place_ = place;
+  if (options_.recorded)
+    visits_.push_back({place.t, environment.name_in_log(), inspect_(environment).timeline().end()});
   if (const auto why = reason_to_stop(environment, place)) {
     std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
     ticks_ = steps_ = 0;
     stopped_ = true;
-    lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
-    if (!noted_) options_.note("stopped at " + seconds(place.t) + "; cxlab attach " + options_.address);
+    if (then_)
+      answer(*std::exchange(then_, std::nullopt));
+    else
+      lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
+    if (!noted_ && !options_.recorded)
+      options_.note("stopped at " + seconds(place.t) + "; cxlab attach " + options_.address);
     noted_ = true;
     stay(environment);
     stopped_ = pause_ = false;
-  } else {
+  } else if (!options_.recorded) {
     while (auto line = lines_.take()) answer(*line);
   }
   here_ = nullptr;
@@ -69,6 +76,11 @@ void Debugger::stay(cx::Environment&) {
 }
 
 std::optional<std::string> Debugger::reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place) {
+  if (target_) {
+    if (visits_.size() - 1 != *target_) return {};
+    target_.reset();
+    return "at";
+  }
   if (!selected_.empty() && environment.name_in_log() != selected_) return {};
   if (pause_) return "paused";
   if (place.fired < 0 && ticks_ > 0 && --ticks_ == 0) return "ticked";
@@ -99,8 +111,55 @@ bool Debugger::is_met(BreakPoint& point, cx::Environment& environment, const cx:
   return false;
 }
 
+// --- A recorded run
+
+void Debugger::begin_again() {
+  visits_.clear();
+  log_.clear();
+  here_ = nullptr;
+  stopped_ = pause_ = changed_ = at_end_ = gives_up_ = false;
+  for (BreakPoint& point : breaks_) {
+    point.held.clear();
+    point.passed = false;
+  }
+}
+
+void Debugger::go_to(std::size_t visit) {
+  target_ = visit;
+  gives_up_ = true;
+  stopped_ = false;
+}
+
+void Debugger::stay_at_end(SimTime t, const Status& how) {
+  const std::vector<cx::Environment*> all = environments_();
+  if (all.empty()) return lines_.send_all(json_text(Json{{"event", "end"}, {"text", "the run has no environment"}}));
+  here_ = all.front();
+  for (cx::Environment* one : all)
+    if (one->name_in_log() == selected_) here_ = one;
+  place_ = {t, 0, -1};
+  at_end_ = stopped_ = true;
+  ticks_ = steps_ = 0;
+  target_.reset();
+  std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
+  if (then_)
+    answer(*std::exchange(then_, std::nullopt));
+  else
+    lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", where() + (how ? "" : ": " + how.error().text())}}));
+  stay(*here_);
+}
+
+bool Debugger::fires_at(std::size_t visit) const {
+  for (cx::Environment* environment : environments_()) {
+    if (environment->name_in_log() != visits_[visit].environment) continue;
+    const inspect::Timeline& timeline = inspect_(*environment).timeline();
+    return timeline.has(visits_[visit].next) && timeline.kind(visits_[visit].next) == RecordKind::kFire;
+  }
+  return false;
+}
+
 std::string Debugger::where() const {
   if (!here_) return "running";
+  if (at_end_) return "at the end of the run, " + seconds(place_.t);
   std::string text = here_->name_in_log() + " at " + seconds(place_.t);
   if (place_.fired < 0) return text + ", at the beginning of a tick";
   const auto next = next_activation(here_->engine());
@@ -111,10 +170,20 @@ std::string Debugger::where() const {
 }
 
 void Debugger::answer(const ControlLines::Line& line) {
-  if (line.went) return;
+  if (line.went) {
+    if (options_.recorded) {
+      left_ = gives_up_ = true;
+      stopped_ = false;
+    }
+    return;
+  }
   if (line.came) {
     lines_.send(line.client, json_text(Json{{"event", "hello"}, {"text", (stopped_ ? "stopped: " : "") + where()}}));
     return;
+  }
+  if (changed_) {  // what was evaluated is undone first
+    then_ = line;
+    return go_to(here_ && !at_end_ ? visits_.size() - 1 : kEnd);
   }
   const Json request = Json::parse(line.text, nullptr, false);
   const auto refuse = [&](const std::string& why) {
@@ -146,7 +215,7 @@ void Debugger::line(const cx::LogLine& line) {
                    {"level", std::string(to_string(line.level))},
                    {"logger", std::string(line.logger)},
                    {"text", std::string(line.text)}};
-  lines_.send_all(json_text(event));
+  if (!options_.recorded) lines_.send_all(json_text(event));
   char begin[40];
   std::snprintf(begin, sizeof begin, "[%9.3f] ", to_seconds(line.t));
   log_.push_back(begin + ('[' + std::string(to_string(line.level))) + "] [" + std::string(line.logger) + "] " +

@@ -1,10 +1,14 @@
 #pragma once
 // Stops a run where a person wants, and answers what the person asks: the other side of `cxlab attach`.
 //
+// A recorded run is played again for the same commands, and time goes back as well: each place at which the run may
+// stop has a number, and to go back is to play it again up to there. What a person evaluates is undone in the same way.
+//
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
 // {"event": "hello", "text": "..."} for one who comes, "stopped", "log" with t, level, logger and text, and "end".
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -19,6 +23,7 @@
 #include "cx/executive/environment.h"
 #include "cx/executive/run_control.h"
 #include "cx/explain/pattern.h"
+#include "cx/inspect/inspector.h"
 #include "cx/node/log.h"
 #include "lab/control/server.h"
 
@@ -28,6 +33,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
  public:
   struct Options {
     bool begin_stopped = false;
+    bool recorded = false;                              ///< the run has ended, and is played again
     std::string address;                                ///< for `note`
     cx::LogSink* log = nullptr;                         ///< takes each line too; may be none
     std::function<bool()> over = [] { return false; };  ///< whether the run shall end, also while it is stopped
@@ -36,10 +42,23 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   };
   Debugger(ControlLines& lines, Options options) : lines_(lines), options_(std::move(options)) {}
 
-  /// The environments of the run, asked for at each stop.
-  void watch(std::function<std::vector<cx::Environment*>()> environments) { environments_ = std::move(environments); }
+  using Inspect = std::function<inspect::Inspector(cx::Environment&)>;
+  /// The environments of the run, asked for at each stop, and what is known of them.
+  void watch(std::function<std::vector<cx::Environment*>()> environments, Inspect inspect) {
+    environments_ = std::move(environments);
+    inspect_ = std::move(inspect);
+  }
   /// The run has ended: says so to those who are attached.
   void end(std::string_view how);
+
+  // --- A recorded run
+  /// It is played from its start, once more.
+  void begin_again();
+  /// It has been played to its end: the person looks and asks there, until it is to be played again or they leave.
+  void stay_at_end(SimTime t, const Status& how);
+  /// Set while the rest of what is played is of no use: the person wants to be somewhere before it, or has left.
+  const std::atomic<bool>& gives_up() const { return gives_up_; }
+  bool has_left() const { return left_; }
 
   void stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
   bool before_each_firing() const override;
@@ -58,6 +77,12 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     bool passed = false;                         // the time
     bool once = false;                           // of `until`
   };
+  /// Where the recorded run may have stopped.
+  struct Visit {
+    SimTime t{};
+    std::string environment;
+    std::uint64_t next = 0;  // record of the environment that came next: of a firing, if one followed
+  };
   struct Answer {
     bool ok = true;
     std::string text;
@@ -73,6 +98,8 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
   void stay(cx::Environment& environment);
   void answer(const ControlLines::Line& line);
+  void go_to(std::size_t visit);
+  bool fires_at(std::size_t visit) const;
   std::string where() const;
 
   // --- What a person asks (commands.cpp)
@@ -82,9 +109,17 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   Answer act(cx::ControlAct::Verb verb, const std::string& text);
   Answer go_on();
   Answer set_break(const std::string& what, bool once);
+  static std::optional<SimTime> time_in(const std::string& text);
+  Status check_rule(const std::string& rule) const;
+  Expected<explain::Pattern> pattern_of(const std::string& text) const;
+  Answer back(const std::string& count);
+  Answer back_until(const std::string& what);
+  Answer go_to_time(const std::string& time);
+  static Answer only_when_recorded();
 
   ControlLines& lines_;
   Options options_;
+  Inspect inspect_;
   std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
   // Where the run is
   cx::Environment* here_ = nullptr;  // while `stop_at` is at work
@@ -98,6 +133,14 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   int last_break_ = 0;
   std::string selected_;  // the environment that counts; empty: each
   std::deque<std::string> log_;
+  // A recorded run
+  static constexpr std::size_t kEnd = static_cast<std::size_t>(-1);
+  std::vector<Visit> visits_;               // so far
+  std::optional<std::size_t> target_;       // to be played up to: a visit, or kEnd
+  std::optional<ControlLines::Line> then_;  // is answered there
+  std::atomic<bool> gives_up_ = false;
+  bool left_ = false, at_end_ = false;
+  bool changed_ = false;  // by what a person evaluated
 };
 
 /// The rule that fires next in that environment; none if it has none on the agenda.

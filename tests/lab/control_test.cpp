@@ -219,7 +219,7 @@ class ControlledRunTest : public FolderTest {
 TEST_F(ControlledRunTest, StepsTicksAndEnds) {
   begin(
       "(deffacts start (a) (b))\n(defrule first (a) => (assert (c)))\n(defrule last (declare (salience -1)) (c) =>)\n");
-  EXPECT_EQ(ask("why frst"), "no: there is no rule 'frst', did you mean 'first'?");
+  EXPECT_EQ(ask("why-not frst"), "no: there is no rule 'frst', did you mean 'first'?");
   EXPECT_THAT(ask("where"), HasSubstr("before rule first (salience 0) fires"));
   EXPECT_EQ(ask("facts c"), "none");
   EXPECT_THAT(ask("step"), HasSubstr("before rule last (salience -1) fires"));
@@ -234,10 +234,10 @@ TEST_F(ControlledRunTest, AConditionThatActsIsNotLookedAt) {
   begin("(deffunction note (?x) (assert (noted ?x)) TRUE)\n(deffunction same (?x) (eq ?x ?x))\n");
   ask("(defrule acts (go ?x) (test (note ?x)) =>)");
   ask("(defrule looks (go ?x) (test (same ?x)) =>)");
-  EXPECT_EQ(ask("why acts"),
+  EXPECT_EQ(ask("why-not acts"),
             "no: its conditions call 'note', which acts: to look would change the run; cxlab why-not looks when it is "
             "over");
-  EXPECT_THAT(ask("why looks"), HasSubstr("condition 1 does not hold"));
+  EXPECT_THAT(ask("why-not looks"), HasSubstr("condition 1 does not hold"));
   ask("continue");
 }
 

@@ -1,0 +1,387 @@
+#include "cx/inspect/inspector.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cx/base/number_text.h"
+#include "cx/engine/form_reader.h"
+#include "cx/explain/left_hand_side.h"
+#include "cx/explain/matcher.h"
+#include "cx/explain/names.h"
+
+namespace cxlab::inspect {
+
+namespace {
+
+std::string qualified(const std::string& module, const std::string& name) {
+  return module.empty() || module == "MAIN" ? name : module + "::" + name;
+}
+
+/// Whether `wanted`, with or without a module, stands for the rule of that name.
+bool names(std::string_view wanted, std::string_view rule) {
+  if (wanted.starts_with("MAIN::")) return rule == without_module(wanted);
+  return wanted == rule || (without_module(wanted).size() == wanted.size() && without_module(rule) == wanted);
+}
+
+/// The number in "f-12".
+std::optional<std::int64_t> index_in(const std::string& what) {
+  if (!what.starts_with("f-")) return std::nullopt;
+  return read_number<std::int64_t>(what.substr(2));
+}
+
+bool is_template(const RuleEngine& engine, const std::string& name) {
+  return engine.has("deftemplate", name) || !engine.facts(name).empty();
+}
+
+}  // namespace
+
+std::string Doer::text() const {
+  switch (kind) {
+    case Kind::kRule: return "rule " + name;
+    case Kind::kInput: return name;
+    case Kind::kPerson: return "a person: " + name;
+    case Kind::kStart: return "the start of the environment";
+    case Kind::kOutside: break;
+  }
+  return "the executive or a plugin";
+}
+
+// --- Who did it
+
+Doer Inspector::doer_of(std::uint64_t n) const {
+  for (const Timeline::Cause& cause : timeline_->causes(n)) {
+    if (cause.stream || !timeline_->has(cause.n)) continue;
+    switch (timeline_->kind(cause.n)) {
+      case RecordKind::kFire: return {Doer::Kind::kRule, timeline_->name(cause.n), cause.n};
+      case RecordKind::kInput: {
+        const JournalRecord input = timeline_->read(cause.n);
+        return {Doer::Kind::kInput, std::string(input.data.text("what")) + ' ' + std::string(input.data.text("name")),
+                cause.n};
+      }
+      case RecordKind::kControl: {
+        const JournalRecord act = timeline_->read(cause.n);
+        return {Doer::Kind::kPerson, std::string(act.data.text("text")), cause.n};
+      }
+      default: break;
+    }
+  }
+  return {timeline_->is_of_start(n) ? Doer::Kind::kStart : Doer::Kind::kOutside, {}, std::nullopt};
+}
+
+FactChange Inspector::change(std::uint64_t n) const {
+  RecordKind kind = timeline_->kind(n);
+  if (kind == RecordKind::kDecision) kind = RecordKind::kAssert;
+  return {n, timeline_->time(n), kind, doer_of(n), timeline_->fact_after(n)};
+}
+
+// --- Facts
+
+FactHistory Inspector::history_of(std::int64_t number, std::int64_t index, std::uint64_t end) const {
+  FactHistory history;
+  for (const std::uint64_t n : timeline_->changes(number))
+    if (n < end) history.changes.push_back(change(n));
+  history.fact = history.changes.back().after;
+  history.fact.index = index;
+  history.present = history.changes.back().kind != RecordKind::kRetract;
+  return history;
+}
+
+Expected<std::vector<FactHistory>> Inspector::matching(const std::string& what, std::uint64_t begin, std::uint64_t end,
+                                                       bool past) const {
+  std::map<std::int64_t, std::int64_t> indices;  // of facts that are there, by number
+  const auto present = engine_->facts();
+  for (const FactCopy& fact : present) indices[static_cast<std::int64_t>(fact.number)] = fact.index;
+
+  std::optional<explain::Pattern> pattern;
+  std::optional<std::int64_t> number;
+  std::string name;
+  if (const auto index = index_in(what)) {
+    const auto fact = engine_->fact(*index);
+    if (!fact) return input_error("there is no fact " + what + " at that time");
+    number = static_cast<std::int64_t>(fact->number);
+  } else if (!what.empty() && what.front() == '(') {
+    auto read = explain::Pattern::parse_plain(what, {}, 0);
+    if (!read) return read.error();
+    if (Status s = explain::check_names(*read, *engine_); !s) return s.error();
+    pattern = *std::move(read);
+    name = pattern->template_name();
+  } else {
+    name = what;
+  }
+
+  std::vector<FactHistory> found;
+  bool template_is_known = name.empty() || is_template(*engine_, name);
+  // In order of assertion: a fact's number counts it.
+  std::set<std::int64_t> numbers;
+  if (past)
+    for (std::uint64_t n = timeline_->begin(); n < end; ++n)
+      if (const std::int64_t fact = timeline_->fact(n); fact > 0) {
+        template_is_known = template_is_known || timeline_->name(n) == name;
+        if (name.empty() || timeline_->name(n) == name) numbers.insert(fact);
+      }
+  if (!past)
+    for (const FactCopy& fact : present)
+      if (name.empty() || fact.template_name == name) numbers.insert(static_cast<std::int64_t>(fact.number));
+  if (!template_is_known)
+    return input_error("there is no template '" + name + "'" +
+                       did_you_mean(name, explain::names_of(*engine_, "deftemplate")));
+  for (const std::int64_t fact : numbers) {
+    if ((number && fact != *number) || timeline_->changes(fact).empty()) continue;
+    const auto index = indices.find(fact);
+    FactHistory history = history_of(fact, index == indices.end() ? 0 : index->second, end);
+    if (history.changes.empty()) continue;
+    if (past && !history.present && history.changes.back().n < begin) continue;
+    const auto matches = [&](const FactChange& c) { return pattern->matches(c.after); };
+    if (pattern && !(past ? std::ranges::any_of(history.changes, matches) : pattern->matches(history.fact))) continue;
+    found.push_back(std::move(history));
+  }
+  return found;
+}
+
+Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what) const {
+  return matching(what, timeline_->begin(), timeline_->end(), false);
+}
+
+Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what, SimTime from, SimTime to) const {
+  return matching(what, timeline_->end_of(from - SimTime(1)), timeline_->end_of(to), true);
+}
+
+// --- Rules
+
+Error Inspector::unknown_rule(const std::string& rule) const {
+  return input_error("there is no rule '" + rule + "'" + did_you_mean(rule, explain::names_of(*engine_, "defrule")));
+}
+
+const std::string& Inspector::shown_file(const std::string& file) const {
+  const auto [known, fresh] = shown_files_.try_emplace(file);
+  if (fresh) known->second = file_names_(file);
+  return known->second;
+}
+
+FiringCopy Inspector::firing(std::uint64_t n) const {
+  FiringCopy firing;
+  firing.n = n;
+  firing.t = timeline_->time(n);
+  firing.rule = timeline_->name(n);
+  const JournalRecord record = timeline_->read(n);
+  const RecordValue* numbers = record.data.find("facts");
+  if (const auto* list = numbers ? std::get_if<RecordValue::List>(&numbers->value) : nullptr)
+    for (const RecordValue& number : *list)
+      if (const auto* fact = std::get_if<std::int64_t>(&number.value)) {
+        std::optional<std::uint64_t> last;
+        for (const std::uint64_t change : timeline_->changes(*fact))
+          if (change < n) last = change;
+        if (last) firing.facts.push_back(timeline_->fact_after(*last));
+      }
+  if (const ConstructInfo* info = engine_->find_construct("defrule", firing.rule)) {
+    firing.file = shown_file(info->file);
+    firing.line = info->line;
+    firing.values = values_of(*info, firing.facts);
+  }
+  return firing;
+}
+
+const Inspector::LeftHandSide& Inspector::left_hand_side(const ConstructInfo& rule) const {
+  const auto [known, fresh] = left_hand_sides_.try_emplace(rule.text);
+  LeftHandSide& side = known->second;
+  if (!fresh) return side;
+  auto conditions = explain::conditions_of(rule.text, rule.file, rule.line);
+  if (!conditions) return side;
+  side.conditions = *std::move(conditions);
+  for (const explain::Alternative& alternative : explain::alternatives_of(side.conditions)) {
+    auto& patterns = side.patterns.emplace_back();
+    for (const explain::Condition* condition : alternative.conditions)
+      if (condition->kind == explain::Condition::Kind::kPattern && !condition->pattern.is_object())
+        patterns.push_back(&condition->pattern);
+  }
+  return side;
+}
+
+Values Inspector::values_of(const ConstructInfo& rule, const std::vector<FactCopy>& facts) const {
+  Values values;
+  for (const auto& patterns : left_hand_side(rule).patterns) {
+    if (patterns.size() != facts.size()) continue;
+    explain::Bindings bindings;
+    const std::function<bool(std::size_t)> match = [&](std::size_t i) {
+      if (i < patterns.size())
+        return patterns[i]->template_name() == facts[i].template_name &&
+               patterns[i]->match(facts[i], bindings, nullptr, [&] { return match(i + 1); });
+      for (const auto& [name, value] : bindings) values.emplace_back(name, value.print());
+      return true;
+    };
+    if (match(0)) break;
+  }
+  return values;
+}
+
+std::optional<std::uint64_t> Inspector::last_firing(const std::string& rule) const {
+  const auto& all = timeline_->firings();
+  const auto last =
+      std::find_if(all.rbegin(), all.rend(), [&](std::uint64_t n) { return names(rule, timeline_->name(n)); });
+  return last == all.rend() ? std::nullopt : std::optional(*last);
+}
+
+std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& pattern) const {
+  for (std::uint64_t n = timeline_->end(); n-- > timeline_->begin();) {
+    const std::int64_t fact = timeline_->fact(n);
+    if (fact == 0 || timeline_->kind(n) == RecordKind::kRetract || timeline_->name(n) != pattern.template_name() ||
+        !pattern.matches(timeline_->fact_after(n)))
+      continue;
+    const auto changes = timeline_->changes(fact);
+    const auto at = std::ranges::lower_bound(changes, n);
+    if (timeline_->kind(n) != RecordKind::kModify || at == changes.begin() ||
+        !pattern.matches(timeline_->fact_after(*(at - 1))))
+      return n;
+  }
+  return std::nullopt;
+}
+
+Expected<std::vector<FiringCopy>> Inspector::firings(const std::string& rule, SimTime from, SimTime to) const {
+  std::vector<FiringCopy> found;
+  bool known = rule.empty() || engine_->has("defrule", rule);
+  for (const std::uint64_t n : timeline_->firings()) {
+    if (!rule.empty() && !names(rule, timeline_->name(n))) continue;
+    known = true;
+    if (timeline_->time(n) >= from && timeline_->time(n) <= to) found.push_back(firing(n));
+  }
+  if (!known) return unknown_rule(rule);
+  return found;
+}
+
+std::vector<RuleUse> Inspector::rules(bool explain) const {
+  struct Count {
+    std::int64_t fired = 0;
+    SimTime first{}, last{};
+  };
+  std::map<std::string, Count> counts;
+  for (const std::uint64_t n : timeline_->firings()) {
+    Count& count = counts[timeline_->name(n)];
+    if (count.fired++ == 0) count.first = timeline_->time(n);
+    count.last = timeline_->time(n);
+  }
+  const auto& activations = engine_->activations();
+  std::vector<RuleUse> uses;
+  std::set<std::string> seen;
+  const auto add = [&](const std::string& name, const std::string& module, const ConstructInfo* info) {
+    if (!seen.insert(name).second) return;
+    RuleUse use;
+    use.rule = name;
+    if (info) {
+      use.file = shown_file(info->file);
+      use.line = info->line;
+    }
+    if (const auto count = counts.find(name); count != counts.end()) {
+      use.fired = count->second.fired;
+      use.first = count->second.first;
+      use.last = count->second.last;
+    }
+    const auto activated = activations.find(module + "::" + std::string(without_module(name)));
+    if (!activations.empty()) use.activated = activated == activations.end() ? 0 : activated->second;
+    if (explain && info && use.fired == 0 && use.activated.value_or(0) == 0 && engine_->acting_call(*info).empty())
+      use.unmet = explain::unmet_condition(*engine_, *info);
+    uses.push_back(std::move(use));
+  };
+  // A copy: to look for what a rule lacks defines functions for a while.
+  for (const ConstructInfo& info : engine_->constructs())
+    if (info.kind == "defrule" && engine_->has("defrule", info.module + "::" + info.name))
+      add(qualified(info.module, info.name), info.module, &info);
+  // Rules that fired and were removed since.
+  for (const auto& [name, count] : counts) {
+    const std::size_t mark = name.find("::");
+    add(name, mark == name.npos ? "MAIN" : name.substr(0, mark), nullptr);
+  }
+  return uses;
+}
+
+// --- Why
+
+Expected<std::uint64_t> Inspector::record_of(const std::string& what) const {
+  const bool is_fact = index_in(what) || what.starts_with('(');
+  if (!is_fact) {
+    if (const auto fired = last_firing(what)) return *fired;
+    if (engine_->has("defrule", what))
+      return negative("rule '" + what + "' has not fired up to then; why-not says what it lacks");
+    if (!is_template(*engine_, what))
+      return input_error("there is neither a rule nor a template '" + what + "'" + [&] {
+        std::vector<std::string> known = explain::names_of(*engine_, "defrule");
+        for (std::string& name : explain::names_of(*engine_, "deftemplate")) known.push_back(std::move(name));
+        return did_you_mean(what, known);
+      }());
+  }
+  auto found = facts(what);
+  if (!found) return found.error();
+  std::optional<std::uint64_t> last;
+  for (const FactHistory& history : *found) last = std::max(last.value_or(0), history.changes.back().n);
+  if (last) return *last;
+  // One that has gone: the last change after which it matched.
+  auto gone = matching(what, timeline_->begin(), timeline_->end(), true);
+  if (!gone) return gone.error();
+  for (const FactHistory& history : *gone)
+    for (const FactChange& change : history.changes) {
+      if (!what.starts_with('(') || explain::Pattern::parse_plain(what, {}, 0)->matches(change.after))
+        last = std::max(last.value_or(0), change.n);
+    }
+  if (!last) return negative("no fact matches " + what + " up to then");
+  return *last;
+}
+
+Expected<Derivation> Inspector::why(const std::string& what) const {
+  const auto begun = record_of(what);
+  if (!begun) return begun.error();
+  return why(*begun);
+}
+
+Derivation Inspector::why(std::uint64_t record) const {
+  std::map<std::int64_t, std::int64_t> indices;
+  for (const FactCopy& fact : engine_->facts()) indices[static_cast<std::int64_t>(fact.number)] = fact.index;
+
+  Derivation derivation;
+  std::map<std::uint64_t, std::size_t> known;  // by record
+  const auto step_of = [&](std::uint64_t n) {
+    const auto [at, fresh] = known.emplace(n, derivation.steps.size());
+    if (fresh) derivation.steps.emplace_back().n = n;
+    return at->second;
+  };
+  step_of(record);
+  for (std::size_t i = 0; i < derivation.steps.size(); ++i) {
+    const std::uint64_t n = derivation.steps[i].n;
+    std::vector<std::uint64_t> own;
+    Derivation::Step step;
+    step.n = n;
+    step.t = timeline_->time(n);
+    step.kind = timeline_->kind(n);
+    for (const Timeline::Cause& cause : timeline_->causes(n)) {
+      if (cause.stream)
+        step.outside = *cause.stream + ':' + std::to_string(cause.n);
+      else if (timeline_->has(cause.n))
+        own.push_back(cause.n);
+    }
+    if (const std::int64_t fact = timeline_->fact(n); fact > 0) {
+      step.text = timeline_->fact_after(n).print();
+      const auto index = indices.find(fact);
+      // Only what it is now: an older version of the fact has no index of its own.
+      if (index != indices.end() && timeline_->changes(fact).back() == n) step.index = index->second;
+      if (own.empty() && !step.outside) step.note = doer_of(n).text();
+    } else if (step.kind == RecordKind::kFire) {
+      FiringCopy fired = firing(n);
+      step.text = fired.rule;
+      step.values = std::move(fired.values);
+      step.file = std::move(fired.file);
+      step.line = fired.line;
+      if (own.empty()) step.note = "its conditions need no fact";
+    } else {
+      const RecordValue data = timeline_->read(n).data;
+      step.text = step.kind == RecordKind::kControl
+                      ? std::string(data.text("text"))
+                      : std::string(data.text("what")) + ' ' + std::string(data.text("name"));
+    }
+    std::ranges::sort(own, std::greater());
+    own.erase(std::ranges::unique(own).begin(), own.end());
+    for (const std::uint64_t cause : own) step.because.push_back(step_of(cause));
+    derivation.steps[i] = std::move(step);
+  }
+  return derivation;
+}
+
+}  // namespace cxlab::inspect

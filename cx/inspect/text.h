@@ -1,0 +1,41 @@
+#pragma once
+// Answers as people read them: for commands and for `cxlab attach`.
+
+#include <string>
+#include <vector>
+
+#include "cx/inspect/inspector.h"
+
+namespace cxlab::inspect {
+
+/// "312.400 s".
+std::string seconds_text(SimTime t);
+/// "?id = 3 ?robot = robot1"; empty without values.
+std::string values_text(const Values& values);
+
+/// A line for each fact and one for who made and changed it; with `changes` a line for each change.
+std::string text_of(const std::vector<FactHistory>& facts, bool changes);
+/// "10  order-begin: f-3 f-7" in the order of firing.
+std::string text_of(const std::vector<ActivationInfo>& agenda, const std::vector<std::string>& focus);
+/// "?*speed* = 0.5".
+std::string text_of(const std::vector<std::pair<std::string, Value>>& globals);
+std::string text_of(const std::vector<FiringCopy>& firings);
+/// A table of those that fired; then those that were on the agenda in vain; then those that never were, and why.
+std::string text_of(const std::vector<RuleUse>& rules);
+
+/// "rule order-begin (orders.clp:58) at 302.000 s  ?id = 4".
+std::string line_of(const Derivation::Step& step);
+
+/// A derivation as a tree of lines.
+struct Tree {
+  std::string text;
+  std::vector<Tree> branches;
+};
+/// The latest cause of each step is followed to its end, but not through a rule that stands above; of the others only
+/// the last change is shown. With `whole` all are followed, each once.
+Tree tree_of(const Derivation& derivation, bool whole);
+std::string text_of(const Tree& tree);
+/// The same tree as a picture.
+std::string svg_of(const Tree& tree);
+
+}  // namespace cxlab::inspect

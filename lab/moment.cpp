@@ -1,0 +1,135 @@
+#include "lab/moment.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cx/base/number_text.h"
+#include "lab/confine.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+constexpr const char* kAfterTheEnd = "after_the_end";
+
+}  // namespace
+
+Expected<std::unique_ptr<Moment>> Moment::open(const RecordedRun& run, const Host& host, Options options) {
+  std::unique_ptr<Moment> moment(new Moment(run, host, options));
+  auto replay = RulesReplay::load(run, host, moment->replay_options());
+  if (!replay) return replay.error();
+  moment->replay_ = *std::move(replay);
+  moment->listen();
+  return moment;
+}
+
+Moment::~Moment() = default;
+
+RulesReplay::Options Moment::replay_options() const {
+  return {.end = run_.finished ? run_.sim_time : kLongestRun,
+          .log = host_.log,
+          .control = options_.control,
+          .count_activations = options_.count_activations};
+}
+
+void Moment::listen() {
+  timelines_ = {};
+  if (options_.timelines) episode().journal().observe(timelines_);
+}
+
+Status Moment::rewind() {
+  started_ = cut_off_ = stopped_ = false;
+  if (Status s = replay_.load_again(run_, host_, replay_options()); !s) return s;
+  listen();
+  return {};
+}
+
+void Moment::add_reach(Wall& wall) {
+  wall.read.push_back(run_.folder);
+  wall.write.push_back(replay_.written());
+  wall.links.push_back(replay_.written());
+}
+
+void Moment::confine_together(Moment& a, Moment& b) {
+  Wall both = b.episode().wall();
+  a.add_reach(both);
+  b.add_reach(both);
+  confine(a.episode(), a.host_, both);
+  a.behind_wall_ = b.behind_wall_ = true;
+}
+
+Status Moment::seek(std::optional<SimTime> t) {
+  if (run_.finished && t && *t > run_.sim_time)
+    return Error{
+        ErrorKind::kUsage, "the run ends at " + general_text(to_seconds(run_.sim_time), 9) + " s", {}, 0, kAfterTheEnd};
+  SimTime end = std::min(run_.finished ? run_.sim_time : kLongestRun, t.value_or(kNever));
+  if (!run_.finished || !episode().replay_log_status() || !run_.whole(episode().replay_end())) {
+    cut_off_ = t.value_or(run_.sim_time) > episode().replay_end();
+    end = std::min(end, episode().replay_end());
+  }
+  const Status played = play(end);
+  if (stopped_) return {};
+  if (auto error = run_.untrusted(played)) return *error;
+  // Just as the recorded run failed.
+  const bool then = run_.finished && run_.status == "failed" && !played && played.error().kind != ErrorKind::kNo &&
+                    this->t() >= run_.sim_time;
+  return then ? Status() : played;
+}
+
+Status Moment::play(SimTime end) {
+  if (!std::exchange(behind_wall_, true)) {
+    Wall recorded;
+    add_reach(recorded);
+    confine(episode(), host_, recorded);
+  }
+  if (!std::exchange(started_, true)) {
+    if (Status s = episode().start(); !s) return s;
+    timelines_.start_is_over();
+  }
+  while (!episode().over() && episode().next_tick() <= end) {
+    if ((stopped_ = host_.stopped())) return {};
+    const Status s = episode().tick();
+    after_tick();
+    if (!s) return s;
+    host_.show(to_seconds(t()), to_seconds(end));
+  }
+  return {};
+}
+
+SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
+
+inspect::Inspector Moment::inspector(cx::Environment& environment) {
+  return {environment.name_in_log(), environment.engine(),
+          timelines_.of(episode().journal().stream_name(environment.engine().stream())),
+          [&environment](const std::string& file) { return environment.files().journal_name(file); }};
+}
+
+Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& name) {
+  std::vector<inspect::Inspector> out;
+  std::vector<std::string> known;
+  for (cx::Environment* environment : episode().environments()) {
+    known.push_back(environment->name_in_log());
+    if (name.empty() || name == environment->name_in_log() || name == environment->name())
+      out.push_back(inspector(*environment));
+  }
+  if (!out.empty()) return out;
+  if (known.empty()) return input_error("the run has no environment at that time", run_.folder.string());
+  std::string list;
+  for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+  return input_error("the run has no environment '" + name + "'" + did_you_mean(name, known) + "; it has " + list,
+                     run_.folder.string());
+}
+
+Error about_option(Error error, const std::string& option) {
+  if (error.code == kAfterTheEnd) error.message = option + ": " + error.message;
+  return error;
+}
+
+void assert_time(cx::Environment& environment, bool ever) {
+  RuleEngine& engine = environment.engine();
+  if (!engine.find_construct("defrule", "time-retract") || !ever || !engine.facts("time").empty()) return;
+  const Value time = Value::number(to_seconds(environment.now()));
+  if (engine.assert_ordered("time", {&time, 1})) engine.refresh_all_agendas();
+}
+
+}  // namespace cxlab::lab

@@ -1,0 +1,81 @@
+#pragma once
+// Any instant of a recorded run: its rules are played again up to there, without world and servers.
+//
+//   auto moment = Moment::open(run, host);
+//   if (Status s = moment->seek(from_seconds(312.4)); s) for (inspect::Inspector& one : *moment->inspectors()) ...
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/inspect/inspector.h"
+#include "lab/host.h"
+#include "lab/recorded_run.h"
+
+namespace cxlab::lab {
+
+class Moment {
+ public:
+  struct Options {
+    bool timelines = true;              ///< keeps the records of all environments
+    bool count_activations = false;     ///< for `RuleUse::activated`
+    cx::RunControl* control = nullptr;  ///< stops it on the way; may be none
+  };
+  /// Reads the run; nothing is played yet. The run outlives it.
+  static Expected<std::unique_ptr<Moment>> open(const RecordedRun& run, const Host& host, Options options);
+  static Expected<std::unique_ptr<Moment>> open(const RecordedRun& run, const Host& host) {
+    return open(run, host, Options{});
+  }
+  ~Moment();
+  Moment(const Moment&) = delete;
+  Moment& operator=(const Moment&) = delete;
+
+  /// Plays on up to the last tick that is not after `t`; without it up to the end of the run, or of what was recorded.
+  /// A time after the end is a usage error; of a killed run it is the end of its log (`cut_off`). Time does not go back
+  /// but with `rewind`.
+  /// This process gives up its rights before the first rule runs (lab/confine.h).
+  Status seek(std::optional<SimTime> t);
+  /// Both are played in this process, so it gives up only what neither of them needs. Before either `seek`.
+  static void confine_together(Moment& a, Moment& b);
+  /// Goes back to the start.
+  Status rewind();
+  /// Of the last tick that was played.
+  SimTime t() const;
+  /// The log of a killed run ends before the time that was asked for.
+  bool cut_off() const { return cut_off_; }
+  /// The host asked for a stop, so that the time was not reached.
+  bool stopped() const { return stopped_; }
+
+  Episode& episode() { return *replay_.episode; }
+  inspect::Inspector inspector(cx::Environment& environment);
+  /// Those called `name` in the run's log, or all; an error that lists them if there is none.
+  Expected<std::vector<inspect::Inspector>> inspectors(const std::string& name = {});
+
+  /// Is called when a tick is over.
+  std::function<void()> after_tick = [] {};
+
+ private:
+  Moment(const RecordedRun& run, const Host& host, Options options) : run_(run), host_(host), options_(options) {}
+  void listen();
+  void add_reach(Wall& wall);
+  RulesReplay::Options replay_options() const;
+  Status play(SimTime end);
+
+  const RecordedRun& run_;
+  Host host_;
+  Options options_;
+  inspect::Timelines timelines_;  // outlives the episode, whose journal tells it what happens
+  RulesReplay replay_;
+  bool behind_wall_ = false, started_ = false, cut_off_ = false, stopped_ = false;
+};
+
+/// The error of `seek`, with the option that had the time where the time is wrong.
+Error about_option(Error error, const std::string& option);
+
+/// The executive takes its time fact back after each run: asserts what the next run would find.
+void assert_time(cx::Environment& environment, bool ever);
+
+}  // namespace cxlab::lab
