@@ -4,17 +4,20 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <thread>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "lab/control/client.h"
+#include "lab/control/time_travel.h"
 
 namespace cxlab::app {
 
@@ -26,7 +29,7 @@ using Event = ControlClient::Event;
 struct AttachOptions {
   std::string where, token;
   std::vector<std::string> commands;
-  bool quiet = false;
+  bool quiet = false, trust_programs = false;
 };
 
 std::string shown(const Event& event) {
@@ -197,6 +200,27 @@ class Terminal {
 };
 Terminal* Terminal::at_work_ = nullptr;
 
+int talk(ControlClient& client, const AttachOptions& options) {
+  if (!options.commands.empty() || isatty(STDIN_FILENO) == 0) return play_script(client, options);
+  return Terminal(client).talk();
+}
+
+/// A run that has ended is played again.
+int travel(const AttachOptions& options) {
+  auto run = lab::RecordedRun::open(options.where, catalogue());
+  if (!run) return fail(run.error());
+  run->options.programs = options.trust_programs;
+  Console console(true);
+  auto played = lab::TimeTravel::start(*run, console.host());
+  if (!played) return fail(played.error());
+  while (true) {
+    if (auto client = ControlClient::connect((*played)->address(), {})) return talk(**client, options);
+    if (const auto code = (*played)->ended()) return *code == 0 ? static_cast<int>(ErrorKind::kRun) : *code;
+    if (signal_that_came() != 0) return interrupted("the run was not played again");
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 int attach(const AttachOptions& options) {
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(options.where, ignored);
@@ -206,21 +230,25 @@ int attach(const AttachOptions& options) {
   std::string token = options.token;
   if (const char* set = std::getenv("CXLAB_CONTROL_TOKEN"); token.empty() && set != nullptr) token = set;
   auto client = ControlClient::connect(*address, token);
+  if (!client && std::filesystem::exists(std::filesystem::path(options.where) / "manifest.json", ignored))
+    return travel(options);
   if (!client) return fail(client.error());
-  if (!options.commands.empty() || isatty(STDIN_FILENO) == 0) return play_script(**client, options);
-  return Terminal(**client).talk();
+  return talk(**client, options);
 }
 
 }  // namespace
 
 void add_attach(CLI::App& app, Action& action) {
   auto options = std::make_shared<AttachOptions>();
-  CLI::App* command = app.add_subcommand("attach", "A terminal on a run that is played with --control or --break");
+  CLI::App* command = app.add_subcommand("attach",
+                                         "A terminal on a run: on one that is played with --control or --break, or "
+                                         "back and forth through one that is over");
   command->add_option("run", options->where, "Folder of the run, its socket, or 127.0.0.1:PORT")->required();
   command->add_option("--token", options->token, "What a run at a port has printed (or $CXLAB_CONTROL_TOKEN)");
   once_each(command->add_option("-c,--command", options->commands,
                                 "A command instead of the terminal (may be given often); 'help' lists them"));
   command->add_flag("--quiet", options->quiet, "With commands: no lines of the log");
+  add_trust_programs(*command, options->trust_programs);
   command->footer(
       "Without a terminal, commands are read from standard input, a line each. After 'continue', 'step', 'tick' and\n"
       "'until' the next command waits until the run stops. A command that fails ends it with exit code 1.\n"

@@ -95,8 +95,9 @@ Error error_of(const std::exception& e) {
 
 /// Of commands that may take a while by themselves.
 void report_silence_of(const CLI::App& app) {
-  static constexpr std::string_view kLong[] = {"run",    "env",   "test",   "bench",   "plan",
-                                               "replay", "rerun", "render", "why-not", "validate"};
+  static constexpr std::string_view kLong[] = {"run",     "env",     "test",    "bench",    "plan",  "replay",
+                                               "rerun",   "render",  "why-not", "validate", "facts", "agenda",
+                                               "globals", "firings", "why",     "rules",    "diff"};
   for (const CLI::App* command : app.get_subcommands())
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }
@@ -130,7 +131,14 @@ int run(int argc, char** argv) {
   add_rerun(app, action);
   add_env(app, action);
   add_render(app, action);
+  add_facts(app, action);
+  add_agenda(app, action);
+  add_globals(app, action);
+  add_firings(app, action);
+  add_why(app, action);
   add_why_not(app, action);
+  add_rules(app, action);
+  add_diff(app, action);
   add_validate(app, action);
   add_list(app, action);
   add_doc(app, action);

@@ -148,7 +148,7 @@ void add_why_not(CLI::App& app, Action& action) {
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("rule", options->rule, "Name of the rule, with or without its module: nav, NAV::nav")->required();
-  command->add_option("--at", options->at, "When, s of simulated time (default: the end)")->check(not_negative());
+  time_option(command->add_option("--at", options->at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
   add_trust_programs(*command, options->trust_programs);

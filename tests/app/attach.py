@@ -83,8 +83,11 @@ class Attach(Lab):
         self.assertRegex(self.attach("rules"), r"begin  .*rules\.clp:4\n")
         self.assertIn("(defrule begin", self.attach("rules begin"))
         self.assertIn("?*count* = 0", self.attach("globals"))
-        self.assertIn("condition 1 does not hold", self.attach("why never"))
-        self.assertIn("until rule NAME", self.attach("help until").replace("T|", "until "))
+        self.assertIn("condition 1 does not hold", self.attach("why-not never"))
+        self.assertIn("until T|RULE|PATTERN", self.attach("help until"))
+        self.assertRegex(self.attach("why (order (id 2))"), r"^f-\d+  \(order \(id 2\) \(state new\)\)  asserted at 0.000 s, by the start of the environment\n$")
+        self.assertRegex(self.attach("changes (order (id 2))"), r"\n +0.000 s  asserted  by the start of the environment\n$")
+        self.assertEqual(self.attach("firings begin"), "none\n")
         self.end()
         self.assertEqual([rule for rule in self.fired() if rule != "time-retract"], ["begin", "begin", "finish", "finish"])
 
@@ -94,6 +97,8 @@ class Attach(Lab):
         self.assertIn("?*count* = 1", self.attach("globals"))
         self.attach("step 2")
         self.assertIn("before rule finish", self.attach("where"))
+        self.assertEqual(self.attach("firings begin").count("begin"), 2)
+        self.assertIn("└─ rule begin", self.attach("why (order (id 1) (state done))"))
         self.assertIn("(state done)", self.attach("facts order"))
         self.attach("until 2.5")
         self.assertIn("at 2.500 s", self.attach("where"))
@@ -162,7 +167,7 @@ class Attach(Lab):
                 ("assert (order (ix 1))", "ix"), ("(println 1) (println 2)", "expected one expression or construct, found 2"),
                 ("(defrule broken", "broken"), ("retract x", "expected a fact's index or a pattern"),
                 ("retract (order (id 99))", "no fact matches"), ("break fact (", "fact"), ("facts (", "("),
-                ("why nothing", "there is no rule 'nothing'"), ("e", "'e' may be envs or eval"),
+                ("why nothing", "there is neither a rule nor a template 'nothing'"), ("why-not nothing", "there is no rule 'nothing'"), ("back", "cxlab attach RUN"), ("at 3", "does not go back"), ("back-until begin", "does not go back"), ("why begin", "has not fired up to then"), ("e", "'e' may be envs or eval"),
                 ("(undefined-function 1)", "undefined-function"), ("until fact (ordr (id 1))", "ordr"),
                 ("break 1e99", "1e99"), ("build (+ 1 2)", "build")]:
             with self.subTest(command):

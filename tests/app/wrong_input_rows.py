@@ -71,19 +71,19 @@ ROWS["options"] = [
     wrong("nothing at all", [], 2),
     wrong("empty command", [""], 2),
     wrong("command in capitals", ["RUN"], 2),
-    *[wrong(f"misspelt command {word}", [word], 2) for word in ("rnu", "vaildate", "replya", "why", "whynot", "bnech", "dokter")],
+    *[wrong(f"misspelt command {word}", [word], 2) for word in ("rnu", "vaildate", "replya", "whi", "whynot", "fact", "dif", "bnech", "dokter")],
     *[wrong(f"{command} without arguments", [command], 2)
-      for command in ("run", "env", "bench", "replay", "rerun", "why-not", "plan", "validate", "render", "list", "new", "completion")],
+      for command in ("run", "env", "bench", "replay", "rerun", "facts", "agenda", "globals", "firings", "rules", "why", "why-not", "diff", "plan", "validate", "render", "list", "new", "completion")],
     *[wrong(f"{' '.join(command)} with one too many", [*command, "more"], 2)
-      for command in (["run", "scenario.yaml"], ["replay", "used"], ["rerun", "used"], ["why-not", "used", "a"], ["plan", "d.pddl", "p.pddl"], ["validate", "d.pddl", "p.pddl", "a.plan"],
+      for command in (["run", "scenario.yaml"], ["replay", "used"], ["rerun", "used"], ["facts", "used", "a"], ["agenda", "used"], ["why", "used", "a"], ["why-not", "used", "a"], ["diff", "used", "used"], ["plan", "d.pddl", "p.pddl"], ["validate", "d.pddl", "p.pddl", "a.plan"],
                       ["bench", "suite.yaml"], ["list", "skills"], ["doc", "now"], ["doctor"], ["new", "agent", "x"], ["completion", "bash"], ["man"])],
     *[wrong(f"{command} with an unknown option", [command, *rest, "--frobnicate"], 2)
-      for command, rest in (("run", ["scenario.yaml"]), ("env", ["agent.yaml"]), ("test", []), ("bench", ["suite.yaml"]), ("replay", ["used"]), ("rerun", ["used"]), ("why-not", ["used", "a"]),
+      for command, rest in (("run", ["scenario.yaml"]), ("env", ["agent.yaml"]), ("test", []), ("bench", ["suite.yaml"]), ("replay", ["used"]), ("rerun", ["used"]), ("firings", ["used"]), ("rules", ["used"]), ("why-not", ["used", "a"]), ("diff", ["used", "used"]),
                             ("plan", ["d.pddl", "p.pddl"]), ("validate", ["d.pddl", "p.pddl", "a.plan"]), ("render", ["used"]), ("list", ["skills"]), ("doc", []), ("doctor", []), ("man", []))],
     *[wrong(f"misspelt option {option}", [command, *rest, option], 2)
       for command, rest, option in (("run", ["scenario.yaml"], "--sed"), ("run", ["scenario.yaml"], "--jason"), ("env", ["agent.yaml"], "--stimulus"),
                                            ("env", ["agent.yaml"], "--keepgoing"), ("bench", ["suite.yaml"], "--jsn"), ("test", [], "--junti"), ("replay", ["used"], "--rule"),
-                                           ("why-not", ["used", "a"], "--wher"), ("plan", ["d.pddl", "p.pddl"], "--anytme"), ("validate", ["d.pddl", "p.pddl", "a.plan"], "--epsillon"),
+                                           ("facts", ["used"], "--form"), ("rules", ["used"], "--agianst"), ("why", ["used", "a"], "--hole"), ("why-not", ["used", "a"], "--wher"), ("plan", ["d.pddl", "p.pddl"], "--anytme"), ("validate", ["d.pddl", "p.pddl", "a.plan"], "--epsillon"),
                                            ("render", ["used"], "--camra"))],
     *[wrong(f"run --seed '{value}'", [*RUN, "--seed", value], 2) for value in SEEDS],
     *[wrong(f"run --until '{value}'", [*RUN, "--until", value], 2) for value in SECONDS],
@@ -459,7 +459,7 @@ def recorded(folder):
     return {str(path.relative_to(here)): path.read_bytes() for path in (here / "run").rglob("*") if path.is_file()}
 
 
-ASKS = {"replay": ["replay", "run"], "rerun": ["rerun", "run", "--quiet", "--out", "out"], "why-not": ["why-not", "run", "never"]}
+ASKS = {"replay": ["replay", "run"], "rerun": ["rerun", "run", "--quiet", "--out", "out"], "why-not": ["why-not", "run", "never"], "facts": ["facts", "run"], "diff": ["diff", "run", "run"]}
 
 
 def chunks_of(log):
@@ -493,8 +493,8 @@ def damaged(run):
             for command, words in ASKS.items():
                 label = "copy" if name == copy[4:] else name
                 unread = name == "journal.jsonl" or kind == "other hash" or (name == "inputs.bin" and command == "rerun")
-                # A killed run is cut off as well: why-not answers from what is whole.
-                whole = name == "inputs.bin" and command == "why-not" and kind in ("cut", "cut between chunks", "a bit changed", "twice")
+                # A killed run is cut off as well: questions are answered from what is whole.
+                whole = name == "inputs.bin" and command in ("why-not", "facts", "diff") and kind in ("cut", "cut between chunks", "a bit changed", "twice")
                 rows.append(Row(f"{command} {label} {kind}", words, 0 if unread or whole else 3, files))
     return rows
 

@@ -1,0 +1,125 @@
+// cxlab diff: where the rules of two recorded runs part first, what led to it, and what came of it.
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/arguments.h"
+#include "app/command.h"
+#include "app/console.h"
+#include "cx/base/json_text.h"
+#include "cx/inspect/text.h"
+#include "lab/difference.h"
+
+namespace cxlab::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct DiffOptions {
+  std::string a, b;
+  bool trust_programs = false, json = false;
+};
+
+Json json_of(const lab::Difference::Side& side) {
+  Json json{{"what", side.what.empty() ? Json() : Json(side.what)}};
+  Json steps = Json::array();
+  if (side.because)
+    for (const auto& step : side.because->steps)
+      steps.push_back({{"n", step.n}, {"text", inspect::line_of(step)}, {"because", step.because}});
+  json["steps"] = std::move(steps);
+  if (!side.remark.empty()) json["remark"] = side.remark;
+  return json;
+}
+
+Json json_of(const lab::Difference& found) {
+  Json json{{"same", found.same()}, {"compared_s", to_seconds(found.compared)}};
+  json["constructs"] = Json::array();
+  for (const auto& c : found.constructs)
+    json["constructs"].push_back({{"kind", c.kind}, {"name", c.name}, {"a", c.a}, {"b", c.b}});
+  json["first"] = !found.first ? Json()
+                               : Json{{"environment", found.first->environment},
+                                      {"t_s", to_seconds(found.first->t)},
+                                      {"a", json_of(found.first->a)},
+                                      {"b", json_of(found.first->b)}};
+  json["outcomes"] = Json::array();
+  for (const auto& o : found.outcomes) {
+    const auto value = [](const std::string& text) {
+      return text.empty() ? Json() : Json::parse(text, nullptr, false);
+    };
+    json["outcomes"].push_back({{"path", o.path}, {"a", value(o.a)}, {"b", value(o.b)}});
+  }
+  return json;
+}
+
+void print(const char* name, const lab::Difference::Side& side) {
+  if (side.because)
+    std::printf("%s: %s", name, inspect::text_of(inspect::tree_of(*side.because, false)).c_str());
+  else
+    std::printf("%s: nothing more\n", name);
+  if (!side.remark.empty()) std::printf("   %s\n", side.remark.c_str());
+}
+
+void print(const lab::Difference& found) {
+  for (const auto& c : found.constructs) {
+    std::printf("%s %s ", c.kind.c_str(), c.name.c_str());
+    if (c.a.empty() || c.b.empty())
+      std::printf("is only in %s: %s\n", c.a.empty() ? "b" : "a", (c.a.empty() ? c.b : c.a).c_str());
+    else
+      std::printf("is written differently: %s (a), %s (b)\n", c.a.c_str(), c.b.c_str());
+  }
+  if (!found.first) {
+    std::printf("all that rules did up to %s is the same\n", inspect::seconds_text(found.compared).c_str());
+  } else {
+    std::printf("the same before %s; what differs first, in %s:\n", inspect::seconds_text(found.first->t).c_str(),
+                found.first->environment.c_str());
+    print("a", found.first->a);
+    print("b", found.first->b);
+  }
+  if (found.outcomes.empty()) return;
+  constexpr std::size_t kShown = 30;
+  std::printf("%-44s %16s %16s\n", "result", "a", "b");
+  for (std::size_t i = 0; i < found.outcomes.size() && i < kShown; ++i) {
+    const auto& o = found.outcomes[i];
+    std::printf("%-44s %16s %16s\n", o.path.c_str(), o.a.empty() ? "-" : o.a.c_str(), o.b.empty() ? "-" : o.b.c_str());
+  }
+  if (found.outcomes.size() > kShown) std::printf("and %zu more (--json has all)\n", found.outcomes.size() - kShown);
+}
+
+int diff(const DiffOptions& options) {
+  auto a = lab::RecordedRun::open(options.a, catalogue());
+  if (!a) return fail(a.error());
+  auto b = lab::RecordedRun::open(options.b, catalogue());
+  if (!b) return fail(b.error());
+  a->options.programs = b->options.programs = options.trust_programs;
+  Console console(true);
+  const auto found = lab::difference(*a, *b, console.host());
+  if (const int code = interrupted("the runs were not compared")) return code;
+  if (!found) return fail(found.error());
+  if (options.json)
+    std::printf("%s\n", json_text(json_of(*found), 2).c_str());
+  else
+    print(*found);
+  return found->same() ? 0 : static_cast<int>(ErrorKind::kNo);
+}
+
+}  // namespace
+
+void add_diff(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DiffOptions>();
+  CLI::App* command = app.add_subcommand(
+      "diff", "Says where the rules of two recorded runs part first, what led to it, and what came of it");
+  add_limit_options(*command);
+  command->add_option("a", options->a, "Folder of a run")->required();
+  command->add_option("b", options->b, "Folder of another run")->required();
+  add_trust_programs(*command, options->trust_programs);
+  command->add_flag("--json", options->json, "The answer as JSON");
+  command->footer(
+      "Exit code 0: the rules did the same, and the results agree; 1: they differ. It names constructs that are "
+      "written\n"
+      "differently, the first event of rules that differs, and what of result.json does.\n"
+      "Example:\n  cxlab diff runs/game-1 runs/game-2");
+  command->callback([options, &action] { action = [options] { return diff(*options); }; });
+}
+
+}  // namespace cxlab::app

@@ -1,0 +1,41 @@
+#pragma once
+// What all questions about a recorded run share: which run, which environment, when, and how it is printed.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/command.h"
+#include "lab/moment.h"
+
+namespace cxlab::app {
+
+struct Question {
+  std::string run, environment;
+  std::optional<double> at, from, to;  ///< s
+  bool trust_programs = false, json = false;
+};
+
+/// Declares RUN, `--env`, `--trust-programs`, `--json`, and the limits; of times only `--at`, or `--from` and `--to`
+/// too.
+enum class Times { kAt, kStretch, kAtOrStretch };
+void add_question(CLI::App& command, Question& question, Times times);
+
+/// What is asked of each environment.
+struct Answer {
+  std::string text;             ///< lines
+  nlohmann::ordered_json json;  ///< null: the text is the whole answer, of one environment
+};
+using Ask = std::function<Expected<Answer>(inspect::Inspector&)>;
+/// Plays the run's rules up to the time, asks each environment, and prints. An environment that does not know what is
+/// asked about is left out as long as another one knows it. Gives the exit code.
+int ask(const Question& question, const Ask& ask, lab::Moment::Options options = {});
+
+/// Of the stretch: from the start to the end where nothing is said.
+SimTime from_of(const Question& question);
+SimTime to_of(const Question& question);
+
+}  // namespace cxlab::app

@@ -1,0 +1,382 @@
+"""cxlab facts, agenda, globals, firings, rules and why: questions about a moment of a recorded run."""
+
+import collections
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+CXLAB = os.environ["CXLAB"]
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+GAME = SOURCE / "scenarios/rcll/game.yaml"
+
+AGENT = """(deftemplate job (slot id) (slot state (default OPEN)) (slot worker (default NONE)))
+(defglobal ?*limit* = 2)
+(deffacts jobs (job (id 2)) (job (id 1)) (free a))
+(defrule begin
+  (time ?now&:(>= ?now 1))
+  ?j <- (job (id ?id) (state OPEN))
+  ?f <- (free ?who)
+  =>
+  (retract ?f)
+  (modify ?j (state BUSY) (worker ?who))
+  (assert (work ?id ?who (+ ?now 1))))
+(defrule end
+  (time ?now)
+  ?w <- (work ?id ?who ?until&:(>= ?now ?until))
+  ?j <- (job (id ?id) (state BUSY))
+  =>
+  (retract ?w)
+  (modify ?j (state DONE))
+  (bind ?*limit* (- ?*limit* 1))
+  (assert (free ?who)))
+(defrule never (job (id ?id) (state LOST)) => (assert (lost ?id)))
+(defrule robbed (declare (salience -1)) (time ?now&:(>= ?now 1)) (free ?who) (job (state OPEN)) => (assert (idle ?who)))
+"""
+
+
+def values(record):
+    """The slots of a fact's record, as --json has them."""
+    return {name: value for name, value in record["data"]["slots"].items()}
+
+
+class Lab(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="cxlab-questions-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def cxlab(self, *arguments, expect=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=120)
+        self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout[-2000:]}\n{done.stderr}")
+        return done
+
+    def answer(self, *arguments):
+        return json.loads(self.cxlab(*arguments, "--json").stdout)["environments"][0]
+
+    def agent(self, rules=AGENT, until=6, out="run"):
+        package = self.folder / "mine"
+        (package / "params").mkdir(parents=True, exist_ok=True)
+        (package / "params/mine.yaml").write_text("""
+clips_manager:
+  ros__parameters:
+    environments: ["main"]
+    main: {plugins: ["executive", "files"]}
+    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 2}
+    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["mine"], load: ["mine.clp"]}
+""")
+        (package / "mine.clp").write_text(rules)
+        run = self.folder / out
+        self.cxlab("env", package / "params/mine.yaml", "--until", until, "--quiet", "--out", run, "--journal", "full")
+        return run
+
+
+class Questions(Lab):
+    def test_facts_at_a_time_with_who_made_and_changed_them(self):
+        run = self.agent()
+        states = lambda at: [f["slots"]["state"] for f in self.answer("facts", run, "job", "--at", at)["facts"]]
+        self.assertEqual(states(0.5), ["OPEN", "OPEN"])
+        self.assertEqual(states(1), ["OPEN", "BUSY"])
+        # The worker is free again at 2 s, and begins at once.
+        self.assertEqual(states(2), ["BUSY", "DONE"])
+        self.assertEqual(states(6), ["DONE", "DONE"])
+        first = self.answer("facts", run, "(job (id 1))")["facts"][0]
+        self.assertEqual([(c["t_s"], c["what"], c["by"].get("name")) for c in first["changes"]],
+                         [(0.0, "assert", None), (1.0, "modify", "begin"), (2.0, "modify", "end")])
+        self.assertEqual(first["changes"][0]["by"]["kind"], "start")
+        text = self.cxlab("facts", run, "(job (id 1))", "--at", 1).stdout
+        self.assertRegex(text, r"after the tick at 1.000 s:\nf-\d+ +\(job \(id 1\) \(state BUSY\) \(worker a\)\)\n"
+                               r" +asserted at 0.000 s by the start of the environment; changed once at 1.000 s by rule begin\n")
+        self.assertRegex(self.cxlab("facts", run, "(job (id 1))", "--changes").stdout,
+                         r"1.000 s  changed   by rule begin: state = BUSY \(was OPEN\), worker = a \(was NONE\)\n")
+        index = self.answer("facts", run, "(job (id 2))")["facts"][0]["fact"]
+        self.assertEqual(self.answer("facts", run, index)["facts"][0]["slots"]["id"], 2)
+
+    def test_facts_of_a_stretch_are_those_that_were_there(self):
+        run = self.agent()
+        work = lambda *more: [(f["slots"]["implied"][0], f["present"]) for f in self.answer("facts", run, "work", *more)["facts"]]
+        self.assertEqual(work("--from", 0, "--to", 0.5), [])
+        self.assertEqual(work("--from", 0, "--to", 1), [(1, True)])
+        self.assertEqual(work("--from", 1.5, "--to", 1.9), [(1, True)])
+        self.assertEqual(work("--from", 2.1, "--to", 6), [(2, False)])
+        self.assertEqual(work("--from", 0), [(1, False), (2, False)])
+        self.assertEqual(work("--to", "0:06"), [(1, False), (2, False)])
+        self.assertEqual(work("--from", 3.1), [])
+
+    def test_firings_have_times_and_values(self):
+        run = self.agent()
+        begin = self.answer("firings", run, "begin")["firings"]
+        self.assertEqual([(f["t_s"], f["values"]["id"], f["values"]["who"]) for f in begin], [(1.0, "1", "a"), (2.0, "2", "a")])
+        self.assertEqual(begin[0]["facts"][1:], ["(job (id 1) (state OPEN) (worker NONE))", "(free a)"])
+        self.assertEqual(len(self.answer("firings", run, "MAIN::begin", "--from", 1.5)["firings"]), 1)
+        self.assertEqual(self.answer("firings", run, "never")["firings"], [])
+        self.assertIn("2.000 s  end  ?now = 2.0 ?id = 1 ?who = a ?until = 2.0\n", self.cxlab("firings", run, "end").stdout)
+
+    def test_globals_and_the_agenda(self):
+        run = self.agent("(defmodule MAIN (export ?ALL))\n" + AGENT + "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::wait (declare (salience 5)) (job (id ?id)) => )\n")
+        self.assertEqual([self.answer("globals", run, "--at", at)["globals"]["limit"] for at in (1, 2, 6)], [2, 1, 0])
+        self.assertIn("?*limit* = 0\n", self.cxlab("globals", run).stdout)
+        agenda = self.answer("agenda", run)["agenda"]
+        self.assertEqual([(a["module"], a["rule"], a["salience"], len(a["facts"])) for a in agenda], 2 * [("SIDE", "wait", 5, 1)])
+        self.assertRegex(self.cxlab("agenda", run).stdout, r"\n     5  SIDE::wait: f-\d+\n     5  SIDE::wait: f-\d+\n$")
+
+    def test_rules_that_fired_waited_in_vain_or_never_matched(self):
+        run = self.agent()
+        rules = {r["rule"]: r for r in self.answer("rules", run)["rules"]}
+        self.assertEqual([rules[r]["fired"] for r in ("begin", "end", "never", "robbed")], [2, 2, 0, 0])
+        # At 1 s both jobs wait for the worker, at 2 s one of them.
+        self.assertEqual((rules["begin"]["activated"], rules["robbed"]["activated"]), (2 + 1, 2 + 1))
+        self.assertEqual(rules["end"]["last_s"], 3.0)
+        self.assertEqual(rules["never"]["unmet"]["condition"], 1)
+        self.assertIn("state is DONE, not LOST", rules["never"]["unmet"]["because"])
+        text = self.cxlab("rules", run).stdout
+        self.assertRegex(text, r"on the agenda, but never fired:\n  robbed \(mine/mine.clp:22\): 3 times\n")
+        self.assertRegex(text, r"never on the agenda, with what they lack now:\n  never \(mine/mine.clp:21\)\n    condition 1: ")
+
+    def test_why_follows_a_fact_to_the_start(self):
+        run = self.agent()
+        steps = self.answer("why", run, "(job (id 2))")["steps"]
+        self.assertEqual((steps[0]["kind"], steps[0]["text"]), ("modify", "(job (id 2) (state DONE) (worker a))"))
+        rules = [s["text"] for s in steps if s["kind"] == "fire"]
+        self.assertEqual(rules[:2], ["end", "begin"])
+        self.assertEqual(steps[1]["values"], {"now": "3.0", "id": "2", "who": "a", "until": "3.0"})
+        text = self.cxlab("why", run, "(job (id 2))").stdout
+        self.assertRegex(text, r"└─ rule end \(mine/mine.clp:12\) at 3.000 s  \?now = 3.0 \?id = 2 \?who = a \?until = 3.0\n")
+        self.assertRegex(text, r"├─ \(work 2 a 3.0\)  asserted at 2.000 s\n.*└─ rule begin \(mine/mine.clp:4\) at 2.000 s")
+        # A rule that stands above is not followed again, and each fact says who made it.
+        self.assertRegex(text, r"\(free a\)  asserted at 2.000 s by rule end\n")
+        whole = self.cxlab("why", run, "(job (id 2))", "--whole").stdout
+        self.assertGreater(whole.count("\n"), text.count("\n"))
+        self.assertIn("(free a)  asserted at 0.000 s, by the start of the environment", whole)
+
+    def test_why_of_a_fact_that_has_gone_and_of_a_firing(self):
+        run = self.agent()
+        gone = self.answer("why", run, "(work 1 a 2.0)")["steps"][0]
+        self.assertEqual((gone["kind"], gone["t_s"]), ("retract", 2.0))
+        self.assertEqual(self.answer("why", run, "begin", "--at", 1.5)["steps"][0]["values"]["id"], "1")
+        self.assertIn("has not fired up to then", self.cxlab("why", run, "end", "--at", 1.5, expect=1).stderr)
+        picture = self.cxlab("why", run, "(job (id 2))", "--svg").stdout
+        self.assertTrue(picture.startswith("<svg ") and picture.endswith("</svg>\n"))
+        self.assertIn("rule end (mine/mine.clp:12) at 3.000 s", picture)
+
+    def test_what_does_not_exist_is_named_with_the_nearest(self):
+        run = self.agent()
+        for arguments, said in ((["facts", run, "jop"], "there is no template 'jop', did you mean 'job'"),
+                                (["facts", run, "(job (stat OPEN))"], "has no slot 'stat', did you mean 'state'"),
+                                (["facts", run, "f-99"], "there is no fact f-99"),
+                                (["facts", run, "(job"], "error:"),
+                                (["firings", run, "bigin"], "there is no rule 'bigin', did you mean 'begin'"),
+                                (["why", run, "bigin"], "there is neither a rule nor a template 'bigin', did you mean 'begin'"),
+                                (["agenda", run, "--env", "mian"], "has no environment 'mian', did you mean 'main'?; it has main"),
+                                (["facts", self.folder / "nowhere"], "there is no folder of a run")):
+            self.assertIn(said, self.cxlab(*arguments, expect=3).stderr)
+        for arguments, said in ((["facts", run, "--at", 7], "--at: the run ends at 6 s"),
+                                (["firings", run, "--to", "0:07"], "--to: the run ends at 6 s"),
+                                (["firings", run, "--from", 3, "--to", 2], "--from is after --to"),
+                                (["facts", run, "--at", 1, "--to", 2], "--at excludes --to"),
+                                (["facts", run, "--at", "1:60"], "--at: found '1:60'"),
+                                (["why", run], "what is required")):
+            self.assertIn(said, self.cxlab(*arguments, expect=2).stderr)
+
+    def test_answers_are_the_same_each_time(self):
+        run = self.agent()
+        for question in (["facts", run, "--changes"], ["firings", run], ["rules", run], ["why", run, "(job (id 2))", "--whole"]):
+            self.assertEqual(self.cxlab(*question).stdout, self.cxlab(*question).stdout)
+
+
+class TimeTravel(Lab):
+    """cxlab attach on a run that is over."""
+
+    def travel(self, run, *commands, expect=0):
+        return self.cxlab("attach", run, *(word for c in commands for word in ("-c", c)), expect=expect).stdout.splitlines()
+
+    def test_back_and_forth_gives_the_same_moments(self):
+        run = self.agent()
+        there = self.travel(run, "where", "at 1", "facts job", "until end", "facts job", "at 1", "facts job", "until 5:00", "where")
+        self.assertEqual(there[0], "at the end of the run, 6.000 s")
+        self.assertEqual(there[1], "at: main at 1.000 s, at the beginning of a tick")
+        self.assertEqual(there[2:4], there[8:10] if there[7].startswith("at: main at 1.000 s") else there[-1])
+        self.assertRegex(there[4], r"^end: main at 2.000 s, before rule end \(salience 0\) fires for f-\d+ f-\d+ f-\d+$")
+        self.assertIn("(job (id 1) (state BUSY) (worker a))", " ".join(there[5:7]))
+        self.assertEqual(there[-1], "at the end of the run, 6.000 s")
+
+    def test_back_is_the_inverse_of_step(self):
+        run = self.agent()
+        for begin in ("at 2", "at 3.5", "until begin"):
+            at = ["at 0", begin] if begin.startswith("until") else [begin]
+            there = self.travel(run, *at, "step", "step", "where", "back", "where", "step", "where", "back 2", "step 2", "where")
+            places = [line for line in there if line.startswith("main at ")]
+            self.assertEqual(places[0], places[2])
+            self.assertEqual(places[0], places[3])
+            self.assertNotEqual(places[0], places[1])
+
+    def test_back_until_finds_who_did_it_last(self):
+        run = self.agent()
+        there = self.travel(run, "back-until (job (id 1) (state DONE))", "facts (job (id 1))", "step", "facts (job (id 1))",
+                            "back-until begin", "why-not end")
+        self.assertIn("at 2.000 s, before rule end ", there[0])
+        self.assertIn("BUSY", there[1])
+        self.assertIn("DONE", there[3])
+        self.assertIn("at 1.000 s, before rule begin ", there[4])
+        self.assertIn("begin did not fire before", self.cxlab("attach", run, "-c", "back-until begin", "-c", "back-until begin",
+                                                              "-c", "back-until begin", expect=1).stderr)
+
+    def test_what_is_evaluated_changes_nothing(self):
+        run = self.agent()
+        there = self.travel(run, "at 1", "facts job", "(modify 1 (state LOST))", "(bind ?*limit* 9)", "globals", "facts job", "step",
+                            "where", "(+ 1 ?*limit*)", "until 2", "where")
+        self.assertEqual(there[1:3], [line for line in there if line.startswith("f-")][-2:])
+        self.assertIn("?*limit* = 2", there)
+        self.assertIn("3", there)
+        self.assertIn("main at 2.000 s, at the beginning of a tick", there)
+        self.assertEqual(self.cxlab("replay", run).returncode, 0)
+
+    def test_questions_on_the_way(self):
+        run = self.agent()
+        there = self.travel(run, "at 2.5", "firings", "changes (job (id 1))", "why (job (id 1))")
+        self.assertTrue(any(re.match(r" +1.000 s  begin  .*\?id = 1", line) for line in there))
+        self.assertFalse(any("3.000 s" in line and "begin" in line for line in there))
+        self.assertTrue(any(line.startswith("└─ rule end") for line in there))
+
+    def test_wrong_commands_say_what_is_wrong(self):
+        run = self.agent()
+        for command, said in (("at x", "found 'x', expected a time"), ("at 7", "the run ends at 6 s"), ("back 0", "expected a number from 1"),
+                              ("back 999", "no rule fired before that often"), ("back-until bigin", "did you mean 'begin'"),
+                              ("back-until (jop)", "there is no template 'jop'"), ("back-until (free z)", "was not made before"),
+                              ("continue", "this is the end of the run"), ("step", "this is the end of the run")):
+            self.assertIn(said, self.cxlab("attach", run, "-c", command, expect=1).stderr, command)
+
+
+class TwoRuns(Lab):
+    def test_the_same_runs_have_no_difference(self):
+        a, b = self.agent(), self.agent(out="other")
+        self.assertEqual(self.cxlab("diff", a, b).stdout, "all that rules did up to 6.000 s is the same\n")
+        self.assertEqual(self.cxlab("rules", a, "--against", b).stdout, "the same rules fired in both runs\n")
+
+    def test_diff_names_the_changed_rule_or_its_first_consequence(self):
+        a = self.agent()
+        changes = [("begin", ">= ?now 1)", ">= ?now 1.5)", 1.0, "condition 1"), ("end", "(state DONE))", "(state GONE))", 2.0, ""),
+                   ("end", ">= ?now ?until", "> ?now ?until", 2.0, "condition 2"), ("begin", "(free ?who)\n", "(free ?who&~a)\n", 1.0, "condition 3"),
+                   ("begin", "(+ ?now 1)", "(+ ?now 2)", 1.0, ""),
+                   ("begin", "(retract ?f)", "", 1.0, "")]
+        for i, (rule, old, new, at, said) in enumerate(changes):
+            self.assertIn(old, AGENT)
+            b = self.agent(AGENT.replace(old, new, 1), out=f"changed{i}")
+            found = json.loads(self.cxlab("diff", a, b, "--json", expect=1).stdout)
+            self.assertEqual([(c["kind"], c["name"]) for c in found["constructs"]], [("defrule", rule)], rule)
+            first = found["first"]
+            self.assertEqual((first["environment"], first["t_s"]), ("main", at), rule)
+            self.assertNotEqual((first["a"]["what"], first["a"].get("remark")), (first["b"]["what"], first["b"].get("remark")))
+            names = json.dumps([first["a"], first["b"]])
+            self.assertIn(rule, names)
+            self.assertIn(said, names)
+
+    def test_a_change_that_changes_nothing_is_named_and_no_difference(self):
+        a, b = self.agent(), self.agent(AGENT.replace("(lost ?id)", "(gone ?id)"), out="other")
+        found = json.loads(self.cxlab("diff", a, b, "--json").stdout)
+        self.assertEqual((found["same"], [c["name"] for c in found["constructs"]]), (True, ["never"]))
+
+    def test_what_came_of_it(self):
+        a, b = self.agent(), self.agent(AGENT.replace("(declare (salience -1))", "(declare (salience 1))"), out="robbed")
+        found = self.cxlab("diff", a, b, expect=1).stdout
+        self.assertRegex(found, r"^defrule robbed is written differently: mine/mine.clp:22 \(a\), mine/mine.clp:22 \(b\)\n"
+                                r"the same before 1.000 s; what differs first, in main:\na: rule begin .*\n")
+        self.assertIn("\nb: rule robbed", found)
+        self.assertEqual(self.answer("rules", a, "--against", b), {
+            "environment": "main", "only_in_a": [], "only_in_b": [{"rule": "robbed", "fired": 3, "exists_in_other": True}]})
+        longer = self.agent(until=8, out="longer")
+        found = json.loads(self.cxlab("diff", a, longer, "--json", expect=1).stdout)
+        self.assertEqual((found["first"], found["compared_s"]), (None, 6.0))
+        self.assertIn({"path": "sim_time_s", "a": 6.0, "b": 8.0}, found["outcomes"])
+
+    def test_wrong_runs(self):
+        a = self.agent()
+        self.assertIn("there is no folder of a run", self.cxlab("diff", a, "nowhere", expect=3).stderr)
+        self.assertIn("required", self.cxlab("diff", a, expect=2).stderr)
+        self.assertIn("there is no folder of a run", self.cxlab("rules", a, "--against", "nowhere", expect=3).stderr)
+        (self.folder / "run/inputs.bin").write_bytes(b"nothing")
+        self.assertIn("the log of its inputs is cut off", self.cxlab("diff", a, a, expect=3).stderr)
+
+
+class AgainstTheJournal(Lab):
+    """Answers of the replay against what the game itself wrote."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.game = Path(tempfile.mkdtemp(prefix="cxlab-questions-"))
+        cls.addClassCleanup(shutil.rmtree, cls.game)
+        cls.run_folder = cls.game / "run"
+        subprocess.run([CXLAB, "run", GAME, "--tier", "timed", "--until", "240", "--quiet", "--journal", "full", "--out", cls.run_folder],
+                       check=True, timeout=300)
+        records = map(json.loads, (cls.run_folder / "journal.jsonl").read_text().splitlines())
+        cls.records = [r for r in records if r["stream"] == "env/agent"]
+
+    def facts_at(self, nanoseconds):
+        facts = {}
+        for record in self.records:
+            if record["t"] > nanoseconds:
+                break
+            data = record["data"]
+            if record["kind"] in ("assert", "decision"):
+                facts[data["fact"]] = (data["template"], dict(data["slots"]))
+            elif record["kind"] == "modify":
+                facts[data["fact"]][1].update(data["slots"])
+            elif record["kind"] == "retract":
+                del facts[data["fact"]]
+        return facts
+
+    @staticmethod
+    def comparable(template, slots):
+        def plain(value):
+            if isinstance(value, dict):  # a handle, a fact
+                return "address"
+            if isinstance(value, str) and value.startswith("<"):
+                return "address"
+            return [plain(v) for v in value] if isinstance(value, list) else value
+        return template, json.dumps({name: plain(value) for name, value in slots.items()}, sort_keys=True)
+
+    def test_facts_at_random_moments(self):
+        chance = random.Random(11)
+        for at in [0] + [chance.randrange(0, 2400) / 10 for _ in range(7)]:
+            expected = collections.Counter(self.comparable(*f) for f in self.facts_at(round(at * 1e9)).values())
+            found = collections.Counter(self.comparable(f["template"], f["slots"])
+                                        for f in self.answer("facts", self.run_folder, "--at", at)["facts"])
+            self.assertEqual(found - expected, collections.Counter(), at)
+            self.assertEqual(expected - found, collections.Counter(), at)
+
+    def test_firings_are_those_of_the_journal(self):
+        found = [(f["n"], f["t_s"], f["rule"]) for f in self.answer("firings", self.run_folder)["firings"]]
+        # Without those of the shutdown, after the last tick.
+        expected = [(r["n"], r["t"] / 1e9, r["data"]["rule"]) for r in self.records if r["kind"] == "fire"]
+        while expected[-1][2].startswith("finalize-"):
+            expected.pop()
+        self.assertEqual(found, expected)
+
+    def test_why_of_random_facts_has_all_causes_up_to_the_outside(self):
+        by_n = {record["n"]: record for record in self.records}
+        chance = random.Random(12)
+        asserted = [r for r in self.records if r["kind"] == "assert" and r["cause"] and r["t"] > 0]
+        for record in chance.sample(asserted, 8):
+            steps = self.answer("why", self.run_folder, self.pattern_of(record), "--at", record["t"] / 1e9)["steps"]
+            known = {step["n"] for step in steps}
+            for step in steps:
+                causes = by_n[step["n"]]["cause"]
+                own = sorted({int(c.split(":")[1]) for c in causes if c.startswith("env/agent:")}, reverse=True)
+                self.assertEqual([steps[i]["n"] for i in step["because"]], own)
+                self.assertEqual([c for c in causes if not c.startswith("env/agent:")], [step["outside"]] if "outside" in step else [])
+                self.assertTrue(set(own) <= known)
+
+    @staticmethod
+    def pattern_of(record):
+        slots = record["data"]["slots"]
+        if "implied" in slots:
+            return f"({record['data']['template']} $?)"
+        return f"({record['data']['template']})"
+
+
+if __name__ == "__main__":
+    unittest.main()
