@@ -28,6 +28,7 @@ void add_why(CLI::App& app, Action& action);
 void add_why_not(CLI::App& app, Action& action);
 void add_rules(CLI::App& app, Action& action);
 void add_diff(CLI::App& app, Action& action);
+void add_check(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_doc(CLI::App& app, Action& action);

@@ -1,0 +1,88 @@
+// cxlab check: what is wrong in a rule base, without running it.
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/arguments.h"
+#include "app/command.h"
+#include "app/console.h"
+#include "app/suggestions.h"
+#include "cx/base/json_text.h"
+#include "lab/check.h"
+
+namespace cxlab::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CheckCommand {
+  lab::CheckOptions check;
+  std::string graph;
+  bool json = false;
+};
+
+void print_json(const lab::Checked& checked) {
+  Json findings = Json::array();
+  for (const check::Finding& finding : checked.findings)
+    findings.push_back(
+        {{"file", finding.file}, {"line", finding.line}, {"code", finding.code}, {"message", finding.message}});
+  std::printf("%s\n", json_text(Json{{"files", checked.files}, {"rules", checked.rules}, {"findings", findings}}, 2).c_str());
+}
+
+void print_text(const lab::Checked& checked) {
+  for (const check::Finding& finding : checked.findings) std::printf("%s\n", printable(finding.text()).c_str());
+  const std::size_t found = checked.findings.size();
+  std::printf("%zu rules in %zu files: %s\n", checked.rules, checked.files,
+              found == 0 ? "nothing found" : (std::to_string(found) + (found == 1 ? " finding" : " findings")).c_str());
+}
+
+int check_command(const CheckCommand& command) {
+  lab::CheckOptions options = command.check;
+  const std::filesystem::path graph(command.graph);
+  if (!command.graph.empty()) {
+    if (graph.extension() != ".svg" && graph.extension() != ".dot")
+      return fail(usage_error("--graph: found '" + command.graph + "', expected a file that ends in .svg or .dot"));
+    options.graph = true;
+    options.dot = graph.extension() == ".dot";
+  }
+  // Opened before this process gives up its rights to files of the user (cx/wall/wall.h).
+  const auto close = [](std::FILE* file) { return std::fclose(file); };
+  std::unique_ptr<std::FILE, decltype(close)> drawing(
+      command.graph.empty() ? nullptr : std::fopen(command.graph.c_str(), "w"), close);
+  if (!command.graph.empty() && !drawing) return fail(resource_error("cannot be written", command.graph));
+  Console console(true);
+  const auto checked = lab::check_rules(options, catalogue(), console.host());
+  if (const int code = interrupted("the rules were not examined to the end")) return code;
+  if (!checked) return fail(checked.error());
+  if (drawing && (std::fputs(checked->graph.c_str(), drawing.get()) < 0 || std::fflush(drawing.get()) != 0))
+    return fail(resource_error("cannot be written", command.graph));
+  command.json ? print_json(*checked) : print_text(*checked);
+  return checked->findings.empty() ? 0 : static_cast<int>(ErrorKind::kNo);
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Action& action) {
+  auto options = std::make_shared<CheckCommand>();
+  CLI::App* command = app.add_subcommand("check", "Examines rules without running them (docs/check.md)");
+  command->footer(
+      "Examples:\n  cxlab check rcll/game\n  cxlab check my_agent/params/agent.yaml --graph rules.svg\n  cxlab check "
+      "my_agent/clips/*.clp\nA comment '; check: allow CODE' at the end of a line, or above it, silences a finding.\n"
+      "Exit codes: 0 nothing found; 1 findings; 3 an input cannot be read or loaded.");
+  suggest(command->add_option("inputs", options->check.inputs,
+                              "Scenarios, configurations of the CLIPS-Executive (YAML), or rule files, which are one "
+                              "rule base")
+              ->required(),
+          scenario_names, /*files=*/true);
+  once_each(command->add_option("--param", options->check.params, "NODE.NAME=VALUE: changes a parameter of configurations"));
+  add_package_options(*command, options->check.packages);
+  command->add_option("--graph", options->graph,
+                      "Draws which rules produce and consume which facts: FILE.svg, or FILE.dot for Graphviz");
+  command->add_flag("--json", options->json, "The findings as JSON");
+  command->callback([options, &action] { action = [options] { return check_command(*options); }; });
+}
+
+}  // namespace cxlab::app

@@ -1,0 +1,138 @@
+// Facts, slots and symbols that nothing gives or takes.
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cx/check/judge.h"
+
+namespace cxlab::check {
+
+namespace {
+
+struct Known {
+  std::set<std::string> asserted, read;
+  std::map<std::string, const Touch*> first_assert, first_read;  // in files that are judged
+};
+
+Known known_of(const RuleBase& base) {
+  Known known;
+  for (const Touch& touch : base.touches()) {
+    const bool reads = touch.how == How::kRead || touch.how == How::kReadNot;
+    if (touch.how == How::kAssert) known.asserted.insert(touch.template_name);
+    if (reads) known.read.insert(touch.template_name);
+    if (!touch.by->judged()) continue;
+    if (touch.how == How::kAssert) known.first_assert.emplace(touch.template_name, &touch);
+    if (reads) known.first_read.emplace(touch.template_name, &touch);
+  }
+  return known;
+}
+
+bool is_outside(const RuleBase& base, const std::string& name) {
+  return base.outside().templates.contains(name) || base.outside().facts.contains(name) || base.is_mentioned(name) ||
+         name == "initial-fact";
+}
+
+std::vector<std::string> list(const std::set<std::string>& names) { return {names.begin(), names.end()}; }
+
+void judge_templates(const RuleBase& base, const Known& known, Findings& findings) {
+  std::set<std::string> names = known.asserted;
+  names.insert(known.read.begin(), known.read.end());
+  for (const auto& [name, defined] : base.templates()) names.insert(name);
+  const bool doubts_little = base.outside().open;
+  for (const std::string& name : names) {
+    if (is_outside(base, name)) continue;
+    const bool asserted = known.asserted.contains(name), read = known.read.contains(name);
+    if (asserted && read) continue;
+    const auto defined = base.templates().find(name);
+    const bool by_template = defined != base.templates().end();
+    const auto reader = known.first_read.find(name), writer = known.first_assert.find(name);
+    const std::string meant_name = meant(name, list(asserted ? known.read : known.asserted));
+    const std::string hint = meant_name.empty() ? "" : ", did you mean '" + meant_name + "'?";
+    if (doubts_little && meant_name.empty()) continue;
+    if (!asserted && !read) {
+      add(findings, defined->second.defined->place, "unused-template",
+          "nothing asserts or reads facts of template '" + name + "'; use it or remove it");
+    } else if (!asserted && !base.asserts_unknown()) {
+      if (reader == known.first_read.end()) continue;
+      const std::string at = reader->second->place.text();
+      if (by_template && hint.empty())
+        add(findings, defined->second.defined->place, "never-asserted",
+            "nothing asserts facts of template '" + name + "', which '" + reader->second->by->name + "' reads at " + at +
+                "; assert them or remove what reads them");
+      else
+        add(findings, reader->second->place, "never-asserted",
+            "nothing asserts the facts '" + name + "' that '" + reader->second->by->name + "' reads" +
+                (hint.empty() ? "; assert them or remove what reads them" : hint));
+    } else if (asserted) {
+      if (writer == known.first_assert.end()) continue;
+      if (by_template && hint.empty())
+        add(findings, defined->second.defined->place, "never-read",
+            "no rule reads facts of template '" + name + "', which '" + writer->second->by->name + "' asserts at " +
+                writer->second->place.text() + "; read them or do not assert them");
+      else
+        add(findings, writer->second->place, "never-read",
+            "no rule reads the facts '" + name + "' that '" + writer->second->by->name + "' asserts" +
+                (hint.empty() ? "; read them or do not assert them" : hint));
+    }
+  }
+}
+
+void judge_symbols(const RuleBase& base, Findings& findings) {
+  std::map<std::string, std::vector<std::string>> tested;  // by value: for what is near
+  for (const Test& test : base.tests()) {
+    if (!test.place.source->judged) continue;
+    const Values values = base.possible(test.value);
+    if (values.symbols.contains(test.symbol)) continue;
+    if (values.symbols.empty() && !values.open) continue;  // its facts are not asserted at all, which is said
+    std::vector<std::string> known;
+    for (const auto& [symbol, by] : values.symbols) known.push_back(symbol);
+    const std::string near = meant(test.symbol, known);
+    const bool uncertain = values.open || base.outside().open || base.asserts_unknown();
+    if (uncertain && (near.empty() || base.is_mentioned(test.symbol))) continue;
+    std::string message = (test.what.starts_with('?') ? test.what + " is" : test.what + " is") + " never " + test.symbol;
+    if (!near.empty())
+      message += ", did you mean '" + near + "'?";
+    else
+      message += "; expected " + (known.empty() ? "no symbol" : "one of: " + some_of(known, 6));
+    add(findings, test.place, "unknown-symbol", message);
+  }
+}
+
+void judge_slots(const RuleBase& base, const Known& known, Findings& findings) {
+  for (const auto& [name, defined] : base.templates()) {
+    if (is_outside(base, name) || !known.asserted.contains(name) || base.asserts_unknown() || base.outside().open)
+      continue;
+    if (!defined.defined->judged()) continue;
+    for (const auto& [slot_name, slot] : defined.slots) {
+      const Place place{defined.defined->place.source, slot.line};
+      if (!base.is_set(name, slot_name) && base.is_read(name, slot_name) && !slot.has_default) {
+        add(findings, place, "never-set",
+            "rules read slot '" + slot_name + "' of '" + name +
+                "', which nothing sets and which has no default; set it or remove it");
+        continue;
+      }
+      const std::string key = "s:" + name + '.' + slot_name;
+      const Values values = base.possible(key);
+      if (values.open) continue;
+      for (const auto& [symbol, line] : slot.allowed) {
+        const bool is_tested = std::ranges::any_of(
+            base.tests(), [&](const Test& test) { return test.value == key && test.symbol == symbol; });
+        if (!values.symbols.contains(symbol) && !is_tested)
+          add(findings, {place.source, line}, "never-set",
+              "slot '" + slot_name + "' of '" + name + "' is never " + symbol + "; set it or do not allow it");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void judge_facts(const RuleBase& base, Findings& findings) {
+  const Known known = known_of(base);
+  judge_templates(base, known, findings);
+  judge_symbols(base, findings);
+  judge_slots(base, known, findings);
+}
+
+}  // namespace cxlab::check

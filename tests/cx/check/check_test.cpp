@@ -1,0 +1,304 @@
+// Defects that are seeded into an honest rule base are found where they are, and nothing else is found.
+
+#include "cx/check/check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cx/check/graph.h"
+
+namespace cxlab::check {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// An honest agent: everything is asserted, read, set and used.
+constexpr const char* kHonest = R"((defglobal ?*LIMIT* = 3)
+(deftemplate robot
+  (slot name (type SYMBOL))
+  (slot state (type SYMBOL) (allowed-values IDLE BUSY BROKEN) (default IDLE)))
+(deftemplate job
+  (slot id (type INTEGER))
+  (slot robot (default none))
+  (slot tries (type INTEGER) (default 0)))
+(deffacts start (robot (name R1)) (wanted 1))
+(deffunction is-last (?tries) (>= ?tries ?*LIMIT*))
+(defrule begin
+  ?wanted <- (wanted ?id)
+  =>
+  (retract ?wanted)
+  (assert (job (id ?id))))
+(defrule give
+  ?job <- (job (robot none))
+  ?robot <- (robot (name ?name) (state IDLE))
+  =>
+  (modify ?job (robot ?name))
+  (modify ?robot (state BUSY)))
+(defrule try-again
+  (time ?)
+  ?job <- (job (id ?id) (robot ?name&~none) (tries ?tries&:(not (is-last ?tries))))
+  (robot (name ?name) (state BUSY))
+  (not (done ?id))
+  =>
+  (modify ?job (tries (+ ?tries 1))))
+(defrule fail
+  ?job <- (job (id ?id) (robot ?name) (tries ?tries&:(is-last ?tries)))
+  ?robot <- (robot (name ?name) (state BUSY))
+  =>
+  (retract ?job)
+  (assert (done ?id))
+  (modify ?robot (state BROKEN)))
+(defrule repair
+  ?robot <- (robot (state BROKEN))
+  ?done <- (done ?)
+  =>
+  (retract ?done)
+  (modify ?robot (state IDLE)))
+)";
+
+Outside outside() {
+  Outside out;
+  out.facts = {"time"};
+  out.templates = {"ros-msgs-message"};
+  return out;
+}
+
+std::vector<Finding> found_in(const std::vector<Source>& sources, Outside out = outside()) {
+  auto base = RuleBase::read(sources, std::move(out));
+  EXPECT_TRUE(base.ok()) << base.error().text();
+  return base.ok() ? without_allowed(examine(*base), sources) : std::vector<Finding>();
+}
+
+/// What is found beside an honest agent in a second file, as "line code".
+std::vector<std::string> seeded(const std::string& rules) {
+  std::vector<std::string> out;
+  for (const Finding& f : found_in({{"honest.clp", kHonest}, {"seeded.clp", rules}}))
+    out.push_back((f.file == "seeded.clp" ? "" : f.file + ' ') + std::to_string(f.line) + ' ' + f.code);
+  return out;
+}
+
+TEST(Check, FindsNothingInAnHonestAgent) {
+  for (const Finding& f : found_in({{"honest.clp", kHonest}})) ADD_FAILURE() << f.text();
+}
+
+// --- Each kind of defect, where it was seeded
+
+struct Seed {
+  const char* name;
+  std::string rules;
+  std::string expected;  ///< "line code"
+};
+
+class Seeded : public testing::TestWithParam<Seed> {};
+
+TEST_P(Seeded, IsFoundInItsLineAlone) { EXPECT_THAT(seeded(GetParam().rules), ElementsAre(GetParam().expected)); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Defects, Seeded,
+    testing::Values(
+        Seed{"symbol_in_pattern", "(defrule r\n  (robot (state BUSSY))\n  => (printout t a))", "2 unknown-symbol"},
+        Seed{"symbol_negated", "(defrule r\n  (job (robot ~nome))\n  => (printout t a))", "2 unknown-symbol"},
+        Seed{"symbol_in_test",
+             "(defrule r\n  (robot (state ?s))\n  (test (eq ?s WAITING))\n  => (printout t a))", "3 unknown-symbol"},
+        Seed{"symbol_in_query",
+             "(defrule r (time ?) =>\n  (do-for-fact ((?r robot))\n    (eq ?r:state STUCK)\n    (retract ?r)))",
+             "3 unknown-symbol"},
+        Seed{"symbol_in_switch",
+             "(defrule r (robot (state ?s)) =>\n  (switch ?s (case IDLE then (printout t a))\n  (case IDEL then (printout "
+             "t b))))",
+             "3 unknown-symbol"},
+        Seed{"symbol_through_a_function",
+             "(deffunction is-free (?state)\n  (eq ?state FREE))\n(defrule r (robot (state ?s)) (test (is-free ?s)) => "
+             "(printout t a))",
+             "2 unknown-symbol"},
+        Seed{"ordered_symbol",
+             "(defrule a (time ?) => (assert (mode DRIVE)))\n(defrule b (mode DRVE) => (printout t a))",
+             "2 unknown-symbol"},
+        Seed{"template_never_asserted", "(deftemplate door (slot open))\n(defrule r (door (open ?o)) => (printout t ?o))",
+             "1 never-asserted"},
+        Seed{"facts_never_asserted", "(defrule r\n  (go-on)\n  => (printout t a))", "2 never-asserted"},
+        Seed{"facts_misspelt", "(defrule r\n  (wantde ?x)\n  => (printout t ?x))", "2 never-asserted"},
+        Seed{"template_never_read", "(deftemplate note (slot text))\n(defrule r (time ?) => (assert (note (text a))))",
+             "1 never-read"},
+        Seed{"facts_never_read", "(defrule r (time ?) =>\n  (assert (noted 1)))", "2 never-read"},
+        Seed{"template_unused", "(defrule r (time ?) => (printout t a))\n(deftemplate spare (slot x))", "2 unused-template"},
+        Seed{"slot_never_set",
+             "(deftemplate door\n  (slot name)\n  (slot owner))\n(deffacts doors (door (name a)))\n(defrule r (door (name "
+             "?n) (owner ?o)) => (printout t ?n ?o))",
+             "3 never-set"},
+        Seed{"value_never_set",
+             "(deftemplate door\n  (slot state (allowed-values OPEN SHUT\n     AJAR)))\n(deffacts doors (door (state "
+             "OPEN)))\n(defrule r ?d <- (door (state OPEN)) => (modify ?d (state SHUT)))",
+             "3 never-set"},
+        Seed{"rule_twice", "(defrule r (time ?) => (printout t a))\n(defrule r (time ?) => (printout t b))",
+             "2 defined-twice"},
+        Seed{"rule_of_another_file", "\n(defrule begin (wanted ?) => (printout t a))", "2 defined-twice"},
+        Seed{"function_twice",
+             "(deffunction two () 2)\n(deffunction two () 3)\n(defrule r (time ?) => (printout t (two)))",
+             "2 defined-twice"},
+        Seed{"deffacts_twice", "(deffacts f (wanted 2))\n(deffacts f (wanted 3))", "2 defined-twice"},
+        Seed{"global_twice", "(defglobal ?*A* = 1)\n(defglobal ?*A* = 2)\n(defrule r (time ?) => (printout t ?*A*))",
+             "2 defined-twice"},
+        Seed{"variable_once", "(defrule r\n  (robot (name ?name)\n    (state ?state))\n  => (printout t ?name))",
+             "3 used-once"},
+        Seed{"variable_misspelt",
+             "(defrule r\n  (robot (name ?name))\n  (not (job (robot ?nmae)))\n  => (printout t ?name))", "3 used-once"},
+        Seed{"fact_address_once", "(defrule r\n  ?robot <- (robot (state IDLE))\n  => (printout t a))", "2 used-once"},
+        Seed{"bound_in_vain", "(defrule r (time ?t) =>\n  (bind ?x (+ ?t 1))\n  (printout t ?t))", "2 used-once"},
+        Seed{"bound_in_vain_in_a_function",
+             "(deffunction f (?a)\n  (bind ?b (+ ?a 1))\n  ?a)\n(defrule r (time ?t) => (printout t (f ?t)))", "2 used-once"},
+        Seed{"counts_for_ever",
+             "(deffacts c (count 0))\n(defrule r ?c <- (count ?n) => (retract ?c) (assert (count (+ ?n 1))))", "2 loop"},
+        Seed{"modifies_for_ever",
+             "(deftemplate c (slot n (default 0)))\n(deffacts c (c))\n(defrule r ?c <- (c (n ?n)) => (modify ?c (n (+ ?n "
+             "1))))",
+             "3 loop"},
+        Seed{"asserts_for_ever", "(deffacts c (count 0))\n(defrule r (count ?n) => (assert (count (+ ?n 1))))", "2 loop"},
+        Seed{"asserts_itself_again", "(deffacts c (go))\n(defrule r ?g <- (go) => (retract ?g) (assert (go)))", "2 loop"},
+        Seed{"take_turns",
+             "(deftemplate lamp (slot is (default OFF)))\n(deffacts l (lamp))\n(defrule on ?l <- (lamp (is OFF)) => "
+             "(modify ?l (is ON)))\n(defrule off ?l <- (lamp (is ON)) => (modify ?l (is OFF)))",
+             "4 loop"},
+        Seed{"ping_pong",
+             "(deffacts p (ping))\n(defrule a ?p <- (ping) => (retract ?p) (assert (pong)))\n(defrule b ?p <- (pong) => "
+             "(retract ?p) (assert (ping)))",
+             "3 loop"},
+        Seed{"hen_and_egg", "(defrule r (egg) => (assert (egg)))", "1 unreachable"},
+        Seed{"slot_of_two_values", "(defrule r\n  (robot (state IDLE&BUSY))\n  => (printout t a))", "2 unreachable"},
+        Seed{"empty_interval", "(defrule r\n  (time ?t&:(> ?t 10))\n  (test (< ?t 5))\n  => (printout t ?t))",
+             "3 unreachable"},
+        Seed{"excluded", "(defrule r\n  (wanted ?x)\n  (not (wanted ?x))\n  => (printout t ?x))", "3 unreachable"},
+        Seed{"test_false", "(defrule r (time ?t)\n  (test FALSE)\n  => (printout t ?t))", "2 unreachable"},
+        Seed{"module_without_focus",
+             "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::r (time ?t) => (printout t ?t))", "2 unreachable"},
+        Seed{"function_unused", "\n(deffunction double (?x) (* ?x 2))", "2 unused-function"},
+        Seed{"function_calls_only_itself", "(deffunction down (?x) (if (> ?x 0) then (down (- ?x 1))))",
+             "1 unused-function"},
+        Seed{"global_unused", "(defglobal\n  ?*SPEED* = 1\n  ?*TURN* = 2)\n(defrule r (time ?) => (printout t ?*SPEED*))",
+             "3 unused-global"},
+        Seed{"fallback_by_salience",
+             "(defrule otherwise\n  (declare (salience -10))\n  ?w <- (wanted ?id)\n  => (retract ?w) (printout t ?id))",
+             "2 salience"},
+        Seed{"first_by_salience",
+             "(defrule first\n  (declare (salience 100))\n  ?w <- (wanted 7)\n  => (retract ?w))", "2 salience"}),
+    [](const auto& seed) { return std::string(seed.param.name); });
+
+// --- What looks like a defect and is none
+
+class Sound : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(Sound, GivesNoFinding) { EXPECT_THAT(seeded(GetParam().second), IsEmpty()); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Rules, Sound,
+    testing::Values(
+        std::pair("symbols_from_outside",
+                  "(deftemplate seen (slot kind))\n(defrule a (ros-msgs-message (msg ?m)) => (assert (seen (kind (sym-cat "
+                  "(get ?m))))))\n(defrule b (seen (kind LAMP)) => (printout t a))"),
+        std::pair("facts_of_texts", "(defrule a (time ?t) => (assert-string (str-cat \"(ticked \" ?t \")\")))\n(defrule b "
+                                    "(ticked ?t) => (printout t ?t))"),
+        std::pair("a_fact_for_the_journal", "(defrule a (time ?t) => (retract (assert (ticked ?t))))"),
+        std::pair("a_callback", "(deffunction mute-service-callback (?service ?request ?response) (printout t a))"),
+        std::pair("a_declaration",
+                  "(deffunction odd (?n))\n(deffunction even (?n) (if (= ?n 0) then TRUE else (odd (- ?n 1))))\n(deffunction "
+                  "odd (?n) (if (= ?n 0) then FALSE else (even (- ?n 1))))\n(defrule a (time ?t) => (printout t (odd ?t)))"),
+        std::pair("a_loop_that_ends",
+                  "(deffacts c (count 0))\n(defrule r ?c <- (count ?n&:(< ?n 9)) => (retract ?c) (assert (count (+ ?n 1))))"),
+        std::pair("a_loop_that_another_condition_ends",
+                  "(deffacts c (count 0) (limit 9))\n(defrule r (limit ?l) ?c <- (count ?n) (test (< ?n ?l)) => (retract ?c) "
+                  "(assert (count (+ ?n 1))))"),
+        std::pair("a_lamp_with_a_switch",
+                  "(deftemplate lamp (slot is (default OFF)))\n(deffacts l (lamp))\n(defrule press (time 1) => (assert "
+                  "(pressed)))\n(defrule on ?p <- (pressed) ?l <- (lamp (is OFF)) => (retract ?p) (modify ?l (is "
+                  "ON)))\n(defrule off ?p <- (pressed) ?l <- (lamp (is ON)) => (retract ?p) (modify ?l (is OFF)))"),
+        std::pair("a_counter_of_slots_that_are_not_read",
+                  "(deftemplate c (slot n (default 0)))\n(deffacts c (c))\n(defrule r ?c <- (c) => (modify ?c (n "
+                  "1)))\n(defrule s (c (n 1)) => (printout t a))"),
+        std::pair("salience_of_the_same_facts_that_stay",
+                  "(defrule first (declare (salience 10)) (wanted ?id) => (printout t ?id))"),
+        std::pair("a_variable_in_a_text", "(defrule r (time ?t) => (printout t (eval \"(+ ?t 1)\")))"),
+        std::pair("loop_variables", "(defrule r (time ?) => (loop-for-count (?i 3) (printout t a)))"),
+        std::pair("a_module_in_focus",
+                  "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::r (time ?t) => (printout t ?t))\n(defrule MAIN::f (time "
+                  "9) => (focus SIDE))"),
+        std::pair("a_value_of_a_global",
+                  "(defglobal ?*MODE* = SLOW)\n(defrule a (time 5) => (bind ?*MODE* FAST))\n(defrule b (time ?) (test (eq "
+                  "?*MODE* FAST)) => (printout t a))"),
+        std::pair("a_value_of_a_function",
+                  "(deftemplate door (slot is))\n(deffunction other (?x) (if (eq ?x OPEN) then SHUT else OPEN))\n(deffacts d "
+                  "(door (is OPEN)))\n(defrule a (time 3) ?d <- (door (is ?x)) => (modify ?d (is (other ?x))))\n(defrule b "
+                  "(door (is SHUT)) => (printout t a))")),
+    [](const auto& rules) { return std::string(rules.param.first); });
+
+// --- Files that are not loaded, libraries, and what plugins know
+
+TEST(Check, OtherFilesOfThePackageShowWhatSomethingIsFor) {
+  const std::string tools = "(deffunction double (?x) (* ?x 2))\n(deftemplate spare (slot x))";
+  const std::string user = "(defrule u (spare (x ?x)) => (assert (spare (x (double ?x)))))";
+  EXPECT_EQ(found_in({{"tools.clp", tools}}).size(), 2U);
+  EXPECT_THAT(found_in({{"tools.clp", tools}, {"other.clp", user, false, false}}), IsEmpty());
+}
+
+TEST(Check, NothingIsSaidOfLibraries) {
+  EXPECT_THAT(found_in({{"library.clp", "(deffunction double (?x) (* ?x 2))", false, true}}), IsEmpty());
+  // Who defines again what a library has means to.
+  EXPECT_THAT(found_in({{"library.clp", "(deffunction double (?x) (* ?x 2))", false, true},
+                        {"mine.clp", "(deffunction double (?x) (+ ?x ?x))"}}),
+              IsEmpty());
+}
+
+TEST(Check, WhatUnknownPluginsAssertIsOnlyDoubtedWhereAnotherNameIsNear) {
+  Outside open = outside();
+  open.open = true;
+  EXPECT_THAT(found_in({{"a.clp", "(defrule r (reading ?x) => (printout t ?x))"}}, open), IsEmpty());
+  EXPECT_EQ(found_in({{"a.clp", "(deffacts f (reading 1))\n(defrule r (readnig ?x) => (printout t ?x))"}}, open).size(), 2U);
+}
+
+TEST(Check, SaysWhatIsNear) {
+  const auto found = found_in({{"honest.clp", kHonest}, {"b.clp", "(defrule r (robot (state BUSSY)) => (printout t a))"}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].text(), AllOf(HasSubstr("b.clp:1: [unknown-symbol]"), HasSubstr("did you mean 'BUSY'?")));
+}
+
+TEST(Check, AFileThatCannotBeReadIsAnError) {
+  const auto base = RuleBase::read({{"a.clp", "(defrule r\n  (a)"}}, {});
+  ASSERT_FALSE(base.ok());
+  EXPECT_THAT(base.error().text(), HasSubstr("a.clp:1"));
+}
+
+// --- Comments that allow
+
+TEST(Check, ACommentAllowsAFindingInItsLineOrTheNext) {
+  EXPECT_THAT(seeded("(deffunction a () 1) ; check: allow unused-function for a friend"), IsEmpty());
+  EXPECT_THAT(seeded("; check: allow unused-function\n(deffunction a () 1)"), IsEmpty());
+  EXPECT_THAT(seeded("(defrule r\n  ; check: allow never-asserted\n  ; check: allow used-once\n  (door ?x)\n  => (printout t a))"),
+              IsEmpty());
+  EXPECT_THAT(seeded("; check: allow unused-function\n\n(deffunction a () 1)"), ElementsAre("1 unused-allow", "3 unused-function"));
+  EXPECT_THAT(seeded("(deffunction a () 1) ; check: allow unused-global"), ElementsAre("1 unused-allow", "1 unused-function"));
+  EXPECT_THAT(seeded("(deffacts f (wanted \"; check: allow loop\"))"), IsEmpty());
+}
+
+TEST(Check, ACommentThatAllowsAnUnknownCodeSaysWhatIsMeant) {
+  const auto found = found_in({{"a.clp", "; check: allow used-onec\n(deffacts f (wanted 1)) (defrule r (wanted ?) => )"}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].message, HasSubstr("did you mean 'used-once'?"));
+}
+
+// --- The graph
+
+TEST(Check, DrawsWhoProducesAndConsumes) {
+  const auto base = RuleBase::read({{"honest.clp", kHonest}}, outside());
+  ASSERT_TRUE(base.ok());
+  const std::string dot = graph_dot(*base, "honest");
+  EXPECT_THAT(dot, HasSubstr("\"begin\" -> \"(job)\""));
+  EXPECT_THAT(dot, HasSubstr("\"(job)\" -> \"give\""));
+  EXPECT_THAT(dot, HasSubstr("\"(done)\" -> \"try-again\" [tooltip=\"not\", style=dashed]"));
+  const std::string svg = graph_svg(*base, "a & b");
+  EXPECT_THAT(svg, AllOf(HasSubstr("a &amp; b"), HasSubstr(">deffacts start<"), HasSubstr("</svg>")));
+}
+
+}  // namespace
+}  // namespace cxlab::check
