@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "cx/base/file.h"
 #include "cx/check/graph.h"
@@ -33,12 +34,15 @@ constexpr std::string_view kFactsOfPlugins[] = {"time",
                                                 "protobuf-server-client-disconnected",
                                                 "decision"};
 
-bool has_extension(const fs::path& file, std::initializer_list<std::string_view> extensions) {
+using Extensions = std::span<const std::string_view>;
+constexpr std::string_view kRuleFiles[] = {".clp", ".bat", ".clips"}, kYaml[] = {".yaml"}, kPddl[] = {".pddl"};
+
+bool has_extension(const fs::path& file, Extensions extensions) {
   std::string extension = file.extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::ranges::find(extensions, extension) != extensions.end();
 }
-bool is_rule_file(const fs::path& file) { return has_extension(file, {".clp", ".bat", ".clips"}); }
+bool is_rule_file(const fs::path& file) { return has_extension(file, kRuleFiles); }
 
 std::string real(const fs::path& path) {
   std::error_code ignored;
@@ -51,8 +55,8 @@ bool is_below(const fs::path& file, const fs::path& folder) {
   return inner.size() > outer.size() && inner.starts_with(outer) && (outer.ends_with('/') || inner[outer.size()] == '/');
 }
 
-/// All rule files below a folder, but for hidden ones.
-std::vector<fs::path> rule_files_below(const fs::path& folder, bool deep = true) {
+/// All files with these extensions below a folder, but in hidden folders; not `deep`: in it alone.
+std::vector<fs::path> files_below(const fs::path& folder, Extensions extensions, bool deep = true) {
   constexpr std::size_t kMost = 2000;
   std::vector<fs::path> out;
   std::error_code error;
@@ -61,7 +65,7 @@ std::vector<fs::path> rule_files_below(const fs::path& folder, bool deep = true)
     std::error_code ignored;
     if (at->is_directory(ignored) && (!deep || at->path().filename().string().starts_with('.')))
       at.disable_recursion_pending();
-    else if (at->is_regular_file(ignored) && is_rule_file(at->path()))
+    else if (at->is_regular_file(ignored) && has_extension(at->path(), extensions))
       out.push_back(at->path());
   }
   std::ranges::sort(out);
@@ -231,14 +235,18 @@ class Checker {
     }
     check::Outside outside = outside_of_files();
     outside.open = own_library;
-    outside.modules = opening.words;
+    outside.words = opening.words;
     for (const ConstructInfo& info : constructs) {
       if (loaded.contains(info.file)) continue;
       if (info.kind == "deftemplate") outside.templates.insert(info.name);
       if (info.kind == "deffunction") outside.functions.insert(info.name);
     }
     std::vector<Error> errors = manager.load_errors();
-    for (const fs::path& own : opening.own) add_context(rule_files_below(own), loaded, sources);
+    for (const fs::path& own : opening.own) {
+      add_context(files_below(own, kRuleFiles), loaded, sources);
+      for (const fs::path& file : files_below(own, kPddl))
+        if (const auto text = read_file(file)) add_words(*text, outside.words);
+    }
     return examine(std::move(sources), std::move(outside), errors, name);
   }
 
@@ -276,19 +284,22 @@ class Checker {
     std::vector<check::Source> sources;
     std::set<std::string> loaded;
     std::vector<fs::path> context;
+    check::Outside outside = outside_of_files();
     for (const std::string& file : files) {
       if (!loaded.insert(file).second) continue;
       auto text = read_file(file);
       if (!text) return text.error();
       sources.push_back({file, *std::move(text), true, true});
-      for (fs::path& beside : rule_files_below(fs::absolute(file).parent_path(), false))
-        context.push_back(std::move(beside));
+      const fs::path folder = fs::absolute(file).parent_path();
+      for (fs::path& beside : files_below(folder, kRuleFiles, false)) context.push_back(std::move(beside));
+      for (const fs::path& story : files_below(folder, kYaml, false))  // rules that only stories give facts
+        if (const auto words = read_file(story); words && story.string().ends_with(".story.yaml"))
+          add_words(*words, outside.facts);
     }
     const auto packages = find_packages(options_.packages);
     if (!packages) return packages.error();
     for (const auto& [name, folder] : *packages)
-      for (fs::path& file : rule_files_below(folder)) context.push_back(std::move(file));
-    check::Outside outside = outside_of_files();
+      for (fs::path& file : files_below(folder, kRuleFiles)) context.push_back(std::move(file));
     const auto reference = read_reference(*packages);
     if (!reference) return reference.error();
     for (const PluginReference& plugin : *reference)

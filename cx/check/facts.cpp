@@ -79,7 +79,8 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
 }
 
 void judge_symbols(const RuleBase& base, Findings& findings) {
-  std::map<std::string, std::vector<std::string>> tested;  // by value: for what is near
+  std::map<std::string, std::set<const Construct*>> testers;
+  for (const Test& test : base.tests()) testers[test.symbol].insert(test.by);
   for (const Test& test : base.tests()) {
     if (!test.place.source->judged) continue;
     const Values values = base.possible(test.value);
@@ -89,8 +90,11 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
     for (const auto& [symbol, by] : values.symbols) known.push_back(symbol);
     const std::string near = meant(test.symbol, known);
     const bool uncertain = values.open || base.outside().open || base.asserts_unknown();
-    if (uncertain && (near.empty() || base.is_mentioned(test.symbol))) continue;
-    std::string message = (test.what.starts_with('?') ? test.what + " is" : test.what + " is") + " never " + test.symbol;
+    // Who misspells a word does so once.
+    if (uncertain && (near.empty() || base.is_mentioned(test.symbol) || testers[test.symbol].size() > 1 ||
+                      base.outside().words.contains(test.symbol)))
+      continue;
+    std::string message = test.what + " is never " + test.symbol;
     if (!near.empty())
       message += ", did you mean '" + near + "'?";
     else

@@ -158,7 +158,7 @@ class Loops {
   void judge(Findings& findings) {
     for (const Certain& rule : rules_)
       for (const NewFact& fact : rule.facts)
-        if (fact.fresh && fires_again(rule, fact, rule, *fact.trigger) && leaves_alone(rule, fact))
+        if (fact.fresh && fires_again(rule, fact, rule, *fact.trigger) && leaves_alone(rule, *fact.trigger, fact))
           add(findings, rule.rule->place, "loop",
               "rule '" + rule.rule->name + "' makes itself fire again without an end: it changes '" + fact.name +
                   "', and its conditions hold as before; add a condition that ends it");
@@ -218,9 +218,9 @@ class Loops {
   }
 
   /// The other conditions of a rule do not look at what its firing changes, nor at anything that a call gives.
-  bool leaves_alone(const Certain& rule, const NewFact& fact) const {
+  bool leaves_alone(const Certain& rule, const Term& trigger, const NewFact& fact) const {
     for (const RuleParts::Condition& condition : rule.parts.conditions) {
-      if (condition.term == fact.trigger) continue;
+      if (condition.term == &trigger) continue;
       if (names(*condition.term, fact.name)) return false;
       for (const Term* action : rule.parts.actions)
         if (action->head() == "assert")
@@ -250,8 +250,10 @@ class Loops {
         if (!there.fresh || !back.fresh) continue;
         if (!fires_again(one, there, other, *back.trigger) || !fires_again(other, back, one, *there.trigger)) continue;
         if (others(one, *there.trigger) != others(other, *back.trigger)) continue;
-        if (leaves_alone(one, there) && leaves_alone(other, back) && leaves_alone(one, back) && leaves_alone(other, there))
-          return true;
+        const auto undisturbed = [&](const NewFact& fact) {
+          return leaves_alone(one, *there.trigger, fact) && leaves_alone(other, *back.trigger, fact);
+        };
+        if (undisturbed(there) && undisturbed(back)) return true;
       }
     return false;
   }

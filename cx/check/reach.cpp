@@ -214,7 +214,7 @@ void judge_modules(const RuleBase& base, Findings& findings) {
     if (construct.tree.print().find("(auto-focus TRUE)") != std::string::npos) focused.insert(construct.module);
   }
   for (const auto& [module, rule] : first)
-    if (!focused.contains(module) && !base.is_mentioned(module) && !base.outside().modules.contains(module))
+    if (!focused.contains(module) && !base.is_mentioned(module) && !base.outside().words.contains(module))
       add(findings, rule->place, "unreachable",
           "rule '" + rule->name + "' never fires: nothing gives module '" + module +
               "' the focus; call (focus " + module + ") or declare auto-focus");

@@ -175,6 +175,8 @@ class Reader {
           if (facet.head().starts_with("default"))
             for (const Term& value : after(facet, 1))
               if (value.is_list()) read_action(value);
+    } else if (construct.kind == "defmodule") {
+      return;
     } else if (construct.kind.starts_with("def")) {
       for (const Term& item : after(tree, 1)) read_action(item);
     } else {
@@ -295,6 +297,7 @@ class Reader {
           base_.touches_.push_back({by_, How::kRetract, name, nullptr, here(item)});
         read_action(item);
       }
+      note_value_used(term);
     } else if (is_query(head)) {
       read_query(term);
     } else if (head == "bind") {

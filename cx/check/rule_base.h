@@ -30,7 +30,7 @@ struct Outside {
   Words templates;    ///< that plugins define; they may assert and read them as they like
   Words facts;        ///< ordered facts that plugins assert
   Words functions;    ///< deffunctions that plugins define
-  Words modules;      ///< words of configurations, which may give a module the focus
+  Words words;        ///< of configurations and PDDL: modules that get the focus, symbols that come back
   bool open = false;  ///< more may be asserted and read: a name is doubted only where a known one is spelt nearly so
 };
 
