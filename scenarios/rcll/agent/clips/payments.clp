@@ -58,7 +58,7 @@
 (defrule payment-in-advance
   "A robot has nothing else to do: a payment that may be of use later."
   (game (phase PRODUCTION))
-  (robot (name ?name) (state IDLE) (idle-since ?since))
+  (robot (state IDLE) (idle-since ?since))
   (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
   (not (job (step WAITING)))
   (not (job (purpose PAY)))

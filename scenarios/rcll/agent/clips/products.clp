@@ -131,7 +131,7 @@
 
 (defrule product-gone-with-machine
   "The machine broke down, and what lay in it is gone."
-  ?product <- (product (order ?id) (at ?name) (state ~MOVING))
+  (product (order ?id) (at ?name) (state ~MOVING))
   (machine (name ?name) (kind ~BS) (state BROKEN))
   (not (job (purpose MOVE) (order ?id)))
   =>

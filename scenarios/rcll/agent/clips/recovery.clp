@@ -124,7 +124,7 @@
 (defrule recover-product-in-the-way
   "A cap station broke down while a robot came with its product. Where robots are few the product would keep the one that
    is needed."
-  ?job <- (job (purpose MOVE) (id ?id) (to ?to) (step PUT) (moving NO) (robot ?robot&~""))
+  ?job <- (job (purpose MOVE) (to ?to) (step PUT) (moving NO) (robot ?robot&~""))
   (cap-station (name ?name&:(eq ?to (input-of ?name))) (phase EMPTY|BUFFERING))
   (not (job (purpose CLEAR) (station ?name) (robot ~"")))
   (team (size ?size&:(< ?size 3)))

@@ -51,7 +51,7 @@
   (assert (instruction (id ?id) (machine ?delivery) (operation "DELIVER") (order 0))))
 
 (defrule delivery-done
-  ?instruction <- (instruction (id ?id) (operation "DELIVER") (state ?state&SUCCEEDED|FAILED) (order ?order) (error ?error))
+  ?instruction <- (instruction (id ?id) (operation "DELIVER") (state ?state&SUCCEEDED|FAILED) (order ?order))
   ?reserved <- (reserved (job ?id))
   =>
   (retract ?instruction ?reserved)

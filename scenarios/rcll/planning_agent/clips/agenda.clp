@@ -143,7 +143,7 @@
   "A machine works on the piece, and nothing else can begin: a robot goes there."
   (planning (state IDLE))
   (world-version ?version)
-  ?step <- (step (id ?id) (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
+  ?step <- (step (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
                  (rank ?rank))
   (not (step (state OPEN|CHECKING) (worker ROBOT) (rank ?r&:(< ?r ?rank))))
   (step (state RUNNING) (worker MACHINE) (params $?made&:(makes-piece-of ?made ?action ?params)))

@@ -150,7 +150,7 @@
 
 (defrule work-instructed
   "The machine has done it."
-  ?step <- (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
+  ?step <- (step (id ?id) (state RUNNING) (worker MACHINE) (work ?work))
   ?instruction <- (instruction (id ?work) (state SUCCEEDED))
   =>
   (retract ?instruction)

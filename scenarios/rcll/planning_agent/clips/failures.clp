@@ -24,7 +24,7 @@
 
 (defrule failure-of-machine
   "The machine has not done its work, and what lay in it is gone."
-  ?step <- (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
+  ?step <- (step (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
   ?instruction <- (instruction (id ?work) (state FAILED) (error ?error))
   =>
   (printout warn ?action " " (implode$ ?params) " failed: " ?error crlf)
@@ -145,7 +145,7 @@
 
 (defrule failure-out-of-reach
   "No robot could fetch the piece, though the machine sees it: it stays there. If that is so once more it goes with a reset."
-  (declare (salience 10))
+  (declare (salience 10)) ; check: allow salience - before recover-unable-all, which gives the job to nobody else
   (trouble (job ?id) (kind UNABLE))
   ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
   (machine (name ?name) (kind ~BS) (state READY-AT-OUTPUT))
@@ -245,7 +245,7 @@
 (defrule failure-before-begin
   "The robot only drove there in advance."
   ?step <- (step (state APPROACHING) (work ?work))
-  ?job <- (job (id ?work) (step GIVEN-UP) (robot ""))
+  (job (id ?work) (step GIVEN-UP) (robot ""))
   =>
   (modify ?step (state OPEN) (seen -1)))
 
@@ -270,7 +270,7 @@
 
 (defrule failure-pay-otherwise
   "The bare base that should pay is gone: a step is inserted into the plan, in which a new base pays."
-  ?step <- (step (id ?id) (action pay-with-bare-base) (params ?cs ?rs) (state RUNNING) (work ?work))
+  ?step <- (step (action pay-with-bare-base) (params ? ?rs) (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   (not (blocked-slide ?rs))
   (machine (name ?bs) (kind BS))
@@ -314,7 +314,7 @@
 (defrule failure-given-up
   "The job is forgotten."
   (declare (salience -10))
-  ?job <- (job (id ?id) (step GIVEN-UP) (robot ""))
+  ?job <- (job (step GIVEN-UP) (robot ""))
   =>
   (forget-job ?job))
 
