@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <climits>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -333,6 +334,26 @@ class Checker {
                                                   : file.string();
   }
 
+  /// Whether what CLIPS refuses to load is a finding, or can be one: a symbol that its slot does not allow.
+  static bool is_finding(const Error& error, const check::RuleBase& base, std::vector<check::Finding>& found) {
+    if (error.file.empty()) return false;
+    const std::string file = shown(error.file);
+    int begin = 0, end = INT_MAX;  // of the construct
+    for (const check::Construct& construct : base.constructs()) {
+      if (construct.place.source->file != file) continue;
+      if (construct.place.line <= error.line) begin = std::max(begin, construct.place.line);
+      if (construct.place.line > error.line) end = std::min(end, construct.place.line);
+    }
+    const bool refused = error.message.find("[CSTRNCHK1]") != std::string::npos;
+    if (std::ranges::any_of(found, [&](const check::Finding& finding) {
+          return finding.file == file && finding.line >= begin && finding.line < end &&
+                 finding.code == (refused ? "unknown-symbol" : "defined-twice");
+        }))
+      return true;
+    if (refused) found.push_back({file, error.line, "unknown-symbol", error.message});
+    return refused;
+  }
+
   Status examine(std::vector<check::Source> sources, check::Outside outside, const std::vector<Error>& errors,
                  const std::string& title) {
     for (const check::Source& source : sources)
@@ -342,13 +363,8 @@ class Checker {
     for (const check::Construct& construct : base->constructs())
       if (construct.is_rule() && construct.judged()) rules_.insert(construct.place.text());
     std::vector<check::Finding> found = check::examine(*base);
-    for (const Error& error : errors) {
-      const std::string file = error.file.empty() ? error.file : shown(error.file);
-      const bool said = std::ranges::any_of(found, [&](const check::Finding& finding) {
-        return finding.code == "defined-twice" && finding.file == file && finding.line == error.line;
-      });
-      if (!said) return error;
-    }
+    for (const Error& error : errors)
+      if (!is_finding(error, *base, found)) return error;
     checked_.findings.insert(checked_.findings.end(), found.begin(), found.end());
     if (options_.graph && checked_.graph.empty())
       checked_.graph = options_.dot ? check::graph_dot(*base, title) : check::graph_svg(*base, title);

@@ -80,7 +80,11 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
 
 void judge_symbols(const RuleBase& base, Findings& findings) {
   std::map<std::string, std::set<const Construct*>> testers;
-  for (const Test& test : base.tests()) testers[test.symbol].insert(test.by);
+  std::map<std::string, std::set<std::string>> tested;  // by value
+  for (const Test& test : base.tests()) {
+    testers[test.symbol].insert(test.by);
+    tested[test.value].insert(test.symbol);
+  }
   for (const Test& test : base.tests()) {
     if (!test.place.source->judged) continue;
     const Values values = base.possible(test.value);
@@ -88,8 +92,12 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
     if (values.symbols.empty() && !values.open) continue;  // its facts are not asserted at all, which is said
     std::vector<std::string> known;
     for (const auto& [symbol, by] : values.symbols) known.push_back(symbol);
-    const std::string near = meant(test.symbol, known);
     const bool uncertain = values.open || base.outside().open || base.asserts_unknown();
+    if (uncertain)  // what comes from outside is known by what several rules expect
+      for (const std::string& symbol : tested[test.value])
+        if (testers[symbol].size() > 2 && !symbol.starts_with(test.symbol) && !test.symbol.starts_with(symbol))
+          known.push_back(symbol);
+    const std::string near = meant(test.symbol, known);
     // Who misspells a word does so once.
     if (uncertain && (near.empty() || base.is_mentioned(test.symbol) || testers[test.symbol].size() > 1 ||
                       base.outside().words.contains(test.symbol)))

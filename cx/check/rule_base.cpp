@@ -90,6 +90,8 @@ class Reader {
       by_ = &construct;
       ++number_;
       fact_templates_.clear();
+      singles_.clear();
+      manifold_.clear();
       read_construct(construct);
     }
     finish();
@@ -265,12 +267,16 @@ class Reader {
   void read_constraints(Items items, const std::string& key, const std::string& what) {
     for (std::size_t i = 0; i < items.size(); ++i) {
       const Term& item = items[i];
-      if (const std::string name = variable_name(item); !name.empty())
+      if (const std::string name = variable_name(item); !name.empty()) {
         flow(variable_key(name)).from.insert(key);
-      else if (is_symbol(item))
+        (item.text.starts_with('$') ? manifold_ : singles_).insert(name);
+      } else if (is_symbol(item)) {
         base_.tests_.push_back({key, item.text, what, by_, here(item)});
-      else if (item.is_list() || is_variable(item))
+      } else if (item.is_list()) {
         read_action(item);
+      } else if (item.text.starts_with("?*")) {
+        read_word(item);
+      }
     }
   }
 
@@ -365,11 +371,18 @@ class Reader {
       }
       read_action(item);
       // A variable or call may stand for several fields.
-      several = several || item.is_list() || item.text.starts_with("$?") || is_variable(item);
+      several = several || item.is_list() || (is_variable(item) && !is_single(item));
       const std::string slot = several ? "*" : std::to_string(field++);
       add_values(item, flow(slot_key(name, slot)));
       if (several) flow(slot_key(name, "*")).values.open = true;
     }
+  }
+
+  /// A variable that conditions bind to one field.
+  bool is_single(const Term& variable) const {
+    const std::string name = variable_name(variable);
+    return variable.text.starts_with('?') && variable.text.find(':') == std::string::npos && singles_.contains(name) &&
+           !manifold_.contains(name);
   }
 
   void set_slot(const std::string& name, const Term& slot, bool walk) {
@@ -424,6 +437,7 @@ class Reader {
       return;
     }
     const std::string name = variable_name(variable);
+    manifold_.insert(name);
     for (const Term& value : after(term, 2)) add_values(value, flow(variable_key(name)));
     if (term.items.size() == 3)
       for (const std::string& found : templates_of(term.items[2])) fact_templates_[name].insert(found);
@@ -574,6 +588,11 @@ class Reader {
   // --- What is known when all is read
 
   void finish() {
+    // CLIPS takes slots only of templates that are defined: elsewhere, where none of these files does.
+    for (const Touch& touch : base_.touches_)
+      if ((touch.how == How::kRead || touch.how == How::kReadNot) && touch.term && touch.term->items.size() > 1 &&
+          touch.term->items[1].is_list() && !base_.templates_.contains(touch.template_name))
+        base_.outside_.templates.insert(touch.template_name);
     for (const Touch& touch : base_.touches_)
       if (touch.how == How::kAssert && !base_.templates_.contains(touch.template_name))
         for (const auto& [key, flow] : base_.flows_)
@@ -594,6 +613,7 @@ class Reader {
   const Construct* by_ = nullptr;
   int number_ = 0;  // of the construct
   std::map<std::string, std::set<std::string>> fact_templates_;  // by variable, of the construct
+  std::set<std::string> singles_, manifold_;                     // variables of one field, and of others
   std::map<std::string, const Construct*> functions_;
   std::set<std::string> any_of_;
 };
