@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <climits>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -334,6 +335,25 @@ class Checker {
                                                   : file.string();
   }
 
+  /// "[CSTRNCHK1] ... found in CE #2 ... for slot 'state'": the line of that slot in the condition of that number.
+  static int line_of(const Error& error, const check::Construct& construct) {
+    const auto after = [&](std::string_view mark) {
+      const std::size_t at = error.message.find(mark);
+      return at == std::string::npos ? std::string() : error.message.substr(at + mark.size());
+    };
+    const std::string number = after("CE #"), slot = after("slot '");
+    int condition = 0;
+    const std::size_t end = check::first_action(construct.tree);
+    for (std::size_t i = 2; i < end; ++i) {
+      const Term& term = construct.tree.items[i];
+      if (!term.is_list() || term.head() == "declare" || ++condition != std::atoi(number.c_str())) continue;
+      for (const Term& item : term.items)
+        if (!item.head().empty() && slot.starts_with(std::string(item.head()) + '\'')) return item.line;
+      return term.line;
+    }
+    return error.line;
+  }
+
   /// Whether what CLIPS refuses to load is a finding, or can be one: a symbol that its slot does not allow.
   static bool is_finding(const Error& error, const check::RuleBase& base, std::vector<check::Finding>& found) {
     if (error.file.empty()) return false;
@@ -350,8 +370,13 @@ class Checker {
                  finding.code == (refused ? "unknown-symbol" : "defined-twice");
         }))
       return true;
-    if (refused) found.push_back({file, error.line, "unknown-symbol", error.message});
-    return refused;
+    if (!refused) return false;
+    for (const check::Construct& construct : base.constructs())
+      if (construct.place.source->file == file && construct.place.line == begin)
+        found.push_back({file, line_of(error, construct), "unknown-symbol",
+                         "a pattern has a symbol that its template does not allow; correct it, or add it to "
+                         "allowed-values (" + error.message + ')'});
+    return true;
   }
 
   Status examine(std::vector<check::Source> sources, check::Outside outside, const std::vector<Error>& errors,

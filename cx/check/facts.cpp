@@ -40,6 +40,8 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
   names.insert(known.read.begin(), known.read.end());
   for (const auto& [name, defined] : base.templates()) names.insert(name);
   const bool doubts_little = base.outside().open;
+  std::map<std::string, int> count;
+  for (const Touch& touch : base.touches()) ++count[touch.template_name];
   for (const std::string& name : names) {
     if (is_outside(base, name)) continue;
     const bool asserted = known.asserted.contains(name), read = known.read.contains(name);
@@ -50,6 +52,12 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
     const std::string meant_name = meant(name, list(asserted ? known.read : known.asserted));
     const std::string hint = meant_name.empty() ? "" : ", did you mean '" + meant_name + "'?";
     if (doubts_little && meant_name.empty()) continue;
+    // Of two names that miss each other, the rarer one is misspelt.
+    if (!meant_name.empty()) {
+      const bool other_misses = asserted ? !known.asserted.contains(meant_name) : !known.read.contains(meant_name);
+      const int own = count[name], other = count[meant_name];
+      if (other_misses && (own > other || (own == other && !asserted))) continue;
+    }
     if (!asserted && !read) {
       add(findings, defined->second.defined->place, "unused-template",
           "nothing asserts or reads facts of template '" + name + "'; use it or remove it");

@@ -489,7 +489,7 @@ class Reader {
     if (head == "return")
       for (const Term& value : after(term, 1)) add_values(value, flow("r:" + by_->name));
     pass_arguments(term, head);
-    note_value_used(term);
+    if (!is_any(head, {"if", "while", "progn", "switch"})) note_value_used(term);
     const bool compares = head == "eq" || head == "neq";
     const bool prints = is_any(head, {"printout", "println", "print"});
     for (const Term& item : after(term, 1))
