@@ -24,22 +24,37 @@ struct CheckCommand {
   bool json = false;
 };
 
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
 void print_json(const lab::Checked& checked) {
   Json findings = Json::array();
   for (const check::Finding& finding : checked.findings)
     findings.push_back(
         {{"file", finding.file}, {"line", finding.line}, {"code", finding.code}, {"message", finding.message}});
-  std::printf("%s\n", json_text(Json{{"files", checked.files}, {"rules", checked.rules}, {"findings", findings}}, 2).c_str());
+  std::printf("%s\n",
+              json_text(Json{{"files", checked.files}, {"rules", checked.rules}, {"findings", findings}}, 2).c_str());
 }
 
 void print_text(const lab::Checked& checked) {
   for (const check::Finding& finding : checked.findings) std::printf("%s\n", printable(finding.text()).c_str());
   const std::size_t found = checked.findings.size();
-  std::printf("%zu rules in %zu files: %s\n", checked.rules, checked.files,
-              found == 0 ? "nothing found" : (std::to_string(found) + (found == 1 ? " finding" : " findings")).c_str());
+  std::printf("%s in %s: %s\n", counted(checked.rules, "rule").c_str(), counted(checked.files, "file").c_str(),
+              found == 0 ? "nothing found" : counted(found, "finding").c_str());
 }
 
-int check_command(const CheckCommand& command) {
+std::string codes_text() {
+  std::string text = "What is found, by its code:\n";
+  for (const check::Code& code : check::codes()) {
+    constexpr std::size_t kColumn = 18;
+    text +=
+        "  " + std::string(code.name) + std::string(kColumn - code.name.size(), ' ') + std::string(code.meaning) + '\n';
+  }
+  return text;
+}
+
+int examine(const CheckCommand& command) {
   lab::CheckOptions options = command.check;
   const std::filesystem::path graph(command.graph);
   if (!command.graph.empty()) {
@@ -68,21 +83,25 @@ int check_command(const CheckCommand& command) {
 void add_check(CLI::App& app, Action& action) {
   auto options = std::make_shared<CheckCommand>();
   CLI::App* command = app.add_subcommand("check", "Examines rules without running them (docs/check.md)");
-  command->footer(
-      "Examples:\n  cxlab check rcll/game\n  cxlab check my_agent/params/agent.yaml --graph rules.svg\n  cxlab check "
-      "my_agent/clips/*.clp\nA comment '; check: allow CODE' at the end of a line, or above it, silences a finding.\n"
-      "Exit codes: 0 nothing found; 1 findings; 3 an input cannot be read or loaded.");
-  suggest(command->add_option("inputs", options->check.inputs,
-                              "Scenarios, configurations of the CLIPS-Executive (YAML), or rule files, which are one "
-                              "rule base")
+  command->footer(std::string("Examples:\n  cxlab check rcll/game\n  cxlab check my_agent/params/agent.yaml --graph "
+                              "rules.svg\n  cxlab check "
+                              "my_agent/clips/*.clp\n") +
+                  codes_text() +
+                  "A comment '; check: allow CODE' at the end of a line, or on the line above, silences a finding.\n"
+                  "Exit codes: 0 nothing found; 1 findings; 3 an input cannot be read.");
+  suggest(command
+              ->add_option("inputs", options->check.inputs,
+                           "Scenarios, configurations of the CLIPS-Executive (YAML), or rule files, which are one "
+                           "rule base")
               ->required(),
           scenario_names, /*files=*/true);
-  once_each(command->add_option("--param", options->check.params, "NODE.NAME=VALUE: changes a parameter of configurations"));
+  once_each(
+      command->add_option("--param", options->check.params, "NODE.NAME=VALUE: changes a parameter of configurations"));
   add_package_options(*command, options->check.packages);
   command->add_option("--graph", options->graph,
                       "Draws which rules produce and consume which facts: FILE.svg, or FILE.dot for Graphviz");
   command->add_flag("--json", options->json, "The findings as JSON");
-  command->callback([options, &action] { action = [options] { return check_command(*options); }; });
+  command->callback([options, &action] { action = [options] { return examine(*options); }; });
 }
 
 }  // namespace cxlab::app

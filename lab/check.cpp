@@ -54,7 +54,8 @@ std::string real(const fs::path& path) {
 
 bool is_below(const fs::path& file, const fs::path& folder) {
   const std::string inner = real(file), outer = real(folder);
-  return inner.size() > outer.size() && inner.starts_with(outer) && (outer.ends_with('/') || inner[outer.size()] == '/');
+  return inner.size() > outer.size() && inner.starts_with(outer) &&
+         (outer.ends_with('/') || inner[outer.size()] == '/');
 }
 
 /// All files with these extensions below a folder, but in hidden folders; not `deep`: in it alone.
@@ -106,24 +107,19 @@ class Checker {
       }
       if (Status s = open(**scenario); !s) return s.error();
     }
-    // What comes from a stranger runs behind the wall: batch files call functions.
-    if (!openings_.empty()) {
-      Wall more;
-      for (const auto& opening : openings_) {
-        const Wall wall = opening->episode->wall();
-        more.read.insert(more.read.end(), wall.read.begin(), wall.read.end());
-        more.write.insert(more.write.end(), wall.write.begin(), wall.write.end());
-      }
-      for (const std::string& file : files) more.read.push_back(fs::absolute(file).parent_path());
-      if (!files.empty())
-        if (const auto found = find_packages(options_.packages))
-          for (const auto& [name, folder] : *found) more.read.emplace_back(folder);
-      confine(*openings_.front()->episode, host_, more);
+    const auto packages = find_packages(options_.packages);
+    if (!packages) return packages.error();
+    std::vector<PluginReference> reference;
+    if (!files.empty()) {
+      auto all = read_reference(*packages);
+      if (!all) return all.error();
+      reference = *std::move(all);
     }
+    raise_wall_around(files, *packages);
     for (const auto& opening : openings_)
       if (Status s = check_agents(*opening); !s) return s.error();
     if (!files.empty())
-      if (Status s = check_files(files); !s) return s.error();
+      if (Status s = check_files(files, *packages, reference); !s) return s.error();
     checked_.findings = check::without_allowed(std::move(checked_.findings), judged_);
     checked_.files = judged_files_.size();
     checked_.rules = rules_.size();
@@ -133,10 +129,28 @@ class Checker {
  private:
   struct Opening {
     std::unique_ptr<Episode> episode;
-    std::vector<fs::path> own;     ///< folders of the packages that are checked
-    std::vector<fs::path> read;    ///< files, in order, since this was emptied
-    check::Words words;            ///< of the configurations
+    std::vector<fs::path> own;   ///< folders of the packages that are checked
+    std::vector<fs::path> read;  ///< files, in order, since this was emptied
+    check::Words words;          ///< of the configurations
   };
+
+  /// What comes from a stranger is read behind the wall. Batch files call functions.
+  void raise_wall_around(const std::vector<std::string>& files,
+                         const std::map<std::string, std::string>& packages) const {
+    Wall all;
+    for (const auto& opening : openings_) {
+      const Wall wall = opening->episode->wall();
+      all.read.insert(all.read.end(), wall.read.begin(), wall.read.end());
+      all.write.insert(all.write.end(), wall.write.begin(), wall.write.end());
+    }
+    for (const std::string& file : files) all.read.push_back(fs::absolute(file).parent_path());
+    if (!files.empty())
+      for (const auto& [name, folder] : packages) all.read.emplace_back(folder);
+    if (!openings_.empty())
+      confine(*openings_.front()->episode, host_, all);
+    else
+      confine(host_, all);
+  }
 
   /// None: it is a rule file.
   Expected<std::optional<Scenario>> scenario_of(const std::string& input) {
@@ -220,9 +234,8 @@ class Checker {
     for (const ConstructInfo& info : constructs) with_constructs.insert(info.file);
     bool own_library = false;
     if (const auto plugins = manager.plugin_names(name))
-      own_library = std::ranges::any_of(*plugins, [&](const std::string& plugin) {
-        return engine_is_foreign(opening, manager, plugin);
-      });
+      own_library = std::ranges::any_of(
+          *plugins, [&](const std::string& plugin) { return engine_is_foreign(opening, manager, plugin); });
     if (Status s = manager.destroy_environment(name); !s) return s;  // loads cleanup_batch files
 
     std::vector<check::Source> sources;
@@ -253,7 +266,8 @@ class Checker {
   }
 
   /// Its class is of a library of a package: nobody knows what it asserts and reads.
-  bool engine_is_foreign(const Opening& opening, const cx::EnvironmentManager& manager, const std::string& plugin) const {
+  bool engine_is_foreign(const Opening& opening, const cx::EnvironmentManager& manager,
+                         const std::string& plugin) const {
     for (const AgentSpec& agent : opening.episode->scenario().agents) {
       const auto parameters =
           cx::Parameters::load(opening.episode->scenario().resolve(agent.config), manager.node(), agent.name_space);
@@ -282,7 +296,8 @@ class Checker {
     }
   }
 
-  Status check_files(const std::vector<std::string>& files) {
+  Status check_files(const std::vector<std::string>& files, const std::map<std::string, std::string>& packages,
+                     const std::vector<PluginReference>& reference) {
     std::vector<check::Source> sources;
     std::set<std::string> loaded;
     std::vector<fs::path> context;
@@ -298,17 +313,13 @@ class Checker {
         if (const auto words = read_file(story); words && story.string().ends_with(".story.yaml"))
           add_words(*words, outside.facts);
     }
-    const auto packages = find_packages(options_.packages);
-    if (!packages) return packages.error();
-    for (const auto& [name, folder] : *packages)
+    for (const auto& [name, folder] : packages)
       for (fs::path& file : files_below(folder, kRuleFiles)) context.push_back(std::move(file));
-    const auto reference = read_reference(*packages);
-    if (!reference) return reference.error();
-    for (const PluginReference& plugin : *reference)
+    for (const PluginReference& plugin : reference)
       for (const Documented& construct : plugin.constructs)
         (construct.kind == "deftemplate" ? outside.templates : outside.functions).insert(construct.name);
     add_context(context, loaded, sources);
-    add_bindings(*packages, sources, outside);
+    add_bindings(packages, sources, outside);
     return examine(std::move(sources), std::move(outside), {}, "rule files");
   }
 
@@ -332,7 +343,7 @@ class Checker {
     std::error_code ignored;
     const fs::path here = fs::current_path(ignored);
     return !here.empty() && is_below(file, here) ? fs::path(real(file)).lexically_relative(real(here)).string()
-                                                  : file.string();
+                                                 : file.string();
   }
 
   /// "[CSTRNCHK1] ... found in CE #2 ... for slot 'state'": the line of that slot in the condition of that number.
@@ -375,7 +386,8 @@ class Checker {
       if (construct.place.source->file == file && construct.place.line == begin)
         found.push_back({file, line_of(error, construct), "unknown-symbol",
                          "a pattern has a symbol that its template does not allow; correct it, or add it to "
-                         "allowed-values (" + error.message + ')'});
+                         "allowed-values (" +
+                             error.message + ')'});
     return true;
   }
 
@@ -388,8 +400,14 @@ class Checker {
     for (const check::Construct& construct : base->constructs())
       if (construct.is_rule() && construct.judged()) rules_.insert(construct.place.text());
     std::vector<check::Finding> found = check::examine(*base);
-    for (const Error& error : errors)
-      if (!is_finding(error, *base, found)) return error;
+    for (const Error& error : errors) {
+      if (is_finding(error, *base, found)) continue;
+      const std::string file = shown(error.file);
+      if (error.line <= 0 ||
+          std::ranges::none_of(judged_, [&](const check::Source& source) { return source.file == file; }))
+        return error;
+      found.push_back({file, error.line, "not-loaded", "this does not load: " + error.message});
+    }
     checked_.findings.insert(checked_.findings.end(), found.begin(), found.end());
     if (options_.graph && checked_.graph.empty())
       checked_.graph = options_.dot ? check::graph_dot(*base, title) : check::graph_svg(*base, title);

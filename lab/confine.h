@@ -13,6 +13,9 @@ namespace cxlab::lab {
 /// reads and writes afterwards. Where the kernel has no wall, the host gets a note, once.
 void confine(const Episode& episode, const Host& host, const Wall& more = {});
 
+/// The same around what only reads files, and plays nothing.
+void confine(const Host& host, const Wall& wall);
+
 /// What a person is told where the kernel cannot confine processes that play rules.
 std::optional<std::string> warning_without_wall();
 

@@ -17,7 +17,8 @@ constexpr std::string_view kUnusedAllow = "unused-allow";
 
 /// What a construct defines, as CLIPS tells constructs apart; empty where another of the name may stand beside it.
 std::string identity(const Construct& construct) {
-  static const std::set<std::string> kNamed{"defrule", "deftemplate", "deffacts", "deffunction", "defclass", "defmodule"};
+  static const std::set<std::string> kNamed{"defrule",     "deftemplate", "deffacts",
+                                            "deffunction", "defclass",    "defmodule"};
   if (!kNamed.contains(construct.kind)) return {};
   const auto& items = construct.tree.items;
   const auto lists = std::ranges::count_if(items, &Term::is_list);
@@ -37,14 +38,18 @@ void judge_twice(const RuleBase& base, Findings& findings) {
           construct.kind + " '" + construct.name + "' is defined at " + known->second->place.text() +
               " already, and this one replaces it; rename or remove one");
   }
-  std::map<std::string, Place> globals;  // by file: a file of settings may override another
+  std::set<const Source*> with_rules;  // others are settings, which may replace those of another file
   for (const Construct& construct : base.constructs())
-    if (construct.kind == "defglobal")
+    if (construct.is_rule()) with_rules.insert(construct.place.source);
+  std::map<std::string, Place> globals;
+  for (const Construct& construct : base.constructs())
+    if (construct.kind == "defglobal" && construct.place.source->loaded)
       for (const Term& item : construct.tree.items)
         if (item.kind == Token::Kind::kWord && item.text.starts_with("?*")) {
           const Place place{construct.place.source, item.line};
-          const auto [known, fresh] = globals.emplace(place.source->file + item.text, place);
-          if (!fresh)
+          const auto [known, fresh] = globals.emplace(item.text, place);
+          if (!fresh && known->second.source->judged &&
+              (place.source == known->second.source || with_rules.contains(place.source)))
             add(findings, place, "defined-twice",
                 "global " + item.text + " is defined at " + known->second.text() + " already; remove one");
         }
@@ -57,7 +62,6 @@ class Variables {
   struct Seen {
     int count = 0, line = 0;
     bool bound = false;  ///< by bind
-    bool field = false;  ///< stands for fields that it skips
   };
 
   void read(const Term& term) {
@@ -83,10 +87,18 @@ class Variables {
       Seen& seen = seen_[name];
       if (seen.count == 0) seen.line = term.items[1].line;
       seen.bound = true;
-      ++binds_[name];
       return;
     }
     for (const Term& item : term.items) read(item);
+  }
+
+  bool has(const std::string& name) const {
+    return seen_.contains(name) || texts_.find('?' + name) != std::string::npos;
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const auto& [name, seen] : seen_) out.push_back(name);
+    return out;
   }
 
   /// Those that are bound and never looked at.
@@ -103,31 +115,51 @@ class Variables {
 
  private:
   std::map<std::string, Seen> seen_;
-  std::map<std::string, int> binds_;
   std::set<std::string> its_own_;  // of loops and queries
   std::string texts_;
 };
 
 void judge_variables(const RuleBase& base, Findings& findings) {
+  std::map<std::string, int> definitions;
+  for (const Construct& construct : base.constructs())
+    if (construct.kind == "deffunction" && !identity(construct).empty()) ++definitions[construct.name];
   for (const Construct& construct : base.constructs()) {
     const bool function = construct.kind == "deffunction";
     if (!construct.judged() || (!construct.is_rule() && !function)) continue;
     Variables variables;
-    bool parameters = false;
+    const Term* parameters = nullptr;
     for (const Term& item : construct.tree.items) {
       if (function && !parameters) {
-        parameters = item.is_list();
+        parameters = item.is_list() ? &item : nullptr;
         continue;
       }
       const bool last = &item == &construct.tree.items.back();
-      if (!(function && last && item.head() == "bind")) variables.read(item);  // its value is the function's
+      // The value of the last action is the function's.
+      if (!function || !last || item.head() != "bind")
+        variables.read(item);
+      else
+        for (std::size_t i = 2; i < item.items.size(); ++i) variables.read(item.items[i]);
     }
-    for (const auto& [name, seen] : variables.useless()) {
+    // Callbacks, and functions that other files define as well, have the parameters that they must have.
+    if (parameters && !construct.name.ends_with("-callback") && !identity(construct).empty() &&
+        definitions[construct.name] == 1)
+      for (const Term& parameter : parameters->items)
+        if (const std::string name = variable_name(parameter); !variables.has(name) && !name.starts_with('_'))
+          add(findings, {construct.place.source, parameter.line}, "used-once",
+              "the function '" + construct.name + "' does not use its parameter " + parameter.text +
+                  "; use it, remove it, or call it ?_" + name);
+    const std::map<std::string, Variables::Seen> useless = variables.useless();
+    for (const auto& [name, seen] : useless) {
       if (function && !seen.bound) continue;  // a parameter, which its callers give
+      const std::string near = meant(name, variables.names());
+      const auto other = useless.find(near);
+      if (other != useless.end() && std::pair(other->second.line, near) > std::pair(seen.line, name))
+        continue;  // said there
       add(findings, {construct.place.source, seen.line}, "used-once",
           seen.bound ? "?" + name + " is bound here and never used; remove the bind, or use the variable"
-                     : "?" + name + " occurs only here in '" + construct.name +
-                           "'; write ? for any value, or correct the name");
+                     : "?" + name + " occurs only here in '" + construct.name + "'" +
+                           (near.empty() ? "; write ? for any value, or correct the name"
+                                         : ", did you mean '?" + near + "'? For any value: ?"));
     }
   }
 }
@@ -141,12 +173,34 @@ void judge_unused(const RuleBase& base, Findings& findings) {
   const auto used = [&](const std::string& name, const Construct* itself) {
     return std::ranges::any_of(base.users(name), [&](const Construct* by) { return by != itself; });
   };
-  for (const Construct& construct : base.constructs())
-    if (construct.kind == "deffunction" && !identity(construct).empty() && !used(construct.name, &construct) &&
-        !construct.name.ends_with("-callback") && !overrides.contains(construct.name) &&
-        !base.outside().functions.contains(construct.name))
-      add(findings, construct.place, "unused-function",
-          "nothing calls the function '" + construct.name + "'; call it or remove it");
+  // A function is used if something else calls it, or a function that is used.
+  std::map<const Construct*, std::vector<const Construct*>> called;
+  std::vector<const Construct*> functions, open;
+  std::set<const Construct*> alive;
+  for (const Construct& construct : base.constructs()) {
+    if (construct.kind != "deffunction" || identity(construct).empty()) continue;
+    functions.push_back(&construct);
+    bool by_others = construct.name.ends_with("-callback") || overrides.contains(construct.name) ||
+                     base.outside().functions.contains(construct.name);
+    for (const Construct* by : base.users(construct.name)) {
+      by_others = by_others || by->kind != "deffunction" || !by->judged();
+      called[by].push_back(&construct);
+    }
+    if (by_others) open.push_back(&construct);
+  }
+  while (!open.empty()) {
+    const Construct* function = open.back();
+    open.pop_back();
+    if (!alive.insert(function).second) continue;
+    const auto more = called.find(function);
+    if (more != called.end()) open.insert(open.end(), more->second.begin(), more->second.end());
+  }
+  for (const Construct* function : functions)
+    if (!alive.contains(function))
+      add(findings, function->place, "unused-function",
+          used(function->name, function)
+              ? "only functions that nothing calls call '" + function->name + "'; use or remove them"
+              : "nothing calls the function '" + function->name + "'; call it or remove it");
   for (const auto& [name, global] : base.globals())
     if (!used(name, global.defined))
       add(findings, {global.defined->place.source, global.line}, "unused-global",
@@ -183,20 +237,20 @@ std::vector<Allowance> allowances_in(const Source& source) {
 std::string Finding::text() const { return file + ':' + std::to_string(line) + ": [" + code + "] " + message; }
 
 const std::vector<Code>& codes() {
-  static const std::vector<Code> kCodes{
-      {"unknown-symbol", "a value is compared with a symbol that it never has"},
-      {"never-asserted", "rules read facts that nothing asserts"},
-      {"never-read", "facts are asserted that nothing reads"},
-      {"unused-template", "a template whose facts nothing asserts or reads"},
-      {"never-set", "a slot is read, or a value of it allowed, that nothing sets"},
-      {"defined-twice", "a construct replaces another one of the same name"},
-      {"used-once", "a variable occurs only once"},
-      {"loop", "rules make each other fire without an end"},
-      {"unreachable", "the conditions of a rule can never hold"},
-      {"unused-function", "nothing calls a function"},
-      {"unused-global", "nothing reads a global"},
-      {"salience", "only its salience says which of two rules acts"},
-      {kUnusedAllow, "a comment allows something that is not found there"}};
+  static const std::vector<Code> kCodes{{"unknown-symbol", "a value is compared with a symbol that it never has"},
+                                        {"never-asserted", "rules read facts that nothing asserts"},
+                                        {"never-read", "facts are asserted that nothing reads"},
+                                        {"unused-template", "a template whose facts nothing asserts or reads"},
+                                        {"never-set", "a slot is read, or a value of it allowed, that nothing sets"},
+                                        {"not-loaded", "CLIPS refuses a construct"},
+                                        {"defined-twice", "a construct replaces another one of the same name"},
+                                        {"used-once", "a variable occurs only once"},
+                                        {"loop", "rules make each other fire without an end"},
+                                        {"unreachable", "the conditions of a rule can never hold"},
+                                        {"unused-function", "nothing calls a function"},
+                                        {"unused-global", "nothing reads a global"},
+                                        {"salience", "only its salience says which of two rules acts"},
+                                        {kUnusedAllow, "a comment allows something that is not found there"}};
   return kCodes;
 }
 
@@ -269,7 +323,8 @@ std::vector<Finding> without_allowed(std::vector<Finding> findings, const std::v
       int line = allowance.place.line;
       if (allowance.alone) {
         ++line;
-        for (std::size_t k = i + 1; k < allowances.size() && allowances[k].alone && allowances[k].place.line == line; ++k)
+        for (std::size_t k = i + 1; k < allowances.size() && allowances[k].alone && allowances[k].place.line == line;
+             ++k)
           ++line;
       }
       allowance.used = std::erase_if(findings, [&](const Finding& f) {
@@ -278,10 +333,10 @@ std::vector<Finding> without_allowed(std::vector<Finding> findings, const std::v
                        }) > 0;
       if (allowance.used) continue;
       const bool is_code = std::ranges::count(known, allowance.code) > 0;
-      findings.push_back({source.file, allowance.place.line, std::string(kUnusedAllow),
-                          is_code ? "nothing is found here that this comment allows; remove it"
-                                  : "there is no code '" + allowance.code + "' to allow" +
-                                        did_you_mean(allowance.code, known)});
+      findings.push_back(
+          {source.file, allowance.place.line, std::string(kUnusedAllow),
+           is_code ? "nothing is found here that this comment allows; remove it"
+                   : "there is no code '" + allowance.code + "' to allow" + did_you_mean(allowance.code, known)});
     }
   }
   std::ranges::sort(findings);

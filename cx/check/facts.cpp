@@ -33,7 +33,25 @@ bool is_outside(const RuleBase& base, const std::string& name) {
          name == "initial-fact";
 }
 
-std::vector<std::string> list(const std::set<std::string>& names) { return {names.begin(), names.end()}; }
+/// One word is the other one with a slip of the finger: a letter too many, too few or changed, or two that changed
+/// places.
+bool is_slip(std::string_view word, std::string_view other) {
+  const std::size_t longer = std::max(word.size(), other.size()), shorter = std::min(word.size(), other.size());
+  std::size_t same = 0, end = 0;
+  while (same < shorter && word[same] == other[same]) ++same;
+  while (end < shorter - same && word[word.size() - 1 - end] == other[other.size() - 1 - end]) ++end;
+  return longer - shorter <= 1 && same + end + 2 >= longer;
+}
+
+std::string in_quotes(const std::string& word) { return word.starts_with('"') ? word : '\'' + word + '\''; }
+
+/// Where a construct has a symbol.
+int line_of(const Term& term, const std::string& symbol) {
+  if (term.is(symbol)) return term.line;
+  for (const Term& item : term.items)
+    if (const int line = line_of(item, symbol); line > 0) return line;
+  return 0;
+}
 
 void judge_templates(const RuleBase& base, const Known& known, Findings& findings) {
   std::set<std::string> names = known.asserted;
@@ -49,12 +67,16 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
     const auto defined = base.templates().find(name);
     const bool by_template = defined != base.templates().end();
     const auto reader = known.first_read.find(name), writer = known.first_assert.find(name);
-    const std::string meant_name = meant(name, list(asserted ? known.read : known.asserted));
+    const std::set<std::string>& others = asserted ? known.read : known.asserted;
+    std::vector<std::string> candidates(others.begin(), others.end());
+    if (!asserted) candidates.insert(candidates.end(), base.outside().facts.begin(), base.outside().facts.end());
+    const std::string meant_name = meant(name, candidates);
     const std::string hint = meant_name.empty() ? "" : ", did you mean '" + meant_name + "'?";
     if (doubts_little && meant_name.empty()) continue;
     // Of two names that miss each other, the rarer one is misspelt.
     if (!meant_name.empty()) {
-      const bool other_misses = asserted ? !known.asserted.contains(meant_name) : !known.read.contains(meant_name);
+      const bool other_misses = !is_outside(base, meant_name) &&
+                                (asserted ? !known.asserted.contains(meant_name) : !known.read.contains(meant_name));
       const int own = count[name], other = count[meant_name];
       if (other_misses && (own > other || (own == other && !asserted))) continue;
     }
@@ -66,8 +88,8 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
       const std::string at = reader->second->place.text();
       if (by_template && hint.empty())
         add(findings, defined->second.defined->place, "never-asserted",
-            "nothing asserts facts of template '" + name + "', which '" + reader->second->by->name + "' reads at " + at +
-                "; assert them or remove what reads them");
+            "nothing asserts facts of template '" + name + "', which '" + reader->second->by->name + "' reads at " +
+                at + "; assert them or remove what reads them");
       else
         add(findings, reader->second->place, "never-asserted",
             "nothing asserts the facts '" + name + "' that '" + reader->second->by->name + "' reads" +
@@ -91,31 +113,68 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
   std::map<std::string, std::set<std::string>> tested;  // by value
   for (const Test& test : base.tests()) {
     testers[test.symbol].insert(test.by);
-    tested[test.value].insert(test.symbol);
+    tested[base.origin_of(test.value)].insert(test.symbol);
   }
   for (const Test& test : base.tests()) {
     if (!test.place.source->judged) continue;
-    const Values values = base.possible(test.value);
+    const Values& values = base.possible(test.value);
     if (values.symbols.contains(test.symbol)) continue;
     if (values.symbols.empty() && !values.open) continue;  // its facts are not asserted at all, which is said
+    const bool text = test.symbol.starts_with('"');
+    const bool uncertain = values.open || (text && values.open_text) || base.outside().open || base.asserts_unknown();
     std::vector<std::string> known;
-    for (const auto& [symbol, by] : values.symbols) known.push_back(symbol);
-    const bool uncertain = values.open || base.outside().open || base.asserts_unknown();
-    if (uncertain)  // what comes from outside is known by what several rules expect
-      for (const std::string& symbol : tested[test.value])
-        if (testers[symbol].size() > 2 && !symbol.starts_with(test.symbol) && !test.symbol.starts_with(symbol))
-          known.push_back(symbol);
-    const std::string near = meant(test.symbol, known);
-    // Who misspells a word does so once.
-    if (uncertain && (near.empty() || base.is_mentioned(test.symbol) || testers[test.symbol].size() > 1 ||
-                      base.outside().words.contains(test.symbol)))
-      continue;
+    for (const auto& [symbol, by] : values.symbols)
+      if (symbol.starts_with('"') == text) known.push_back(symbol);
+    std::string near = meant(test.symbol, known);
+    if (uncertain) {
+      // Who misspells a word does so once.
+      if (text || base.is_mentioned(test.symbol) || base.has_in_text(test.symbol) || testers[test.symbol].size() > 1 ||
+          base.outside().words.contains(test.symbol))
+        continue;
+      // What comes from outside is known by what several rules expect, and by the words of files beside the rules.
+      known.clear();
+      for (const std::string& symbol : tested[base.origin_of(test.value)])
+        if (testers[symbol].size() > 1 || base.is_mentioned(symbol)) known.push_back(symbol);
+      constexpr std::size_t kTelling = 6;
+      for (const std::string& word : base.outside().words)
+        if (word.size() >= kTelling && is_slip(test.symbol, word)) known.push_back(word);
+      if (near.empty()) near = meant(test.symbol, known);
+      if (near.empty() || (!values.symbols.contains(near) && !is_slip(test.symbol, near)) ||
+          near.starts_with(test.symbol + '-') || test.symbol.starts_with(near + '-'))
+        continue;
+    }
     std::string message = test.what + " is never " + test.symbol;
     if (!near.empty())
-      message += ", did you mean '" + near + "'?";
+      message += ", did you mean " + in_quotes(near) + "?";
     else
       message += "; expected " + (known.empty() ? "no symbol" : "one of: " + some_of(known, 6));
     add(findings, test.place, "unknown-symbol", message);
+  }
+}
+
+/// The symbols of a slot, and those that its template allows.
+void judge_allowed(const RuleBase& base, const std::string& name, const std::string& slot_name, const Slot& slot,
+                   const Place& place, Findings& findings) {
+  const std::string key = "s:" + name + '.' + slot_name, what = "slot '" + slot_name + "' of '" + name + '\'';
+  const Values& values = base.possible(key);
+  std::vector<std::string> allowed;
+  for (const auto& [symbol, line] : slot.allowed) allowed.push_back(symbol);
+  for (const auto& [symbol, by] : values.symbols) {
+    const std::string near = meant(symbol, allowed);
+    const auto is_meant = [&](const Test& test) { return test.symbol == symbol; };  // somewhere
+    if (near.empty() || std::ranges::count(allowed, symbol) > 0 || std::ranges::any_of(base.tests(), is_meant))
+      continue;
+    for (const Construct* giver : by)
+      if (giver)
+        add(findings, {giver->place.source, line_of(giver->tree, symbol)}, "unknown-symbol",
+            what + " gets " + symbol + ", which its template does not allow, did you mean '" + near + "'?");
+  }
+  if (values.open) return;
+  for (const auto& [symbol, line] : slot.allowed) {
+    const bool is_tested =
+        std::ranges::any_of(base.tests(), [&](const Test& test) { return test.value == key && test.symbol == symbol; });
+    if (!values.symbols.contains(symbol) && !is_tested)
+      add(findings, {place.source, line}, "never-set", what + " is never " + symbol + "; set it or do not allow it");
   }
 }
 
@@ -126,22 +185,19 @@ void judge_slots(const RuleBase& base, const Known& known, Findings& findings) {
     if (!defined.defined->judged()) continue;
     for (const auto& [slot_name, slot] : defined.slots) {
       const Place place{defined.defined->place.source, slot.line};
-      if (!base.is_set(name, slot_name) && base.is_read(name, slot_name) && !slot.has_default) {
+      const bool is_set = base.is_set(name, slot_name), is_read = base.is_read(name, slot_name);
+      if (!is_set && !is_read) {
+        add(findings, place, "never-set",
+            "nothing sets or reads slot '" + slot_name + "' of '" + name + "'; remove it");
+        continue;
+      }
+      if (!is_set && !slot.has_default) {
         add(findings, place, "never-set",
             "rules read slot '" + slot_name + "' of '" + name +
                 "', which nothing sets and which has no default; set it or remove it");
         continue;
       }
-      const std::string key = "s:" + name + '.' + slot_name;
-      const Values values = base.possible(key);
-      if (values.open) continue;
-      for (const auto& [symbol, line] : slot.allowed) {
-        const bool is_tested = std::ranges::any_of(
-            base.tests(), [&](const Test& test) { return test.value == key && test.symbol == symbol; });
-        if (!values.symbols.contains(symbol) && !is_tested)
-          add(findings, {place.source, line}, "never-set",
-              "slot '" + slot_name + "' of '" + name + "' is never " + symbol + "; set it or do not allow it");
-      }
+      if (!slot.allowed.empty()) judge_allowed(base, name, slot_name, slot, place, findings);
     }
   }
 }

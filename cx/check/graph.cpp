@@ -29,7 +29,8 @@ std::map<std::string, Doers> doers_of(const RuleBase& base) {
     if (touch.by->judged()) wanted.insert(touch.template_name);
   std::map<std::string, Doers> out;
   for (const Touch& touch : base.touches()) {
-    if (!wanted.contains(touch.template_name) || !touch.by->place.source->loaded) continue;
+    if (!wanted.contains(touch.template_name) || touch.template_name.empty() || !touch.by->place.source->loaded)
+      continue;
     Deeds& deeds = out[touch.template_name][name_of(*touch.by)];
     deeds.asserts = deeds.asserts || touch.how == How::kAssert;
     deeds.modifies = deeds.modifies || touch.how == How::kModify;
@@ -73,18 +74,19 @@ std::string box(int x, int y, int width, int height, const std::string& text, co
   constexpr std::size_t kFits = 40;
   const std::string shown = text.size() > kFits ? text.substr(0, kFits - 3) + "..." : text;
   return "<g class=\"" + std::string(look) + "\"><title>" + escaped(text) + "</title><rect x=\"" + std::to_string(x) +
-         "\" y=\"" + std::to_string(y) + "\" width=\"" + std::to_string(width) + "\" height=\"" + std::to_string(height) +
-         "\" rx=\"4\"/><text x=\"" + std::to_string(x + 8) + "\" y=\"" + std::to_string(baseline) + "\">" +
-         escaped(shown) + "</text></g>\n";
+         "\" y=\"" + std::to_string(y) + "\" width=\"" + std::to_string(width) + "\" height=\"" +
+         std::to_string(height) + "\" rx=\"4\"/><text x=\"" + std::to_string(x + 8) + "\" y=\"" +
+         std::to_string(baseline) + "\">" + escaped(shown) + "</text></g>\n";
 }
 
 std::string arrow(int x1, int y1, int x2, int y2, const std::string& what, int label_y, const char* look) {
   const int middle = (x1 + x2) / 2;
   return "<path class=\"" + std::string(look) + "\" d=\"M" + std::to_string(x1) + ' ' + std::to_string(y1) + " C" +
-         std::to_string(middle) + ' ' + std::to_string(y1) + ' ' + std::to_string(middle) + ' ' + std::to_string(y2) + ' ' +
-         std::to_string(x2) + ' ' + std::to_string(y2) + "\" marker-end=\"url(#head)\"/><text class=\"what\" x=\"" +
-         std::to_string(x1 < kX2 ? x1 + 4 : x2 - 8) + "\" y=\"" + std::to_string(label_y - 3) + "\"" +
-         (x1 < kX2 ? "" : " text-anchor=\"end\"") + '>' + what + "</text>\n";
+         std::to_string(middle) + ' ' + std::to_string(y1) + ' ' + std::to_string(middle) + ' ' + std::to_string(y2) +
+         ' ' + std::to_string(x2) + ' ' + std::to_string(y2) +
+         "\" marker-end=\"url(#head)\"/><text class=\"what\" x=\"" + std::to_string(x1 < kX2 ? x1 + 4 : x2 - 8) +
+         "\" y=\"" + std::to_string(label_y - 3) + "\"" + (x1 < kX2 ? "" : " text-anchor=\"end\"") + '>' + what +
+         "</text>\n";
 }
 
 }  // namespace
@@ -145,12 +147,14 @@ std::string graph_svg(const RuleBase& base, const std::string& title) {
          "\" font-family=\"sans-serif\" font-size=\"12\">\n<style>rect{fill:#f5f7fa;stroke:#8a97a8} .facts "
          "rect{fill:#fff2cc;stroke:#b8860b} .facts text{font-weight:bold} .none rect{fill:#fde7e7;stroke:#c62828} "
          "path{fill:none;stroke:#607d8b} .makes{stroke:#2e7d32} .without{stroke-dasharray:4 3} "
-         ".what{font-size:10px;fill:#607080} .title{font-size:15px;font-weight:bold}</style>\n<defs><marker id=\"head\" "
+         ".what{font-size:10px;fill:#607080} .title{font-size:15px;font-weight:bold}</style>\n<defs><marker "
+         "id=\"head\" "
          "markerWidth=\"8\" markerHeight=\"8\" refX=\"7\" refY=\"4\" orient=\"auto\"><path d=\"M0 0 L8 4 L0 8 z\" "
          "style=\"fill:#607d8b;stroke:none\"/></marker></defs>\n<rect x=\"0\" y=\"0\" width=\"100%\" height=\"100%\" "
          "style=\"fill:white;stroke:none\"/>\n<text class=\"title\" x=\"20\" y=\"24\">" +
          escaped(title) + "</text>\n<text x=\"20\" y=\"46\">produced by</text><text x=\"" + std::to_string(kX2) +
-         "\" y=\"46\">facts</text><text x=\"" + std::to_string(kX3) + "\" y=\"46\">read by</text>\n" + body + "</svg>\n";
+         "\" y=\"46\">facts</text><text x=\"" + std::to_string(kX3) + "\" y=\"46\">read by</text>\n" + body +
+         "</svg>\n";
 }
 
 }  // namespace cxlab::check

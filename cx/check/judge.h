@@ -19,8 +19,9 @@ inline void add(Findings& findings, const Place& place, std::string code, std::s
 void judge_facts(const RuleBase& base, Findings& findings);
 /// unreachable (reach.cpp)
 void judge_reach(const RuleBase& base, Findings& findings);
-/// loop, salience (loops.cpp)
+/// loop (loops.cpp)
 void judge_loops(const RuleBase& base, Findings& findings);
+/// salience (salience.cpp)
 void judge_salience(const RuleBase& base, Findings& findings);
 /// defined-twice, used-once, unused-function, unused-global (check.cpp)
 void judge_constructs(const RuleBase& base, Findings& findings);

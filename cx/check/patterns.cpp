@@ -1,6 +1,9 @@
 #include "cx/check/patterns.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "cx/base/number_text.h"
 
 namespace cxlab::check {
 
@@ -52,6 +55,12 @@ SlotConstraint constraint_of(std::span<const Term> items) {
       out.plain = false;
     }
   }
+  if (items.size() == 4 && !out.variable.empty() && items[1].is("&") && items[2].is(":") &&
+      items[3].items.size() == 3 && variable_name(items[3].items[1]) == out.variable &&
+      read_number<double>(items[3].items[2].text)) {
+    const std::string_view op = items[3].head();
+    out.unbounded = op == ">" || op == ">=" ? 1 : op == "<" || op == "<=" ? -1 : 0;
+  }
   if (alternatives && (!out.none_of.empty() || (!out.variable.empty() && together.size() < 2))) out.plain = false;
   bool constrained = false;
   for (const std::set<std::string>& some : together) {
@@ -102,9 +111,7 @@ std::optional<PatternSlots> slots_of(const Term& pattern) {
   int field = 1;
   while (begin < items.size()) {
     std::size_t end = begin + 1;
-    const auto joins = [&](const Term& t) {
-      return t.kind == Token::Kind::kConnective || t.is(":") || t.is("=");
-    };
+    const auto joins = [&](const Term& t) { return t.kind == Token::Kind::kConnective || t.is(":") || t.is("="); };
     while (end < items.size() && (items[end].kind == Token::Kind::kConnective || joins(items[end - 1]))) ++end;
     out.slots[std::to_string(field++)] = constraint_of(items.subspan(begin, end - begin));
     begin = end;
@@ -130,6 +137,12 @@ std::set<std::string> variables_in(const Term& term) {
   if (std::string name = variable_name(term); !name.empty()) out.insert(std::move(name));
   for (const Term& item : term.items) out.merge(variables_in(item));
   return out;
+}
+
+std::size_t count_of(const Term& term, const std::string& variable) {
+  std::size_t count = variable_name(term) == variable;
+  for (const Term& item : term.items) count += count_of(item, variable);
+  return count;
 }
 
 }  // namespace cxlab::check

@@ -19,6 +19,7 @@ struct SlotConstraint {
   std::set<std::string> one_of, none_of;
   bool impossible = false;  ///< as A&B
   bool plain = true;        ///< no more than the above: no call, no other variable
+  int unbounded = 0;        ///< 1: `?n&:(> ?n 0)`, any larger number fulfils it, too; -1: any smaller one
   bool any() const { return plain && one_of.empty() && none_of.empty(); }
   bool admits(const std::string& value) const {
     return plain && (one_of.empty() || one_of.contains(value)) && !none_of.contains(value);
@@ -40,5 +41,7 @@ std::optional<PatternSlots> slots_of(const Term& pattern);
 std::map<std::string, std::span<const Term>> values_of(const Term& fact, std::size_t from = 1);
 /// Variables of a term, each once.
 std::set<std::string> variables_in(const Term& term);
+/// How often a term has a variable.
+std::size_t count_of(const Term& term, const std::string& variable);
 
 }  // namespace cxlab::check

@@ -69,7 +69,8 @@ class Contradiction {
         const Term& inner = other.term->items[1];
         const bool all = inner.items.size() == 1 && base.is_file_template(std::string(inner.head())) &&
                          !base.templates().at(std::string(inner.head())).slots.empty();
-        if (inner.print() == one.term->print() || (all && inner.head() == one.term->head()))
+        if (inner.print() == one.term->print() || (all && inner.head() == one.term->head()) ||
+            holds_for_all(inner, *one.term, parts))
           return say(*other.term, other.term->print() + " excludes " + one.term->print());
       }
     return nullptr;
@@ -80,6 +81,22 @@ class Contradiction {
   const Term* say(const Term& term, std::string what) {
     why = std::move(what);
     return &term;
+  }
+
+  /// Whatever matches `given` matches the pattern `inner` of a `not`: its variables stand for any value, or for the
+  /// same one.
+  static bool holds_for_all(const Term& inner, const Term& given, const RuleParts& parts) {
+    const auto wanted = slots_of(inner), known = slots_of(given);
+    if (!wanted || !known || !wanted->wider_than(*known)) return false;
+    return std::ranges::all_of(wanted->slots, [&](const auto& item) {
+      const std::string& variable = item.second.variable;
+      const auto same = known->slots.find(item.first);
+      if (variable.empty() || (same != known->slots.end() && same->second.variable == variable)) return true;
+      std::size_t count = count_of(inner, variable);
+      for (const RuleParts::Condition& condition : parts.conditions)
+        if (condition.term->head() != "not") count += count_of(*condition.term, variable);
+      return count == 1;
+    });
   }
 
   /// `?x&:(> ?x 3)` without alternatives beside it.
@@ -104,7 +121,8 @@ class Contradiction {
     if (test.items.size() != 3) return;
     const Term &left = test.items[1], &right = test.items[2];
     const std::string name = variable_name(left), other = variable_name(right);
-    if (!name.empty() && name == other && left.text == right.text && (op == "<" || op == ">" || op == "neq" || op == "<>")) {
+    if (!name.empty() && name == other && left.text == right.text &&
+        (op == "<" || op == ">" || op == "neq" || op == "<>")) {
       impossible_ = true;
       why = test.print() + " never holds";
     }
@@ -216,8 +234,8 @@ void judge_modules(const RuleBase& base, Findings& findings) {
   for (const auto& [module, rule] : first)
     if (!focused.contains(module) && !base.is_mentioned(module) && !base.outside().words.contains(module))
       add(findings, rule->place, "unreachable",
-          "rule '" + rule->name + "' never fires: nothing gives module '" + module +
-              "' the focus; call (focus " + module + ") or declare auto-focus");
+          "rule '" + rule->name + "' never fires: nothing gives module '" + module + "' the focus; call (focus " +
+              module + ") or declare auto-focus");
 }
 
 }  // namespace

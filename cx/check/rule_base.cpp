@@ -14,21 +14,40 @@ bool is_query(std::string_view head) {
                        "find-all-facts"});
 }
 
-/// Their value is a number, a text or a fact: no symbol of a slot but TRUE and FALSE.
+/// Their value is a number, a fact or nothing: no symbol of a slot but TRUE and FALSE.
 bool gives_no_symbol(std::string_view head) {
-  return is_any(head, {"+",        "-",          "*",        "/",       "div",        "mod",     "abs",       "min",
-                       "max",      "integer",    "float",    "round",   "sqrt",       "**",      "length$",   "str-cat",
-                       "=",        "<>",         "<",        ">",       "<=",         ">=",      "eq",        "neq",
-                       "and",      "or",         "not",      "format",  "fact-index", "random",  "any-factp", "time",
-                       "subsetp",  "str-length", "implode$", "now",     "integerp",   "numberp", "symbolp",   "stringp",
-                       "str-index", "sub-string", "str-compare", "floatp", "evenp", "oddp", "printout", "println"});
+  return is_any(head, {"+",        "-",         "*",           "/",       "div",        "mod",     "abs",        "min",
+                       "max",      "integer",   "float",       "round",   "sqrt",       "**",      "length$",    "=",
+                       "<>",       "<",         ">",           "<=",      ">=",         "eq",      "neq",        "and",
+                       "or",       "not",       "random",      "time",    "fact-index", "subsetp", "str-length", "now",
+                       "integerp", "numberp",   "symbolp",     "stringp", "any-factp",  "floatp",  "evenp",      "oddp",
+                       "printout", "str-index", "str-compare", "println", "assert",     "modify",  "duplicate"});
+}
+bool gives_a_text(std::string_view head) {
+  return is_any(head, {"str-cat", "format", "implode$", "sub-string", "upcase", "lowcase", "readline"});
 }
 
 /// Their value is one of their arguments, or made of these.
 bool passes_on(std::string_view head) {
-  return is_any(head, {"create$", "nth$", "first$", "rest$", "insert$", "insert", "replace$", "delete$", "subseq$",
-                       "progn", "expand$", "delete-member$", "replace-member$", "intersection$", "union$",
-                       "difference$", "sort", "member$", "bind", "if", "switch", "case", "then", "else", "default"});
+  return is_any(head,
+                {"create$", "nth$", "first$", "rest$", "insert$", "insert", "replace$", "delete$", "subseq$", "expand$",
+                 "delete-member$", "replace-member$", "intersection$", "union$", "difference$", "sort"});
+}
+
+/// The expressions whose value an expression may have, where these are the last ones of its branches.
+std::vector<const Term*> last_ones(const Term& term) {
+  std::vector<const Term*> out;
+  const std::vector<Term>& items = term.items;
+  if (term.head() == "switch") {
+    for (const Term& branch : items)
+      if ((branch.head() == "case" || branch.head() == "default") && branch.items.size() > 1)
+        out.push_back(&branch.items.back());
+    return out;
+  }
+  for (std::size_t i = 1; term.head() == "if" && i + 1 < items.size(); ++i)
+    if (items[i + 1].is("else")) out.push_back(&items[i]);
+  if (items.size() > 1) out.push_back(&items.back());
+  return out;
 }
 
 std::string slot_key(const std::string& name, const std::string& slot) { return "s:" + name + '.' + slot; }
@@ -85,6 +104,38 @@ class Reader {
             construct.module = construct.tree.items[1].text.substr(0, colons);
       }
     }
+    // Which facts functions get and give is known when all calls are: the next pass reads with what this one has found.
+    constexpr int kPasses = 4;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const Facts before = std::exchange(fact_flows_, {});
+      known_facts_ = &before;
+      read_all();
+      if (before == fact_flows_) break;
+    }
+    known_facts_ = nullptr;
+    finish();
+    return {};
+  }
+
+ private:
+  using Items = std::span<const Term>;
+  /// Templates of the facts that a parameter ("f#0") or the result ("f") of a function may stand for.
+  struct FactFlow {
+    std::set<std::string> names;
+    bool unknown = false;
+    bool operator==(const FactFlow&) const = default;
+  };
+  using Facts = std::map<std::string, FactFlow>;
+
+  void read_all() {
+    base_.templates_.clear();
+    base_.globals_.clear();
+    base_.touches_.clear();
+    base_.tests_.clear();
+    base_.flows_.clear();
+    base_.sets_.clear();
+    base_.reads_.clear();
+    number_ = 0;
     for (const Construct& construct : base_.constructs_) define(construct);
     for (const Construct& construct : base_.constructs_) {
       by_ = &construct;
@@ -94,12 +145,7 @@ class Reader {
       manifold_.clear();
       read_construct(construct);
     }
-    finish();
-    return {};
   }
-
- private:
-  using Items = std::span<const Term>;
 
   static Items after(const Term& list, std::size_t from) {
     return Items(list.items).subspan(std::min(from, list.items.size()));
@@ -134,9 +180,10 @@ class Reader {
       Slot& slot = defined.slots[name];
       slot.line = item.line;
       RuleBase::Flow& values = flow(slot_key(construct.name, name));
-      bool default_known = false;
+      bool default_known = false, is_text = false;
       for (const Term& facet : after(item, 2)) {
         const std::string_view head = facet.head();
+        is_text = is_text || (head == "type" && facet.items.size() == 2 && facet.items[1].is("STRING"));
         if (head.starts_with("allowed-"))
           for (const Term& value : after(facet, 1))
             if (is_symbol(value)) slot.allowed.emplace_back(value.text, value.line);
@@ -150,7 +197,10 @@ class Reader {
         }
       }
       if (default_known || item.head().starts_with("multi")) continue;
-      values.values.symbols[slot.allowed.empty() ? "nil" : slot.allowed.front().first].insert(nullptr);
+      values.values.symbols[is_text                ? "\"\""
+                            : slot.allowed.empty() ? "nil"
+                                                   : slot.allowed.front().first]
+          .insert(nullptr);
     }
   }
 
@@ -192,11 +242,17 @@ class Reader {
     while (body < tree.items.size() && !tree.items[body].is_list()) ++body;
     if (body >= tree.items.size()) return;
     const std::vector<Term>& parameters = tree.items[body].items;
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      flow(variable_key(variable_name(parameters[i]))).from.insert(parameter_key(construct.name, i));
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const std::string name = variable_name(parameters[i]);
+      flow(variable_key(name)).from.insert(parameter_key(construct.name, i));
+      fact_templates_[name] = known_facts("p:" + construct.name + '#' + std::to_string(i));
+    }
     const bool comment = tree.items.size() > body + 2 && tree.items[body + 1].kind == Token::Kind::kString;
     for (const Term& item : after(tree, body + (comment ? 2 : 1))) read_action(item);
-    if (tree.items.size() > body + 1) add_values(tree.items.back(), flow("r:" + construct.name));
+    if (tree.items.size() > body + 1) {
+      add_values(tree.items.back(), flow("r:" + construct.name));
+      give_facts("r:" + construct.name, tree.items.back());
+    }
   }
 
   // --- Conditions
@@ -252,9 +308,8 @@ class Reader {
     while (begin < pattern.items.size()) {
       std::size_t end = begin + 1;
       const auto joins = [](const Term& term) { return term.kind == Token::Kind::kConnective; };
-      while (end < pattern.items.size() &&
-             (joins(pattern.items[end]) || joins(pattern.items[end - 1]) || pattern.items[end - 1].is(":") ||
-              pattern.items[end - 1].is("=")))
+      while (end < pattern.items.size() && (joins(pattern.items[end]) || joins(pattern.items[end - 1]) ||
+                                            pattern.items[end - 1].is(":") || pattern.items[end - 1].is("=")))
         ++end;
       const Items items = Items(pattern.items).subspan(begin, end - begin);
       several = several || std::ranges::any_of(items, [](const Term& t) { return t.text.starts_with("$?"); });
@@ -270,7 +325,7 @@ class Reader {
       if (const std::string name = variable_name(item); !name.empty()) {
         flow(variable_key(name)).from.insert(key);
         (item.text.starts_with('$') ? manifold_ : singles_).insert(name);
-      } else if (is_symbol(item)) {
+      } else if (is_symbol(item) || item.kind == Token::Kind::kString) {
         base_.tests_.push_back({key, item.text, what, by_, here(item)});
       } else if (item.is_list()) {
         read_action(item);
@@ -299,8 +354,9 @@ class Reader {
       read_modify(term, head == "duplicate");
     } else if (head == "retract") {
       for (const Term& item : after(term, 1)) {
-        for (const std::string& name : templates_of(item))
-          base_.touches_.push_back({by_, How::kRetract, name, nullptr, here(item)});
+        std::set<std::string> names = templates_of(item);
+        if (names.empty() && is_variable(item)) names.insert("");
+        for (const std::string& name : names) base_.touches_.push_back({by_, How::kRetract, name, nullptr, here(item)});
         read_action(item);
       }
       note_value_used(term);
@@ -339,7 +395,7 @@ class Reader {
       }
       if (word.empty()) continue;
       use(word);
-      base_.words_.insert(std::exchange(word, {}));
+      base_.in_texts_.insert(std::exchange(word, {}));
     }
   }
 
@@ -349,19 +405,43 @@ class Reader {
       const auto found = fact_templates_.find(name);
       return found == fact_templates_.end() ? std::set<std::string>() : found->second;
     }
-    if (!term.is_list()) return {};
-    if (term.head() == "assert" && term.items.size() > 1) return {bare(term.items.back().head())};
-    if ((term.head() == "modify" || term.head() == "duplicate") && term.items.size() > 1)
-      return templates_of(term.items[1]);
-    return {};
+    if (!term.is_list() || term.items.size() < 2) return {};
+    const std::string head(term.head());
+    if (head == "assert") return {bare(term.items.back().head())};
+    if (head == "modify" || head == "duplicate") return templates_of(term.items[1]);
+    if (functions_.contains(head)) return known_facts("r:" + head);
+    std::set<std::string> names;
+    if (head == "find-fact" || head == "find-all-facts") {
+      for (const Term& member : term.items[1].items)
+        for (const Term& name : after(member, 1)) names.insert(bare(name.text));
+    } else if (is_any(head, {"if", "switch", "progn"})) {
+      for (const Term* item : last_ones(term)) names.merge(templates_of(*item));
+    } else if (passes_on(head)) {
+      for (const Term& item : after(term, 1)) names.merge(templates_of(item));
+    }
+    return names;
+  }
+
+  /// Templates of what a function gets or gives; empty: it is not known.
+  std::set<std::string> known_facts(const std::string& key) const {
+    const auto found = known_facts_->find(key);
+    return found == known_facts_->end() || found->second.unknown ? std::set<std::string>() : found->second.names;
+  }
+  void give_facts(const std::string& key, const Term& value) {
+    if (!value.is_list() && !is_variable(value)) return;
+    std::set<std::string> names = templates_of(value);
+    FactFlow& flow = fact_flows_[key];
+    flow.unknown = flow.unknown || names.empty();
+    flow.names.merge(names);
   }
 
   void read_fact(const Term& fact) {
     const std::string name = bare(fact.head());
     base_.touches_.push_back({by_, How::kAssert, name, &fact, here(fact)});
     const auto known = base_.templates_.find(name);
-    const bool slots = known != base_.templates_.end() ? !known->second.slots.empty()
-                                                       : fact.items.size() > 1 && base_.outside_.templates.contains(name);
+    const bool slots = known != base_.templates_.end()
+                           ? !known->second.slots.empty()
+                           : fact.items.size() > 1 && base_.outside_.templates.contains(name);
     std::size_t field = 1;
     bool several = false;
     for (const Term& item : after(fact, 1)) {
@@ -402,7 +482,7 @@ class Reader {
     const bool known = !names.empty();
     if (!known)
       for (const auto& [name, defined] : base_.templates_)
-        if (std::ranges::all_of(after(term, 2), [&](const Term& slot) {
+        if (may_know(*defined.defined) && std::ranges::all_of(after(term, 2), [&](const Term& slot) {
               return defined.slots.contains(std::string(slot.head()));
             }))
           names.insert(name);
@@ -413,6 +493,9 @@ class Reader {
       for (const Term& slot : after(term, 2)) set_slot(name, slot, false);
     }
   }
+
+  /// Files that are not loaded do nothing to facts of those that are judged, where these are not named.
+  bool may_know(const Construct& defined) const { return by_->place.source->loaded || !defined.judged(); }
 
   void read_query(const Term& term) {
     if (term.items.size() < 2) return;
@@ -457,17 +540,22 @@ class Reader {
                            : term.items.size() > 1                ? &term.items[1]
                                                                   : nullptr;
     if (variable && term.head() != "loop-for-count") {
-      const Term* from = listed                    ? (term.items[1].items.size() > 1 ? &term.items[1].items[1] : nullptr)
+      const Term* from = listed                  ? (term.items[1].items.size() > 1 ? &term.items[1].items[1] : nullptr)
                          : term.items.size() > 2 ? &term.items[2]
                                                  : nullptr;
-      if (from) add_values(*from, flow(variable_key(variable_name(*variable))));
+      if (from) {
+        add_values(*from, flow(variable_key(variable_name(*variable))));
+        fact_templates_[variable_name(*variable)] = templates_of(*from);
+      }
     }
     for (const Term& item : after(term, 1)) read_action(item);
   }
 
   void read_call(const Term& term, const std::string& head) {
-    if (is_any(head, {"load-facts", "bload-facts", "load-instances"})) base_.asserts_unknown_ = true;
-    if (is_any(head, {"assert-string", "eval", "build"}) && !has_text(term)) base_.asserts_unknown_ = true;
+    if (is_any(head, {"load-facts", "bload-facts", "load-instances"}) ||
+        (is_any(head, {"assert-string", "eval", "build"}) && !has_text(term)))
+      base_.asserts_unknown_ = base_.asserts_unknown_ || by_->place.source->loaded;
+    if (is_any(head, {"assert-string", "eval", "build", "load-facts"})) base_.evaluates_ = true;
     if ((head == "eq" || head == "neq") && term.items.size() > 2)
       for (const Term& other : after(term, 2)) {
         compare(term.items[1], other);
@@ -484,17 +572,20 @@ class Reader {
       read_action(term.items[1]);
       return;
     }
-    if (head == "fact-slot-value" && term.items.size() == 3 && is_symbol(term.items[2]))
-      read_of_slot(term.items[1], term.items[2].text);
+    const bool names_slot = head == "fact-slot-value" && term.items.size() == 3 && is_symbol(term.items[2]);
+    if (names_slot) read_of_slot(term.items[1], term.items[2].text);
     if (head == "return")
-      for (const Term& value : after(term, 1)) add_values(value, flow("r:" + by_->name));
+      for (const Term& value : after(term, 1)) {
+        add_values(value, flow("r:" + by_->name));
+        give_facts("r:" + by_->name, value);
+      }
     pass_arguments(term, head);
     if (!is_any(head, {"if", "while", "progn", "switch"})) note_value_used(term);
     const bool compares = head == "eq" || head == "neq";
     const bool prints = is_any(head, {"printout", "println", "print"});
     for (const Term& item : after(term, 1))
       if (!(prints && item.kind == Token::Kind::kString) && !(compares && is_symbol(item)) &&
-          !(head == "if" && (item.is("then") || item.is("else"))))
+          !(head == "if" && (item.is("then") || item.is("else"))) && !(names_slot && &item == &term.items[2]))
         read_action(item);
   }
 
@@ -513,14 +604,17 @@ class Reader {
     for (std::size_t i = 0; i < count; ++i) {
       if (expands) flow(parameter_key(head, i)).values.open = true;
       const bool rest = tree.items[list].items[i].text.starts_with("$?");
-      for (std::size_t k = i + 1; k < term.items.size() && (rest || k == i + 1); ++k)
+      for (std::size_t k = i + 1; k < term.items.size() && (rest || k == i + 1); ++k) {
         add_values(term.items[k], flow(parameter_key(head, i)));
+        give_facts(parameter_key(head, i), term.items[k]);
+      }
     }
   }
 
   /// `value` is compared with `other`, where that is a symbol.
   void compare(const Term& value, const Term& other) {
-    if (!is_symbol(other) || other.is("TRUE") || other.is("FALSE") || other.is("nil")) return;
+    const bool constant = is_symbol(other) || other.kind == Token::Kind::kString;
+    if (!constant || other.is("TRUE") || other.is("FALSE") || other.is("nil")) return;
     std::string key, what = value.print();
     const auto colon = value.text.find(':');
     if (is_variable(value) && colon != std::string::npos) {
@@ -538,8 +632,8 @@ class Reader {
 
   /// What an expression may give.
   void add_values(const Term& term, RuleBase::Flow& to) {
-    if (term.kind == Token::Kind::kString || term.kind == Token::Kind::kConnective) return;
-    if (is_symbol(term)) {
+    if (term.kind == Token::Kind::kConnective) return;
+    if (is_symbol(term) || term.kind == Token::Kind::kString) {
       to.values.symbols[term.text].insert(by_->kind == "deftemplate" ? nullptr : by_);
       return;
     }
@@ -559,12 +653,18 @@ class Reader {
       to.values.symbols["FALSE"].insert(by_);
     }
     if (head.empty() || gives_no_symbol(head)) return;
-    if (head == "fact-slot-value" && term.items.size() == 3 && is_symbol(term.items[2])) {
+    if (gives_a_text(head)) {
+      to.values.open_text = true;
+    } else if (head == "fact-slot-value" && term.items.size() == 3 && is_symbol(term.items[2])) {
       add_slot(term.items[1], term.items[2].text, to);
     } else if (functions_.contains(head)) {
       to.from.insert("r:" + head);
+    } else if (is_any(head, {"if", "switch", "progn", "bind"})) {
+      if (head == "if" || head == "switch") to.values.symbols["FALSE"].insert(by_);
+      for (const Term* item : last_ones(term)) add_values(*item, to);
+    } else if (head == "member$") {
+      to.values.symbols["FALSE"].insert(by_);
     } else if (passes_on(head)) {
-      if (head == "if" || head == "member$") to.values.symbols["FALSE"].insert(by_);
       for (const Term& item : after(term, 1)) add_values(item, to);
     } else {
       to.values.open = true;
@@ -603,7 +703,8 @@ class Reader {
     }
     for (const auto& [name, construct] : functions_) {
       const bool called_from_outside = name.ends_with("-callback") || base_.words_.contains(name) ||
-                                       !base_.users_.contains(name) || base_.outside_.functions.contains(name);
+                                       base_.in_texts_.contains(name) || !base_.users_.contains(name) ||
+                                       base_.outside_.functions.contains(name);
       for (std::size_t i = 0; called_from_outside && i < construct->tree.items.size(); ++i)
         base_.flows_[parameter_key(name, i)].values.open = true;
     }
@@ -611,11 +712,13 @@ class Reader {
 
   RuleBase& base_;
   const Construct* by_ = nullptr;
-  int number_ = 0;  // of the construct
+  int number_ = 0;                                               // of the construct
   std::map<std::string, std::set<std::string>> fact_templates_;  // by variable, of the construct
   std::set<std::string> singles_, manifold_;                     // variables of one field, and of others
   std::map<std::string, const Construct*> functions_;
   std::set<std::string> any_of_;
+  const Facts* known_facts_ = nullptr;  // of the pass before
+  Facts fact_flows_;
 };
 
 Expected<RuleBase> RuleBase::read(std::vector<Source> sources, Outside outside) {
@@ -626,8 +729,10 @@ Expected<RuleBase> RuleBase::read(std::vector<Source> sources, Outside outside) 
   return base;
 }
 
-Values RuleBase::possible(const std::string& key) const {
-  Values values;
+const Values& RuleBase::possible(const std::string& key) const {
+  const auto [known, fresh] = possible_.try_emplace(key);
+  if (!fresh) return known->second;
+  Values& values = known->second;
   std::set<std::string> seen{key};
   std::vector<std::string> open{key};
   while (!open.empty()) {
@@ -635,8 +740,7 @@ Values RuleBase::possible(const std::string& key) const {
     open.pop_back();
     if (at.starts_with("s:")) {
       const std::string name = at.substr(2, at.rfind('.') - 2);
-      if (outside_.templates.contains(name) || outside_.facts.contains(name) || words_.contains(name))
-        values.open = true;
+      if (outside_.templates.contains(name) || outside_.facts.contains(name) || is_mentioned(name)) values.open = true;
     }
     const auto found = flows_.find(at);
     if (found == flows_.end()) {
@@ -645,10 +749,20 @@ Values RuleBase::possible(const std::string& key) const {
     }
     for (const auto& [symbol, by] : found->second.values.symbols) values.symbols[symbol].insert(by.begin(), by.end());
     values.open = values.open || found->second.values.open;
+    values.open_text = values.open_text || found->second.values.open_text;
     for (const std::string& next : found->second.from)
       if (seen.insert(next).second) open.push_back(next);
   }
   return values;
+}
+
+std::string RuleBase::origin_of(std::string key) const {
+  for (int step = 0; step < 20 && !key.starts_with("s:"); ++step) {
+    const auto found = flows_.find(key);
+    if (found == flows_.end() || found->second.from.size() != 1 || !found->second.values.symbols.empty()) break;
+    key = *found->second.from.begin();
+  }
+  return key;
 }
 
 bool RuleBase::is_set(const std::string& template_name, const std::string& slot) const {

@@ -54,17 +54,17 @@ enum class How { kAssert, kModify, kRetract, kRead, kReadNot };
 struct Touch {
   const Construct* by = nullptr;
   How how{};
-  std::string template_name;
+  std::string template_name;   ///< empty: of a retract whose fact is not known
   const Term* term = nullptr;  ///< the pattern or fact; null where there is none
   Place place;
   bool required = false;  ///< of a pattern: its rule cannot fire without it
 };
 
-/// A symbol that a value is compared with.
+/// A symbol or text that a value is compared with.
 struct Test {
-  std::string value;  ///< key of what is compared, see `RuleBase::possible`
-  std::string symbol;
-  std::string what;  ///< for people: "slot 'state' of 'robot'"
+  std::string value;   ///< key of what is compared, see `RuleBase::possible`
+  std::string symbol;  ///< a text has its quotes
+  std::string what;    ///< for people: "slot 'state' of 'robot'"
   const Construct* by = nullptr;
   Place place;
 };
@@ -89,6 +89,7 @@ struct Global {
 struct Values {
   std::map<std::string, std::set<const Construct*>> symbols;  ///< and what produces each; null: a default
   bool open = false;                                          ///< anything else
+  bool open_text = false;                                     ///< any text
 };
 
 class RuleBase {
@@ -106,12 +107,16 @@ class RuleBase {
   const std::vector<Test>& tests() const { return tests_; }
   const std::map<std::string, Global>& globals() const { return globals_; }
 
-  /// `s:TEMPLATE.SLOT`, `v:CONSTRUCT#VARIABLE`, `r:FUNCTION`: the symbols that can get there.
-  Values possible(const std::string& key) const;
+  /// `s:TEMPLATE.SLOT`, `v:CONSTRUCT#VARIABLE`, `r:FUNCTION`: the symbols and texts that can get there.
+  const Values& possible(const std::string& key) const;
+  /// The slot whose value a variable has, if it has no other.
+  std::string origin_of(std::string key) const;
   bool is_set(const std::string& template_name, const std::string& slot) const;
   bool is_read(const std::string& template_name, const std::string& slot) const;
-  /// Whether actions, functions or texts have the word, other than as the name of a fact.
-  bool is_mentioned(std::string_view word) const { return words_.contains(word); }
+  /// Whether actions or functions have the word other than as the name of a fact, or a text that may be evaluated has
+  /// it.
+  bool is_mentioned(std::string_view word) const { return words_.contains(word) || (evaluates_ && has_in_text(word)); }
+  bool has_in_text(std::string_view word) const { return in_texts_.contains(word); }
   /// Who calls or names a function or global.
   const std::set<const Construct*>& users(const std::string& name) const;
   bool is_file_template(const std::string& name) const { return templates_.contains(name); }
@@ -134,9 +139,11 @@ class RuleBase {
   std::vector<Test> tests_;
   std::map<std::string, Global> globals_;
   std::map<std::string, Flow> flows_;
+  mutable std::map<std::string, Values> possible_;
   std::set<std::pair<std::string, std::string>> sets_, reads_;  ///< template ("" = any), slot
   std::map<std::string, std::set<const Construct*>, std::less<>> users_;
-  Words words_;
+  Words words_, in_texts_;
+  bool evaluates_ = false;  ///< texts as rules, facts or calls
   bool asserts_unknown_ = false;
 };
 

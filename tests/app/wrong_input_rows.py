@@ -73,17 +73,17 @@ ROWS["options"] = [
     wrong("command in capitals", ["RUN"], 2),
     *[wrong(f"misspelt command {word}", [word], 2) for word in ("rnu", "vaildate", "replya", "whi", "whynot", "fact", "dif", "bnech", "dokter")],
     *[wrong(f"{command} without arguments", [command], 2)
-      for command in ("run", "env", "bench", "replay", "rerun", "facts", "agenda", "globals", "firings", "rules", "why", "why-not", "diff", "plan", "validate", "render", "list", "new", "completion")],
+      for command in ("run", "env", "bench", "replay", "rerun", "facts", "agenda", "globals", "firings", "rules", "why", "why-not", "diff", "check", "plan", "validate", "render", "list", "new", "completion")],
     *[wrong(f"{' '.join(command)} with one too many", [*command, "more"], 2)
       for command in (["run", "scenario.yaml"], ["replay", "used"], ["rerun", "used"], ["facts", "used", "a"], ["agenda", "used"], ["why", "used", "a"], ["why-not", "used", "a"], ["diff", "used", "used"], ["plan", "d.pddl", "p.pddl"], ["validate", "d.pddl", "p.pddl", "a.plan"],
                       ["bench", "suite.yaml"], ["list", "skills"], ["doc", "now"], ["doctor"], ["new", "agent", "x"], ["completion", "bash"], ["man"])],
     *[wrong(f"{command} with an unknown option", [command, *rest, "--frobnicate"], 2)
-      for command, rest in (("run", ["scenario.yaml"]), ("env", ["agent.yaml"]), ("test", []), ("bench", ["suite.yaml"]), ("replay", ["used"]), ("rerun", ["used"]), ("firings", ["used"]), ("rules", ["used"]), ("why-not", ["used", "a"]), ("diff", ["used", "used"]),
+      for command, rest in (("run", ["scenario.yaml"]), ("env", ["agent.yaml"]), ("test", []), ("bench", ["suite.yaml"]), ("replay", ["used"]), ("rerun", ["used"]), ("firings", ["used"]), ("rules", ["used"]), ("why-not", ["used", "a"]), ("diff", ["used", "used"]), ("check", ["rules.clp"]),
                             ("plan", ["d.pddl", "p.pddl"]), ("validate", ["d.pddl", "p.pddl", "a.plan"]), ("render", ["used"]), ("list", ["skills"]), ("doc", []), ("doctor", []), ("man", []))],
     *[wrong(f"misspelt option {option}", [command, *rest, option], 2)
       for command, rest, option in (("run", ["scenario.yaml"], "--sed"), ("run", ["scenario.yaml"], "--jason"), ("env", ["agent.yaml"], "--stimulus"),
                                            ("env", ["agent.yaml"], "--keepgoing"), ("bench", ["suite.yaml"], "--jsn"), ("test", [], "--junti"), ("replay", ["used"], "--rule"),
-                                           ("facts", ["used"], "--form"), ("rules", ["used"], "--agianst"), ("why", ["used", "a"], "--hole"), ("why-not", ["used", "a"], "--wher"), ("plan", ["d.pddl", "p.pddl"], "--anytme"), ("validate", ["d.pddl", "p.pddl", "a.plan"], "--epsillon"),
+                                           ("facts", ["used"], "--form"), ("rules", ["used"], "--agianst"), ("why", ["used", "a"], "--hole"), ("why-not", ["used", "a"], "--wher"), ("check", ["rules.clp"], "--grahp"), ("plan", ["d.pddl", "p.pddl"], "--anytme"), ("validate", ["d.pddl", "p.pddl", "a.plan"], "--epsillon"),
                                            ("render", ["used"], "--camra"))],
     *[wrong(f"run --seed '{value}'", [*RUN, "--seed", value], 2) for value in SEEDS],
     *[wrong(f"run --until '{value}'", [*RUN, "--until", value], 2) for value in SECONDS],
@@ -130,6 +130,18 @@ ROWS["options"] = [
     *[wrong(f"bench of '{value}'", ["bench", value, "--out", "out"], 3 if value else 2) for value in ("missing.yaml", "", "used", "garbage", "scenario.yaml", "nothing")],
     *[wrong(f"bench -j '{value}'", ["bench", "suite.yaml", "-j", value], 2) for value in ("0", "x", "", "-3", "1000")],
     *[wrong(f"bench --out {value}", ["bench", "suite.yaml", "--out", value], code) for value, code in (("nothing", 5), ("/proc/none", 5))],
+    # check
+    *[wrong(f"check of '{value}'", ["check", value], 3 if value else 2)
+      for value in ("missing.clp", "missing.yaml", "", "used", "nothing", "garbage", "rcll/gam", "/dev/null", "/proc/self/mem", "agent.yaml/x", "d.pddl", "one.story.yaml", "suite.yaml")],
+    wrong("check of rules and a missing file", ["check", "rules.clp", "missing.clp"], 3),
+    *[wrong(f"check of a file that is {what}", ["check", "a.clp"], 3, files={"a.clp": make}) for what, make in (
+        ("binary", bytes(range(256)) * 8), ("a pipe", os.mkfifo), ("a folder", os.mkdir), ("a device", lambda path: path.symlink_to("/dev/zero")), ("a link to nothing", lambda path: path.symlink_to("gone")),
+        ("not UTF-8", b"(deffacts f (a \xff))"), ("open", "(defrule a (b) =>\n"), ("closed too often", "(defrule a (b) => ))\n"), ("a text that is open", '(defrule a (b) => (printout t "c))\n'))],
+    *[wrong(f"check --graph '{value}'", ["check", "rules.clp", "--graph", value], code) for value, code in (("", 2), ("rules.png", 2), ("rules", 2), ("missing/rules.svg", 5), ("/proc/none.dot", 5))],
+    *[wrong(f"check --param '{value}'", ["check", "agent.yaml", "--package", "rules=rules", "--param", value], code) for value, code in (("x", 2), ("", 2), ("clips_manger.x=1", 2), ("clips_manager.environments=5", 3))],
+    wrong("check --param of a scenario", ["check", "scenario.yaml", "--param", "clips_manager.x=1"], 2),
+    *[wrong(f"check --package '{value}'", ["check", "agent.yaml", "--package", value], code) for value, code in (("x", 2), ("rules=missing", 3))],
+    wrong("check of a configuration without its package", ["check", "agent.yaml"], 3),
     # recorded runs
     *[wrong(f"{command} of '{value}'", [command, value, *rest], 3 if value else 2)
       for command, rest in (("replay", []), ("rerun", ["--quiet", "--out", "out"]), ("why-not", ["a"]), ("render", ["--out", "x.png"])) for value in ("missing", "", "empty", "used", "garbage")],

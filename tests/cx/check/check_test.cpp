@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ctime>
+#include <string>
+
 #include "cx/check/graph.h"
 
 namespace cxlab::check {
@@ -101,13 +104,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Seed{"symbol_in_pattern", "(defrule r\n  (robot (state BUSSY))\n  => (printout t a))", "2 unknown-symbol"},
         Seed{"symbol_negated", "(defrule r\n  (job (robot ~nome))\n  => (printout t a))", "2 unknown-symbol"},
-        Seed{"symbol_in_test",
-             "(defrule r\n  (robot (state ?s))\n  (test (eq ?s WAITING))\n  => (printout t a))", "3 unknown-symbol"},
+        Seed{"symbol_in_test", "(defrule r\n  (robot (state ?s))\n  (test (eq ?s WAITING))\n  => (printout t a))",
+             "3 unknown-symbol"},
         Seed{"symbol_in_query",
              "(defrule r (time ?) =>\n  (do-for-fact ((?r robot))\n    (eq ?r:state STUCK)\n    (retract ?r)))",
              "3 unknown-symbol"},
         Seed{"symbol_in_switch",
-             "(defrule r (robot (state ?s)) =>\n  (switch ?s (case IDLE then (printout t a))\n  (case IDEL then (printout "
+             "(defrule r (robot (state ?s)) =>\n  (switch ?s (case IDLE then (printout t a))\n  (case IDEL then "
+             "(printout "
              "t b))))",
              "3 unknown-symbol"},
         Seed{"symbol_through_a_function",
@@ -117,22 +121,53 @@ INSTANTIATE_TEST_SUITE_P(
         Seed{"ordered_symbol",
              "(defrule a (time ?) => (assert (mode DRIVE)))\n(defrule b (mode DRVE) => (printout t a))",
              "2 unknown-symbol"},
-        Seed{"template_never_asserted", "(deftemplate door (slot open))\n(defrule r (door (open ?o)) => (printout t ?o))",
-             "1 never-asserted"},
+        Seed{"text_in_pattern",
+             "(deftemplate door (slot name (type STRING)))\n(deffacts d (door (name \"front\")))\n(defrule r\n  (door "
+             "(name "
+             "\"back\"))\n  => (printout t a))",
+             "4 unknown-symbol"},
+        Seed{"symbol_that_is_not_allowed",
+             "(deftemplate door (slot is (allowed-values OPEN SHUT)))\n(deffunction state-of (?n)\n  (if (> ?n 1) then "
+             "OPEN else\n"
+             "   SHTU))\n(deffacts d (door (is SHUT)))\n(defrule r (time ?t) ?d <- (door (is SHUT)) => (modify ?d (is "
+             "(state-of "
+             "?t))))",
+             "4 unknown-symbol"},
+        Seed{"symbol_that_comes_from_outside",
+             "(defrule a (ros-msgs-message (state CHARGING)) => (printout t a))\n(defrule b (ros-msgs-message (state "
+             "CHARGING)) => "
+             "(printout t b))\n(defrule c (ros-msgs-message (state CHARGNIG)) => (printout t c))",
+             "3 unknown-symbol"},
+        Seed{"fact_of_the_executive_misspelt", "(defrule r (tiem ?t) => (printout t ?t))", "1 never-asserted"},
+        Seed{"template_never_asserted",
+             "(deftemplate door (slot open))\n(defrule r (door (open ?o)) => (printout t ?o))", "1 never-asserted"},
         Seed{"facts_never_asserted", "(defrule r\n  (go-on)\n  => (printout t a))", "2 never-asserted"},
         Seed{"facts_misspelt", "(defrule r\n  (wantde ?x)\n  => (printout t ?x))", "2 never-asserted"},
         Seed{"template_never_read", "(deftemplate note (slot text))\n(defrule r (time ?) => (assert (note (text a))))",
              "1 never-read"},
         Seed{"facts_never_read", "(defrule r (time ?) =>\n  (assert (noted 1)))", "2 never-read"},
-        Seed{"template_unused", "(defrule r (time ?) => (printout t a))\n(deftemplate spare (slot x))", "2 unused-template"},
+        Seed{"template_unused", "(defrule r (time ?) => (printout t a))\n(deftemplate spare (slot x))",
+             "2 unused-template"},
         Seed{"slot_never_set",
-             "(deftemplate door\n  (slot name)\n  (slot owner))\n(deffacts doors (door (name a)))\n(defrule r (door (name "
+             "(deftemplate door\n  (slot name)\n  (slot owner))\n(deffacts doors (door (name a)))\n(defrule r (door "
+             "(name "
              "?n) (owner ?o)) => (printout t ?n ?o))",
              "3 never-set"},
         Seed{"value_never_set",
              "(deftemplate door\n  (slot state (allowed-values OPEN SHUT\n     AJAR)))\n(deffacts doors (door (state "
              "OPEN)))\n(defrule r ?d <- (door (state OPEN)) => (modify ?d (state SHUT)))",
              "3 never-set"},
+        Seed{"value_never_set_beside_a_function_that_modifies",
+             "(deftemplate door\n  (slot state (allowed-values OPEN SHUT\n     AJAR)))\n(deffunction put (?door ?s) "
+             "(modify ?door "
+             "(state ?s)))\n(deffacts doors (door (state OPEN)))\n(defrule r ?d <- (door (state OPEN)) => (put ?d "
+             "SHUT))",
+             "3 never-set"},
+        Seed{"slot_of_no_use",
+             "(deftemplate door (slot name)\n  (slot weight (default 1)))\n(deffacts d (door (name a)))\n(defrule r "
+             "(door (name "
+             "?n)) => (printout t ?n))",
+             "2 never-set"},
         Seed{"rule_twice", "(defrule r (time ?) => (printout t a))\n(defrule r (time ?) => (printout t b))",
              "2 defined-twice"},
         Seed{"rule_of_another_file", "\n(defrule begin (wanted ?) => (printout t a))", "2 defined-twice"},
@@ -142,48 +177,90 @@ INSTANTIATE_TEST_SUITE_P(
         Seed{"deffacts_twice", "(deffacts f (wanted 2))\n(deffacts f (wanted 3))", "2 defined-twice"},
         Seed{"global_twice", "(defglobal ?*A* = 1)\n(defglobal ?*A* = 2)\n(defrule r (time ?) => (printout t ?*A*))",
              "2 defined-twice"},
+        Seed{"global_of_another_file",
+             "(defglobal ?*LIMIT* = 4)\n(defrule r (time ?t) (test (> ?t ?*LIMIT*)) => (printout t a))",
+             "1 defined-twice"},
+        Seed{"parameter_of_no_use", "(deffunction f (?a\n ?b) ?a)\n(defrule r (time ?t) => (printout t (f ?t 1)))",
+             "2 used-once"},
+        Seed{"two_that_should_be_one",
+             "(defrule r\n  (job (robot ?robot))\n  (robot (name ?robto))\n  => (printout t a))", "3 used-once"},
         Seed{"variable_once", "(defrule r\n  (robot (name ?name)\n    (state ?state))\n  => (printout t ?name))",
              "3 used-once"},
         Seed{"variable_misspelt",
-             "(defrule r\n  (robot (name ?name))\n  (not (job (robot ?nmae)))\n  => (printout t ?name))", "3 used-once"},
+             "(defrule r\n  (robot (name ?name))\n  (not (job (robot ?nmae)))\n  => (printout t ?name))",
+             "3 used-once"},
         Seed{"fact_address_once", "(defrule r\n  ?robot <- (robot (state IDLE))\n  => (printout t a))", "2 used-once"},
         Seed{"bound_in_vain", "(defrule r (time ?t) =>\n  (bind ?x (+ ?t 1))\n  (printout t ?t))", "2 used-once"},
         Seed{"bound_in_vain_in_a_function",
-             "(deffunction f (?a)\n  (bind ?b (+ ?a 1))\n  ?a)\n(defrule r (time ?t) => (printout t (f ?t)))", "2 used-once"},
+             "(deffunction f (?a)\n  (bind ?b (+ ?a 1))\n  ?a)\n(defrule r (time ?t) => (printout t (f ?t)))",
+             "2 used-once"},
         Seed{"counts_for_ever",
-             "(deffacts c (count 0))\n(defrule r ?c <- (count ?n) => (retract ?c) (assert (count (+ ?n 1))))", "2 loop"},
+             "(deffacts c (count 0))\n(defrule r ?c <- (count ?n) => (retract ?c) (assert (count (+ ?n 1))))",
+             "2 loop"},
         Seed{"modifies_for_ever",
-             "(deftemplate c (slot n (default 0)))\n(deffacts c (c))\n(defrule r ?c <- (c (n ?n)) => (modify ?c (n (+ ?n "
+             "(deftemplate c (slot n (default 0)))\n(deffacts c (c))\n(defrule r ?c <- (c (n ?n)) => (modify ?c (n (+ "
+             "?n "
              "1))))",
              "3 loop"},
-        Seed{"asserts_for_ever", "(deffacts c (count 0))\n(defrule r (count ?n) => (assert (count (+ ?n 1))))", "2 loop"},
-        Seed{"asserts_itself_again", "(deffacts c (go))\n(defrule r ?g <- (go) => (retract ?g) (assert (go)))", "2 loop"},
+        Seed{"asserts_for_ever", "(deffacts c (count 0))\n(defrule r (count ?n) => (assert (count (+ ?n 1))))",
+             "2 loop"},
+        Seed{"asserts_itself_again", "(deffacts c (go))\n(defrule r ?g <- (go) => (retract ?g) (assert (go)))",
+             "2 loop"},
         Seed{"take_turns",
              "(deftemplate lamp (slot is (default OFF)))\n(deffacts l (lamp))\n(defrule on ?l <- (lamp (is OFF)) => "
              "(modify ?l (is ON)))\n(defrule off ?l <- (lamp (is ON)) => (modify ?l (is OFF)))",
              "4 loop"},
-        Seed{"ping_pong",
-             "(deffacts p (ping))\n(defrule a ?p <- (ping) => (retract ?p) (assert (pong)))\n(defrule b ?p <- (pong) => "
-             "(retract ?p) (assert (ping)))",
-             "3 loop"},
+        Seed{
+            "ping_pong",
+            "(deffacts p (ping))\n(defrule a ?p <- (ping) => (retract ?p) (assert (pong)))\n(defrule b ?p <- (pong) => "
+            "(retract ?p) (assert (ping)))",
+            "3 loop"},
+        Seed{"three_take_turns",
+             "(deffacts p (one))\n(defrule a ?p <- (one) => (retract ?p) (assert (two)))\n(defrule b ?p <- (two) => "
+             "(retract ?p) "
+             "(assert (three)))\n(defrule c ?p <- (three) => (retract ?p) (assert (one)))",
+             "4 loop"},
+        Seed{"loops_beside_a_call",
+             "(deffunction note (?x) (if (> ?x 3) then (assert (noted ?x))))\n(defrule heard (noted ?x) => (printout t "
+             "?x))\n(deffacts c (count 0))\n(defrule r ?c <- (count ?n) => (note ?n) (retract ?c) (assert (count (+ ?n "
+             "1))))",
+             "4 loop"},
+        Seed{"grows_above_its_limit",
+             "(deffacts c (count 1))\n(defrule r ?c <- (count ?n&:(> ?n 0)) => (retract ?c) (assert (count (+ ?n 1))))",
+             "2 loop"},
         Seed{"hen_and_egg", "(defrule r (egg) => (assert (egg)))", "1 unreachable"},
         Seed{"slot_of_two_values", "(defrule r\n  (robot (state IDLE&BUSY))\n  => (printout t a))", "2 unreachable"},
         Seed{"empty_interval", "(defrule r\n  (time ?t&:(> ?t 10))\n  (test (< ?t 5))\n  => (printout t ?t))",
              "3 unreachable"},
         Seed{"excluded", "(defrule r\n  (wanted ?x)\n  (not (wanted ?x))\n  => (printout t ?x))", "3 unreachable"},
+        Seed{"excluded_with_all_of_its_kind",
+             "(defrule r\n  (robot (name ?n) (state IDLE))\n  (not (robot (name ?n)))\n  => (printout t ?n))",
+             "3 unreachable"},
         Seed{"test_false", "(defrule r (time ?t)\n  (test FALSE)\n  => (printout t ?t))", "2 unreachable"},
         Seed{"module_without_focus",
              "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::r (time ?t) => (printout t ?t))", "2 unreachable"},
         Seed{"function_unused", "\n(deffunction double (?x) (* ?x 2))", "2 unused-function"},
         Seed{"function_calls_only_itself", "(deffunction down (?x) (if (> ?x 0) then (down (- ?x 1))))",
              "1 unused-function"},
-        Seed{"global_unused", "(defglobal\n  ?*SPEED* = 1\n  ?*TURN* = 2)\n(defrule r (time ?) => (printout t ?*SPEED*))",
+        Seed{"global_unused",
+             "(defglobal\n  ?*SPEED* = 1\n  ?*TURN* = 2)\n(defrule r (time ?) => (printout t ?*SPEED*))",
              "3 unused-global"},
-        Seed{"fallback_by_salience",
-             "(defrule otherwise\n  (declare (salience -10))\n  ?w <- (wanted ?id)\n  => (retract ?w) (printout t ?id))",
+        Seed{
+            "fallback_by_salience",
+            "(defrule otherwise\n  (declare (salience -10))\n  ?w <- (wanted ?id)\n  => (retract ?w) (printout t ?id))",
+            "2 salience"},
+        Seed{"first_by_salience", "(defrule first\n  (declare (salience 100))\n  ?w <- (wanted 7)\n  => (retract ?w))",
              "2 salience"},
-        Seed{"first_by_salience",
-             "(defrule first\n  (declare (salience 100))\n  ?w <- (wanted 7)\n  => (retract ?w))", "2 salience"}),
+        Seed{"first_by_salience_and_a_function",
+             "(deffunction drop (?w) (retract ?w))\n(defrule first\n  (declare (salience 100))\n  ?w <- (wanted 7)\n  "
+             "=> (drop "
+             "?w))",
+             "3 salience"},
+        Seed{"before_all_others",
+             "(defrule first (time ?t)\n  => (printout t ?t))\n(defrule boss\n  (declare (salience 9000))\n  (time "
+             "?t)\n  => "
+             "(printout t ?t))",
+             "4 salience"}),
     [](const auto& seed) { return std::string(seed.param.name); });
 
 // --- What looks like a defect and is none
@@ -195,21 +272,46 @@ TEST_P(Sound, GivesNoFinding) { EXPECT_THAT(seeded(GetParam().second), IsEmpty()
 INSTANTIATE_TEST_SUITE_P(
     Rules, Sound,
     testing::Values(
-        std::pair("symbols_from_outside",
-                  "(deftemplate seen (slot kind))\n(defrule a (ros-msgs-message (msg ?m)) => (assert (seen (kind (sym-cat "
-                  "(get ?m))))))\n(defrule b (seen (kind LAMP)) => (printout t a))"),
-        std::pair("facts_of_texts", "(defrule a (time ?t) => (assert-string (str-cat \"(ticked \" ?t \")\")))\n(defrule b "
-                                    "(ticked ?t) => (printout t ?t))"),
+        std::pair(
+            "symbols_from_outside",
+            "(deftemplate seen (slot kind))\n(defrule a (ros-msgs-message (msg ?m)) => (assert (seen (kind (sym-cat "
+            "(get ?m))))))\n(defrule b (seen (kind LAMP)) => (printout t a))"),
+        std::pair("facts_of_texts",
+                  "(defrule a (time ?t) => (assert-string (str-cat \"(ticked \" ?t \")\")))\n(defrule b "
+                  "(ticked ?t) => (printout t ?t))"),
         std::pair("a_fact_for_the_journal", "(defrule a (time ?t) => (retract (assert (ticked ?t))))"),
         std::pair("a_callback", "(deffunction mute-service-callback (?service ?request ?response) (printout t a))"),
-        std::pair("a_declaration",
-                  "(deffunction odd (?n))\n(deffunction even (?n) (if (= ?n 0) then TRUE else (odd (- ?n 1))))\n(deffunction "
-                  "odd (?n) (if (= ?n 0) then FALSE else (even (- ?n 1))))\n(defrule a (time ?t) => (printout t (odd ?t)))"),
-        std::pair("a_loop_that_ends",
-                  "(deffacts c (count 0))\n(defrule r ?c <- (count ?n&:(< ?n 9)) => (retract ?c) (assert (count (+ ?n 1))))"),
-        std::pair("a_loop_that_another_condition_ends",
-                  "(deffacts c (count 0) (limit 9))\n(defrule r (limit ?l) ?c <- (count ?n) (test (< ?n ?l)) => (retract ?c) "
-                  "(assert (count (+ ?n 1))))"),
+        std::pair(
+            "a_declaration",
+            "(deffunction odd (?n))\n(deffunction even (?n) (if (= ?n 0) then TRUE else (odd (- ?n 1))))\n(deffunction "
+            "odd (?n) (if (= ?n 0) then FALSE else (even (- ?n 1))))\n(defrule a (time ?t) => (printout t (odd ?t)))"),
+        std::pair(
+            "a_loop_that_ends",
+            "(deffacts c (count 0))\n(defrule r ?c <- (count ?n&:(< ?n 9)) => (retract ?c) (assert (count (+ ?n 1))))"),
+        std::pair(
+            "a_loop_that_another_condition_ends",
+            "(deffacts c (count 0) (limit 9))\n(defrule r (limit ?l) ?c <- (count ?n) (test (< ?n ?l)) => (retract ?c) "
+            "(assert (count (+ ?n 1))))"),
+        std::pair("a_loop_that_a_function_ends",
+                  "(deffunction enough (?n) (if (> ?n 3) then (halt)))\n(deffacts c (count 0))\n(defrule r ?c <- "
+                  "(count ?n) => "
+                  "(enough ?n) (retract ?c) (assert (count (+ ?n 1))))"),
+        std::pair(
+            "a_loop_that_shrinks",
+            "(deffacts c (count 9))\n(defrule r ?c <- (count ?n&:(> ?n 0)) => (retract ?c) (assert (count (- ?n 1))))"),
+        std::pair("a_value_that_means_none",
+                  "(deftemplate door (slot is (allowed-values GONE SHUT)))\n(deffunction state-of (?n) (if (> ?n 1) "
+                  "then NONE else "
+                  "SHUT))\n(deffacts d (door (is GONE)))\n(defrule r (time ?t) ?d <- (door (is GONE|SHUT)) (test (neq "
+                  "(state-of ?t) "
+                  "NONE)) => (bind ?s (state-of ?t)) (if (neq ?s NONE) then (modify ?d (is ?s))))"),
+        std::pair("a_not_of_another_one",
+                  "(defrule r (robot (name ?n) (state IDLE)) (not (robot (name ~?n))) => (printout t ?n))"),
+        std::pair("texts_from_outside",
+                  "(deftemplate seen (slot kind (type STRING)))\n(defrule a (time ?t) => (assert (seen (kind (str-cat "
+                  "\"lamp-\" "
+                  "?t)))))\n(defrule b (seen (kind \"lamp-1\")) => (printout t a))"),
+        std::pair("settings_that_replace", "(defglobal ?*LIMIT* = 4)"),
         std::pair("a_lamp_with_a_switch",
                   "(deftemplate lamp (slot is (default OFF)))\n(deffacts l (lamp))\n(defrule press (time 1) => (assert "
                   "(pressed)))\n(defrule on ?p <- (pressed) ?l <- (lamp (is OFF)) => (retract ?p) (modify ?l (is "
@@ -222,15 +324,18 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("a_variable_in_a_text", "(defrule r (time ?t) => (printout t (eval \"(+ ?t 1)\")))"),
         std::pair("loop_variables", "(defrule r (time ?) => (loop-for-count (?i 3) (printout t a)))"),
         std::pair("a_module_in_focus",
-                  "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::r (time ?t) => (printout t ?t))\n(defrule MAIN::f (time "
+                  "(defmodule SIDE (import MAIN ?ALL))\n(defrule SIDE::r (time ?t) => (printout t ?t))\n(defrule "
+                  "MAIN::f (time "
                   "9) => (focus SIDE))"),
-        std::pair("a_value_of_a_global",
-                  "(defglobal ?*MODE* = SLOW)\n(defrule a (time 5) => (bind ?*MODE* FAST))\n(defrule b (time ?) (test (eq "
-                  "?*MODE* FAST)) => (printout t a))"),
-        std::pair("a_value_of_a_function",
-                  "(deftemplate door (slot is))\n(deffunction other (?x) (if (eq ?x OPEN) then SHUT else OPEN))\n(deffacts d "
-                  "(door (is OPEN)))\n(defrule a (time 3) ?d <- (door (is ?x)) => (modify ?d (is (other ?x))))\n(defrule b "
-                  "(door (is SHUT)) => (printout t a))")),
+        std::pair(
+            "a_value_of_a_global",
+            "(defglobal ?*MODE* = SLOW)\n(defrule a (time 5) => (bind ?*MODE* FAST))\n(defrule b (time ?) (test (eq "
+            "?*MODE* FAST)) => (printout t a))"),
+        std::pair(
+            "a_value_of_a_function",
+            "(deftemplate door (slot is))\n(deffunction other (?x) (if (eq ?x OPEN) then SHUT else OPEN))\n(deffacts d "
+            "(door (is OPEN)))\n(defrule a (time 3) ?d <- (door (is ?x)) => (modify ?d (is (other ?x))))\n(defrule b "
+            "(door (is SHUT)) => (printout t a))")),
     [](const auto& rules) { return std::string(rules.param.first); });
 
 // --- Files that are not loaded, libraries, and what plugins know
@@ -254,11 +359,41 @@ TEST(Check, WhatUnknownPluginsAssertIsOnlyDoubtedWhereAnotherNameIsNear) {
   Outside open = outside();
   open.open = true;
   EXPECT_THAT(found_in({{"a.clp", "(defrule r (reading ?x) => (printout t ?x))"}}, open), IsEmpty());
-  EXPECT_EQ(found_in({{"a.clp", "(deffacts f (reading 1))\n(defrule r (readnig ?x) => (printout t ?x))"}}, open).size(), 1U);
+  EXPECT_EQ(found_in({{"a.clp", "(deffacts f (reading 1))\n(defrule r (readnig ?x) => (printout t ?x))"}}, open).size(),
+            1U);
+}
+
+TEST(Check, FunctionsThatOnlyCallEachOtherAreNotUsed) {
+  EXPECT_THAT(seeded("(deffunction one (?x))\n(deffunction two (?x) (one ?x))\n(deffunction one (?x) (two ?x))"),
+              ElementsAre("2 unused-function", "3 unused-function"));
+}
+
+TEST(Check, OfManyRulesThatShareAFactEachSalienceIsToldOnce) {
+  std::string rules = "(defrule last (declare (salience -5)) ?w <- (wanted ?id) => (retract ?w) (printout t ?id))\n";
+  for (const char* n : {"1", "2", "3", "4", "5"})
+    rules += std::string("(defrule take") + n + " ?w <- (wanted " + n + ") => (retract ?w))\n";
+  EXPECT_THAT(seeded(rules), ElementsAre("1 salience"));
+}
+
+TEST(Check, HostileRulesTakeNoLongTime) {
+  // Comparing each with each without an end would take minutes.
+  std::string rules = "(deftemplate s (slot a) (slot b))\n";
+  for (int i = 0; i < 2000; ++i) {
+    const std::string n = std::to_string(i), next = std::to_string((i + 1) % 7);
+    rules +=
+        "(defrule r" + n + " ?f <- (n" + std::to_string(i % 7) + " ?x) => (retract ?f) (assert (n" + next + " ?x)))\n";
+    rules += "(defrule s" + n + " (declare (salience " + std::to_string(i % 100) + ")) ?f <- (s (a ?x) (b K" + n +
+             ")) (s (a ?x)) => (modify ?f (b K" + next + ")))\n";
+    rules += "(deffunction f" + n + " (?x) (f" + std::to_string((i + 1) % 2000) + " ?x))\n";
+  }
+  const std::clock_t begin = std::clock();
+  EXPECT_GT(found_in({{"a.clp", rules}}).size(), 1U);
+  EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
 }
 
 TEST(Check, SaysWhatIsNear) {
-  const auto found = found_in({{"honest.clp", kHonest}, {"b.clp", "(defrule r (robot (state BUSSY)) => (printout t a))"}});
+  const auto found =
+      found_in({{"honest.clp", kHonest}, {"b.clp", "(defrule r (robot (state BUSSY)) => (printout t a))"}});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].text(), AllOf(HasSubstr("b.clp:1: [unknown-symbol]"), HasSubstr("did you mean 'BUSY'?")));
 }
@@ -274,15 +409,20 @@ TEST(Check, AFileThatCannotBeReadIsAnError) {
 TEST(Check, ACommentAllowsAFindingInItsLineOrTheNext) {
   EXPECT_THAT(seeded("(deffunction a () 1) ; check: allow unused-function for a friend"), IsEmpty());
   EXPECT_THAT(seeded("; check: allow unused-function\n(deffunction a () 1)"), IsEmpty());
-  EXPECT_THAT(seeded("(defrule r\n  ; check: allow never-asserted\n  ; check: allow used-once\n  (door ?x)\n  => (printout t a))"),
-              IsEmpty());
-  EXPECT_THAT(seeded("; check: allow unused-function\n\n(deffunction a () 1)"), ElementsAre("1 unused-allow", "3 unused-function"));
-  EXPECT_THAT(seeded("(deffunction a () 1) ; check: allow unused-global"), ElementsAre("1 unused-allow", "1 unused-function"));
+  EXPECT_THAT(
+      seeded(
+          "(defrule r\n  ; check: allow never-asserted\n  ; check: allow used-once\n  (door ?x)\n  => (printout t a))"),
+      IsEmpty());
+  EXPECT_THAT(seeded("; check: allow unused-function\n\n(deffunction a () 1)"),
+              ElementsAre("1 unused-allow", "3 unused-function"));
+  EXPECT_THAT(seeded("(deffunction a () 1) ; check: allow unused-global"),
+              ElementsAre("1 unused-allow", "1 unused-function"));
   EXPECT_THAT(seeded("(deffacts f (wanted \"; check: allow loop\"))"), IsEmpty());
 }
 
 TEST(Check, ACommentThatAllowsAnUnknownCodeSaysWhatIsMeant) {
-  const auto found = found_in({{"a.clp", "; check: allow used-onec\n(deffacts f (wanted 1)) (defrule r (wanted ?) => )"}});
+  const auto found =
+      found_in({{"a.clp", "; check: allow used-onec\n(deffacts f (wanted 1)) (defrule r (wanted ?) => )"}});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_THAT(found[0].message, HasSubstr("did you mean 'used-once'?"));
 }

@@ -9,7 +9,7 @@
 
 (defrule pause-time-stands
   "Nothing is due in a pause, and nothing is dated: before all others, for once."
-  (declare (salience 1000))
+  (declare (salience 1000)) ; check: allow salience - no rule may see the time of a pause
   (game (state PAUSED))
   ?time <- (time ?)
   =>

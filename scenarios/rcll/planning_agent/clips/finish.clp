@@ -19,7 +19,7 @@
 
 (defrule finish-sooner
   "A busy robot is on time, and will be there sooner: the step is held back until then."
-  (declare (salience 10))
+  (declare (salience 10)) ; check: allow salience - before agenda-begin, which begins any step whose conditions hold
   (waits-for-busy-robots)
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (was ~APPROACHING) (worker ROBOT) (action ?action) (params $?params))

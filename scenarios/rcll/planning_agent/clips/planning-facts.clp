@@ -90,7 +90,7 @@
   "A set of orders, and the plan for it."
   (slot name (type SYMBOL))
   (multislot orders (type INTEGER))
-  (slot state (type SYMBOL) (allowed-values NEW CLEARED SET PLANNING PLANNED WITHOUT-PLAN) (default NEW))
+  (slot state (type SYMBOL) (allowed-values NEW CLEARED PLANNING PLANNED WITHOUT-PLAN) (default NEW))
   (slot points (type FLOAT) (default 0.0))  ; that the plan earns
   (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
 
