@@ -97,7 +97,7 @@ Error error_of(const std::exception& e) {
 void report_silence_of(const CLI::App& app) {
   static constexpr std::string_view kLong[] = {"run",     "env",     "test",    "bench",    "plan",  "replay",
                                                "rerun",   "render",  "why-not", "validate", "facts", "agenda",
-                                               "globals", "firings", "why",     "rules",    "diff", "check"};
+                                               "globals", "firings", "why",     "rules",    "diff",  "check"};
   for (const CLI::App* command : app.get_subcommands())
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }

@@ -100,6 +100,7 @@ void print(const lab::WhyNotAnswer::InEnvironment& found) {
     std::printf("  fired %zu time%s so far, the last time at %s with\n", answer.fired, answer.fired == 1 ? "" : "s",
                 seconds_text(answer.last_fired).c_str());
   print(answer.last_facts);
+  if (found.makers) std::printf("%s", found.makers->text().c_str());
 }
 
 /// `id=5`; the variable may be written with its mark.

@@ -83,7 +83,7 @@ Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& 
 }  // namespace
 
 Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host) {
-  auto moment = Moment::open(run, host, {.timelines = false});
+  auto moment = Moment::open(run, host);
   if (!moment) return moment.error();
   Episode& episode = (*moment)->episode();
   Witness witness(episode, question.rule);
@@ -108,19 +108,52 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
       }
       found->lost = witness.lost(*environment, *found);
       found->file = environment->files().journal_name(found->file);
-      answer.environments.push_back({environment->name(), *std::move(found)});
+      std::optional<inspect::Makers> makers;
+      if (found->unmet) makers = inspect::makers_of((*moment)->inspector(*environment), *found->unmet);
+      answer.environments.push_back({environment->name(), *std::move(found), std::move(makers)});
     }
   }
   if (answer.environments.empty()) return refused ? *refused : unknown_rule(run, episode, question.rule);
   return answer;
 }
 
+namespace {
+
+nlohmann::ordered_json to_json(const inspect::FactChange& change) {
+  return {{"fact", change.after.print()},
+          {"what", std::string(to_string(change.kind))},
+          {"t_s", to_seconds(change.t)},
+          {"by", change.by.text()}};
+}
+
+nlohmann::ordered_json to_json(const inspect::Makers& makers) {
+  nlohmann::ordered_json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
+  if (makers.changed) json["nearest_changed"] = to_json(*makers.changed);
+  if (makers.made) json["last_made"] = to_json(*makers.made);
+  if (makers.gone) json["then"] = to_json(*makers.gone);
+  auto rules = nlohmann::ordered_json::array();
+  for (const auto& maker : makers.makers) {
+    rules.push_back({{"rule", maker.rule},
+                     {"place", maker.file + ':' + std::to_string(maker.line)},
+                     {"how", maker.how},
+                     {"fired", maker.fired}});
+    if (!maker.through.empty()) rules.back()["through"] = maker.through;
+    if (maker.last) rules.back()["last_s"] = to_seconds(*maker.last);
+    if (!maker.lacks.empty()) rules.back()["lacks"] = maker.lacks;
+  }
+  json["rules"] = std::move(rules);
+  return json;
+}
+
+}  // namespace
+
 nlohmann::ordered_json to_json(const WhyNotAnswer& answer) {
   using Json = nlohmann::ordered_json;
   Json explanations = Json::array();
-  for (const auto& [environment, found] : answer.environments) {
+  for (const auto& [environment, found, makers] : answer.environments) {
     Json json{{"environment", environment}};
     json.update(explain::to_json(found));
+    if (makers) json["makers"] = to_json(*makers);
     explanations.push_back(std::move(json));
   }
   Json json{{"at_s", to_seconds(answer.at)}};

@@ -8,6 +8,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/explain/why_not.h"
+#include "cx/inspect/makers.h"
 #include "lab/host.h"
 #include "lab/recorded_run.h"
 
@@ -23,6 +24,7 @@ struct WhyNotAnswer {
   struct InEnvironment {
     std::string environment;
     explain::WhyNot answer;
+    std::optional<inspect::Makers> makers;  ///< of what its condition lacks
   };
   SimTime at{};                             ///< of the last tick that was played
   bool cut_off = false;                     ///< the log of a killed run ends before the time asked for

@@ -97,6 +97,7 @@ class Explainer {
       return unmet;
     }
     unmet.fact = best.fact->print();
+    unmet.fact_number = best.fact->number;
     const std::size_t alone = *unmet.matches_alone;
     if (alone > 0) {
       unmet.because = alone == 1 ? "one " + noun + " matches it alone, but not "
@@ -138,6 +139,7 @@ class Explainer {
     matcher_.satisfy(with_facts(condition.parts), begun, [&](const Combination& forbidden) {
       const std::size_t facts = forbidden.facts.size() - begun.facts.size();
       if (facts > 0) unmet.fact = print(forbidden, begun.facts.size());
+      if (facts == 1) unmet.fact_number = forbidden.facts.back()->number;
       if (facts > 0) unmet.because = facts == 1 ? "a fact forbids it" : "facts that hold together forbid it";
       return true;
     });

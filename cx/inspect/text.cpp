@@ -24,10 +24,6 @@ std::string place(const std::string& file, int line) {
   return file.empty() ? std::string() : " (" + file + ':' + std::to_string(line) + ')';
 }
 
-const char* done_by(RecordKind kind) {
-  return kind == RecordKind::kRetract ? "retracted" : kind == RecordKind::kModify ? "changed" : "asserted";
-}
-
 /// The slots that differ, as "state = IDLE (was MOVING)".
 std::string slots_that_differ(const FactCopy& before, const FactCopy& after) {
   std::string text;
@@ -61,6 +57,10 @@ std::string in_short(const FactHistory& history) {
 }
 
 }  // namespace
+
+const char* done_by(RecordKind kind) {
+  return kind == RecordKind::kRetract ? "retracted" : kind == RecordKind::kModify ? "changed" : "asserted";
+}
 
 std::string seconds_text(SimTime t) {
   char text[40];

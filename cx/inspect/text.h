@@ -23,6 +23,8 @@ std::string text_of(const std::vector<FiringCopy>& firings);
 /// A table of those that fired; then those that were on the agenda in vain; then those that never were, and why.
 std::string text_of(const std::vector<RuleUse>& rules);
 
+/// "asserted", "changed" or "retracted".
+const char* done_by(RecordKind kind);
 /// "rule order-begin (orders.clp:58) at 302.000 s  ?id = 4".
 std::string line_of(const Derivation::Step& step);
 

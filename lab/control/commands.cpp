@@ -7,6 +7,7 @@
 #include "cx/engine/form_reader.h"
 #include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
+#include "cx/inspect/makers.h"
 #include "cx/inspect/text.h"
 #include "lab/control/debugger.h"
 
@@ -208,7 +209,12 @@ const std::vector<Debugger::Command>& Debugger::commands() {
              return input_error("its conditions call '" + acting +
                                 "', which acts: to look would change the run; cxlab why-not looks when it is over");
            const auto unmet = explain::unmet_condition(e.engine(), *rule);
-           if (unmet) return "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
+           if (unmet) {
+             std::string text = "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
+             if (const auto makers = inspect::makers_of(d.inspect_(e), *unmet)) text += '\n' + makers->text();
+             if (text.ends_with('\n')) text.pop_back();
+             return text;
+           }
            return std::string("all its conditions hold");
          });
        }},

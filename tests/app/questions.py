@@ -188,6 +188,52 @@ class Questions(Lab):
             self.assertEqual(self.cxlab(*question).stdout, self.cxlab(*question).stdout)
 
 
+class WhyNot(Lab):
+    """why-not goes on to the rules that could bring about what is missing."""
+
+    def makers(self, run, rule, *more):
+        return json.loads(self.cxlab("why-not", run, rule, "--json", *more).stdout)["explanations"][0].get("makers")
+
+    def test_rules_that_can_make_the_missing_fact(self):
+        run = self.agent()
+        found = self.makers(run, "end", "--at", 0.5)
+        self.assertEqual((found["pattern"], found["forbids"]), ("(work ?id ?who ?until&:(>= ?now ?until))", False))
+        self.assertEqual([(r["rule"], r["how"], r["fired"], r["place"]) for r in found["rules"]], [("begin", "asserts", 0, "mine/mine.clp:4")])
+        self.assertRegex(found["rules"][0]["lacks"], r"^condition 1: .*0.5")
+        self.assertNotIn("last_made", found)
+        later = self.makers(run, "end")
+        self.assertEqual((later["rules"][0]["fired"], later["rules"][0]["last_s"]), (2, 2.0))
+        self.assertEqual((later["last_made"]["fact"], later["last_made"]["t_s"], later["last_made"]["by"]), ("(work 2 a 3.0)", 2.0, "rule begin"))
+        self.assertEqual((later["then"]["what"], later["then"]["t_s"], later["then"]["by"]), ("retract", 3.0, "rule end"))
+        self.assertRegex(self.cxlab("why-not", run, "end").stdout,
+                         r"  the last fact that matched \(work .*\), \(work 2 a 3.0\), was asserted at 2.000 s by rule begin, and retracted at 3.000 s by rule end\n"
+                         r"  rules that can make such a fact:\n    begin \(mine/mine.clp:4\) asserts it; fired 2 times, the last time at 2.000 s\n")
+
+    def test_a_value_that_no_rule_sets(self):
+        run = self.agent()
+        found = self.makers(run, "never")
+        self.assertEqual(found["rules"], [])
+        # begin and end set the state to other values. Of two jobs that are as near the one asserted last is taken.
+        self.assertEqual((found["nearest_changed"]["by"], found["nearest_changed"]["t_s"]), ("rule end", 2.0))
+        self.assertIn("no fact has matched (job (id ?id) (state LOST)) so far\n  no rule makes such a fact\n", self.cxlab("why-not", run, "never").stdout)
+
+    def test_a_slot_that_a_rule_sets_to_what_only_the_run_knows(self):
+        run = self.agent(AGENT + "(defrule waits (job (state ?s&GONE)) => )\n(defrule may (never) (job (state ?s)) ?j <- (job (id 1)) => (modify ?j (state ?s)))\n")
+        self.assertEqual([r["rule"] for r in self.makers(run, "waits")["rules"]], ["may"])
+
+    def test_rules_that_can_take_away_what_forbids(self):
+        run = self.agent(AGENT + "(deffunction drop (?f) (retract ?f))\n(defrule free-again (not (job (id 2) (state DONE))) (time ?) => )\n"
+                                 "(defrule clean (never) ?j <- (job (id 2)) => (retract ?j))\n")
+        found = self.makers(run, "free-again")
+        self.assertEqual((found["forbids"], found["nearest_changed"]["by"], found["nearest_changed"]["t_s"]), (True, "rule end", 3.0))
+        self.assertIn(("clean", "retracts"), [(r["rule"], r["how"]) for r in found["rules"]])
+        self.assertNotIn("never", [r["rule"] for r in found["rules"]])
+
+    def test_through_a_function(self):
+        run = self.agent("(deffunction make (?x) (assert (made ?x)))\n(defrule go (wanted ?x) => (make ?x))\n(defrule use (made ?x) => )")
+        self.assertEqual([(r["rule"], r["through"]) for r in self.makers(run, "use")["rules"]], [("go", "make")])
+
+
 class TimeTravel(Lab):
     """cxlab attach on a run that is over."""
 

@@ -1,0 +1,196 @@
+#include "cx/inspect/makers.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cx/check/patterns.h"
+#include "cx/check/rule_base.h"
+#include "cx/engine/form_reader.h"
+#include "cx/inspect/text.h"
+
+namespace cxlab::inspect {
+
+namespace {
+
+/// The first pattern of facts in a condition as it is written: `?f <- (job (id ?i))`, `(not (and (job) (free)))`.
+struct Found {
+  const Term* pattern = nullptr;
+  bool negated = false;
+};
+Found pattern_in(const Term& term, bool negated = false) {
+  if (!term.is_list()) return {};
+  const std::string_view head = term.head();
+  if (head == "test" || head == "object") return {};
+  if (!check::is_group(head)) return {&term, negated};
+  for (std::size_t i = 1; i < term.items.size(); ++i)
+    if (const Found found = pattern_in(term.items[i], negated != (head == "not")); found.pattern) return found;
+  return {};
+}
+
+/// The constructs of an engine as the files that they came from, each at its line.
+std::vector<check::Source> sources_of(const RuleEngine& engine) {
+  std::map<std::string, std::vector<const ConstructInfo*>> by_file;
+  const std::vector<ConstructInfo> constructs = engine.constructs();
+  for (const ConstructInfo& info : constructs) by_file[info.file].push_back(&info);
+  std::vector<check::Source> sources;
+  for (auto& [file, infos] : by_file) {
+    std::ranges::stable_sort(infos, {}, &ConstructInfo::line);
+    check::Source source{file, {}};
+    int line = 1;
+    for (const ConstructInfo* info : infos) {
+      for (; line < info->line; ++line) source.text += '\n';
+      if (!source.text.ends_with('\n')) source.text += ' ';
+      source.text += info->text;
+      line += static_cast<int>(std::ranges::count(info->text, '\n'));
+    }
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+/// Whether a value that is written so can match the slot, as far as it is a constant.
+bool may_match(const check::SlotConstraint& slot, std::span<const Term> values) {
+  if (values.size() != 1 || !check::is_symbol(values.front())) return true;
+  const std::string& value = values.front().text;
+  return (slot.one_of.empty() || slot.one_of.contains(value)) && !slot.none_of.contains(value);
+}
+
+/// Whether a fact or the changes of one, written from item `from` on, can fit. A change must set a slot that the
+/// pattern asks for, else it makes no difference.
+bool may_make(const check::PatternSlots& wanted, const Term& term, std::size_t from) {
+  const auto values = check::values_of(term, from);
+  bool sets_any = false;
+  for (const auto& [name, slot] : wanted.slots) {
+    const auto set = values.find(name);
+    if (set == values.end()) continue;
+    sets_any = sets_any || !slot.any() || !slot.variable.empty();
+    if (!may_match(slot, set->second)) return false;
+  }
+  return from < 2 || sets_any || wanted.slots.empty();
+}
+
+/// The `modify` at that line that a construct has.
+const Term* modify_at(const Term& term, int line) {
+  if (term.is_list() && term.line == line && (term.head() == "modify" || term.head() == "duplicate")) return &term;
+  for (const Term& item : term.items)
+    if (const Term* found = modify_at(item, line)) return found;
+  return nullptr;
+}
+
+/// How a construct could do it; empty: it could not.
+std::string how_of(const check::Touch& touch, const check::PatternSlots& wanted, bool forbids) {
+  if (touch.template_name != wanted.name) return {};
+  switch (touch.how) {
+    case check::How::kAssert: return !forbids && (!touch.term || may_make(wanted, *touch.term, 1)) ? "asserts" : "";
+    case check::How::kModify: {
+      const Term* term = modify_at(touch.by->tree, touch.place.line);
+      if (forbids) return "changes";
+      return !term || may_make(wanted, *term, 2) ? "changes" : "";
+    }
+    case check::How::kRetract: return forbids ? "retracts" : "";
+    default: return {};
+  }
+}
+
+}  // namespace
+
+std::optional<Makers> makers_of(const Inspector& inspector, const explain::UnmetCondition& unmet) {
+  const std::vector<Form> forms = read_forms(unmet.text, {}).forms;
+  Makers out;
+  Term condition;
+  Found found;
+  for (const Form& form : forms) {  // `?f <- (...)` has words before the list
+    condition = tree_of(form);
+    if ((found = pattern_in(condition)).pattern) break;
+  }
+  if (!found.pattern) return std::nullopt;
+  const auto wanted = check::slots_of(*found.pattern);
+  const auto pattern = explain::Pattern::parse(*found.pattern);
+  if (!wanted || !pattern) return std::nullopt;
+  out.pattern = found.pattern->print();
+  out.forbids = found.negated;
+
+  RuleEngine& engine = inspector.engine();
+  check::Outside outside;
+  outside.open = true;
+  const auto base = check::RuleBase::read(sources_of(engine), std::move(outside));
+  if (!base) return std::nullopt;
+  std::set<std::string> seen;
+  const auto add = [&](const check::Construct& rule, const std::string& how, const std::string& through) {
+    const std::string name = rule.module.empty() || rule.module == "MAIN" ? rule.name : rule.module + "::" + rule.name;
+    if (!rule.is_rule() || !engine.has("defrule", name) || !seen.insert(name).second) return;
+    Makers::Maker maker{name, inspector.shown_file(rule.place.source->file), rule.place.line, how, through, 0, {}, {}};
+    for (const std::uint64_t n : inspector.timeline().firings())
+      if (inspector.timeline().name(n) == name) {
+        ++maker.fired;
+        maker.last = inspector.timeline().time(n);
+      }
+    if (const ConstructInfo* info = engine.find_construct("defrule", name); info && engine.acting_call(*info).empty())
+      if (const auto lacks = explain::unmet_condition(engine, *info))
+        maker.lacks = "condition " + std::to_string(lacks->number) + ": " + lacks->print();
+    out.makers.push_back(std::move(maker));
+  };
+  for (const check::Touch& touch : base->touches()) {
+    const std::string how = how_of(touch, *wanted, out.forbids);
+    if (how.empty()) continue;
+    if (touch.by->is_rule()) {
+      add(*touch.by, how, {});
+      continue;
+    }
+    for (const check::Construct* user : base->users(touch.by->name)) add(*user, how, touch.by->name);
+  }
+  std::ranges::stable_sort(out.makers, std::greater(),
+                           [](const Makers::Maker& maker) { return maker.last.value_or(SimTime::min()); });
+
+  if (const auto made = inspector.last_made(*pattern)) {
+    out.made = inspector.change(*made);
+    for (const std::uint64_t n : inspector.timeline().changes(static_cast<std::int64_t>(out.made->after.number)))
+      if (n > *made && !out.gone) {
+        FactChange later = inspector.change(n);
+        if (later.kind == RecordKind::kRetract || !pattern->matches(later.after)) out.gone = std::move(later);
+      }
+  }
+  if (unmet.fact_number > 0) {
+    const auto changes = inspector.timeline().changes(static_cast<std::int64_t>(unmet.fact_number));
+    if (!changes.empty()) out.changed = inspector.change(changes.back());
+  }
+  return out;
+}
+
+std::string Makers::text() const {
+  std::string out;
+  const auto line = [&out](const std::string& text) { out += "  " + text + '\n'; };
+  if (changed)
+    line(std::string(forbids ? "it was " : "the nearest fact was ") + done_by(changed->kind) + " at " +
+         seconds_text(changed->t) + " by " + changed->by.text());
+  if (made && !forbids) {
+    std::string text = "the last fact that matched " + pattern + ", " + made->after.print() + ", was " +
+                       done_by(made->kind) + " at " + seconds_text(made->t) + " by " + made->by.text();
+    if (gone)
+      text += gone->kind == RecordKind::kRetract ? ", and retracted" : ", and changed to " + gone->after.print();
+    if (gone) text += " at " + seconds_text(gone->t) + " by " + gone->by.text();
+    line(text);
+  } else if (!made && !forbids) {
+    line("no fact has matched " + pattern + " so far");
+  }
+  line(makers.empty()
+           ? std::string("no rule ") + (forbids ? "takes such a fact away" : "makes such a fact")
+           : std::string("rules that ") + (forbids ? "can take such a fact away:" : "can make such a fact:"));
+  constexpr std::size_t kShown = 8;
+  for (const Maker& maker : makers) {
+    if (&maker == makers.data() + kShown) {
+      line("  and " + std::to_string(makers.size() - kShown) + " more");
+      break;
+    }
+    line("  " + maker.rule + " (" + maker.file + ':' + std::to_string(maker.line) + ") " + maker.how + " it" +
+         (maker.through.empty() ? "" : " through " + maker.through) + "; " +
+         (maker.last ? "fired " + std::to_string(maker.fired) +
+                           (maker.fired == 1 ? " time, at " : " times, the last time at ") + seconds_text(*maker.last)
+                     : "has not fired"));
+    if (!maker.lacks.empty()) line("    lacks now " + maker.lacks);
+  }
+  return out;
+}
+
+}  // namespace cxlab::inspect
