@@ -401,6 +401,24 @@ class Mends(unittest.TestCase):
 (printout t "= 2 " ?*g* ?*h* crlf)
 """), ["1 11", "2 12"])
 
+    def test_text_of_a_fact_takes_no_list_of_others(self):
+        world = """
+(deftemplate t (slot x) (multislot m))
+(defclass Q (is-a USER) (role concrete) (multislot m (default a 1.5)))
+(make-instance q of Q)
+"""
+        self.assertIn("multifield value into the single field slot 'x' of deftemplate 't'", run(world + """
+(assert-string "(t (x (send [q] get-m)))")
+(send [q] put-m 2.5)
+""").stderr)
+        self.assertEqual(printed(world + """
+(assert-string "(t (x (send [q] get-m)))")
+(assert-string "(t (x 1) (m (send [q] get-m)))")
+(send [q] put-m 2.5)
+(do-for-all-facts ((?f t)) TRUE (printout t "= " ?f:x ?f:m crlf) (retract ?f))
+(printout t "= " (send [q] get-m) crlf)
+"""), ["(2.5)", "1(a 1.5)"])
+
 
 if __name__ == "__main__":
     unittest.main()
