@@ -1,0 +1,13 @@
+#pragma once
+// Inputs that are played in copies of the process.
+
+#include <functional>
+
+namespace cxlab::fuzz {
+
+/// Calls `play` in a copy of this process, so that what was made here before need not be made anew for each input, and
+/// cannot change. What the copy covers counts as covered here; where it ends in any other way than by its return, this
+/// process aborts.
+void in_copy(const std::function<void()>& play);
+
+}  // namespace cxlab::fuzz
