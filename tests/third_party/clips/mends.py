@@ -419,6 +419,41 @@ class Mends(unittest.TestCase):
 (printout t "= " (send [q] get-m) crlf)
 """), ["(2.5)", "1(a 1.5)"])
 
+    def test_files_are_read_and_written_while_others_are(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            (path / "facts").write_text("(b)\n(a (x 3))\n")
+            (path / "inner").write_text("(a (x 2))\n")
+            (path / "constructs").write_text(f'(defglobal ?*g* = (load "{folder}/others"))\n(defglobal ?*h* = 5)\n')
+            (path / "others").write_text("(defglobal ?*i* = 6)\n")
+            said = run(f"""
+(deftemplate a (slot x))
+(deftemplate b (slot x (default-dynamic (load-facts "{folder}/inner"))))
+(load-facts "{folder}/facts")
+(do-for-all-facts ((?f a b)) TRUE (printout t "= " ?f:x crlf))
+(load "{folder}/constructs")
+(printout t "= " ?*g* ?*h* ?*i* crlf)
+(save-facts "{folder}/saved" local (progn (save-facts "{folder}/1") (save-instances "{folder}/2") (save "{folder}/3") a))
+""")
+            self.assertEqual([line.split("= ")[1] for line in said.stdout.splitlines() if "= " in line],
+                             ["2", "3", "1", "TRUE56"])
+            self.assertEqual(said.stderr, "")
+            self.assertEqual((path / "saved").read_text(), "(a (x 2))\n(a (x 3))\n")
+
+    def test_names_stay_that_a_definition_has_read(self):
+        self.assertEqual(printed("""
+(defclass first-name (is-a USER))
+(defglobal ?*first-name* = (create$ (undefclass first-name) first-name))
+(printout t "= 1 " ?*first-name* crlf)
+(reset)
+(deftemplate second-name (slot x))
+(defclass second-name (is-a USER) (role concrete) (slot a (default (progn (undeftemplate second-name) second-name))))
+(make-instance i of second-name)
+(printout t "= 2 " (send [i] get-a) (class [i]) crlf)
+(defglobal ?*rest* = (rest$ (create$ a b c)))
+(printout t "= 3 " ?*rest* crlf)
+"""), ["1 (first-name)", "2 second-namesecond-name", "3 (b c)"])
+
 
 if __name__ == "__main__":
     unittest.main()
