@@ -454,6 +454,31 @@ class Mends(unittest.TestCase):
 (printout t "= 3 " ?*rest* crlf)
 """), ["1 (first-name)", "2 second-namesecond-name", "3 (b c)"])
 
+    def test_salience_changes_neither_rules_nor_facts(self):
+        effects = ["(undefrule *)", "(retract *)", "(run)", "(refresh r)", "(refresh-agenda)", '(batch* "{file}")', "(clear)"]
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "rules")
+            file.write_text("(defrule r (go) =>)\n")
+            for effect in effects:
+                with self.subTest(effect):
+                    self.assertEqual(printed(f"""
+(defglobal ?*change* = FALSE)
+(deffunction rank () (if ?*change* then {effect.format(file=file)} (gensym*)) 5)
+(defrule r (declare (salience (rank))) (go ?x) => (printout t "= " ?x crlf))
+(defrule s (declare (salience (rank))) (go ?x) => (printout t "= " ?x crlf))
+(assert (go 1) (go 2))
+(bind ?*change* TRUE)
+(set-salience-evaluation when-activated)
+(refresh-agenda)
+(refresh s)
+(assert (go 3))
+(set-salience-evaluation every-cycle)
+(run)
+(bind ?*change* FALSE)
+(run)
+(printout t "= " (length$ (find-all-facts ((?f go)) TRUE)) " facts" crlf)
+"""), ["1", "1", "2", "2", "3", "3", "3 facts"])
+
 
 if __name__ == "__main__":
     unittest.main()
