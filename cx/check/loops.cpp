@@ -15,7 +15,7 @@ namespace cxlab::check {
 
 namespace {
 
-constexpr int kMostSteps = 300000;  // comparisons of facts with conditions; beyond, nothing is said
+constexpr int kMostTries = 300000;  // comparisons of facts with conditions; beyond, nothing is said
 
 /// The fact that a firing leaves: a slot is as the condition says, or has a new value.
 struct NewFact {
@@ -204,7 +204,7 @@ class Loops {
 
   void judge(Findings& findings) {
     std::set<const Certain*> told;
-    for (std::size_t i = 0; i < steps_.size() && spent_ < kMostSteps; ++i) {
+    for (std::size_t i = 0; i < steps_.size() && spent_ < kMostTries; ++i) {
       if (told.contains(steps_[i].rule)) continue;
       const std::vector<std::size_t> round = round_from(i);
       if (round.empty()) continue;
@@ -245,7 +245,7 @@ class Loops {
   std::vector<std::size_t> round_from(std::size_t start) {
     std::map<std::size_t, std::size_t> from;
     std::vector<std::size_t> row{start};
-    for (std::size_t next = 0; next < row.size() && spent_ < kMostSteps; ++next) {
+    for (std::size_t next = 0; next < row.size() && spent_ < kMostTries; ++next) {
       const std::size_t at = row[next];
       const auto found = by_trigger_.find(steps_[at].fact->name);
       if (found == by_trigger_.end()) continue;
@@ -266,7 +266,7 @@ class Loops {
 
   bool leads_to(const Step& step, const Step& next) {
     ++spent_;
-    return fires_again(step, *next.rule, next.trigger()) && others(step) == others(next);
+    return others(step) == others(next) && fires_again(step, *next.rule, next.trigger());
   }
 
   /// Whether the fact that the step leaves satisfies that condition of `rule`.
@@ -308,13 +308,14 @@ class Loops {
     });
   }
 
-  /// Conditions beside the trigger.
-  const std::set<std::string>& others(const Step& step) {
-    auto [known, fresh] = others_.try_emplace({step.rule, step.fact->trigger});
-    if (fresh)
-      for (const Condition& condition : step.rule->conditions)
-        if (&condition != &step.trigger()) known->second.insert(condition.term->print());
-    return known->second;
+  /// Stands for the conditions beside the trigger.
+  std::size_t others(const Step& step) {
+    const auto [known, fresh] = others_.try_emplace({step.rule, step.fact->trigger});
+    if (!fresh) return known->second;
+    std::set<std::string> texts;
+    for (const Condition& condition : step.rule->conditions)
+      if (&condition != &step.trigger()) texts.insert(condition.term->print());
+    return known->second = numbers_.try_emplace(texts, numbers_.size()).first->second;
   }
 
   /// The other conditions look neither at what the steps change, nor at anything but facts.
@@ -334,7 +335,8 @@ class Loops {
   std::vector<Certain> rules_;
   std::vector<Step> steps_;
   std::map<std::string, std::vector<std::size_t>> by_trigger_;  // by template
-  std::map<std::pair<const Certain*, std::size_t>, std::set<std::string>> others_;
+  std::map<std::pair<const Certain*, std::size_t>, std::size_t> others_;
+  std::map<std::set<std::string>, std::size_t> numbers_;
   int spent_ = 0;
 };
 

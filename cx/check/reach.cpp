@@ -146,6 +146,8 @@ class Contradiction {
 // --- Facts that only rules make that need them first
 
 class Reach {
+  static constexpr int kMostSteps = 300000;  // from rule to rule; beyond, nothing is said
+
  public:
   explicit Reach(const RuleBase& base) : base_(base) {
     for (const Touch& touch : base.touches()) {
@@ -165,7 +167,7 @@ class Reach {
       if (reached_.contains(rule)) continue;
       std::set<const Construct*> seen;
       if (!waits_for(rule, rule, seen)) continue;
-      const Touch& lacks = *lacking(rule);
+      const Touch& lacks = *lack_of(rule).pattern;
       add(findings, rule->place, "unreachable",
           "rule '" + rule->name + "' never fires: only rules that need it first make " + lacks.term->print() +
               "; assert it elsewhere, as in deffacts");
@@ -201,6 +203,17 @@ class Reach {
     return {};
   }
 
+  /// What a rule waits for, when it is known which rules are reached.
+  struct Lack {
+    const Touch* pattern = nullptr;
+    std::set<const Construct*> makers;
+  };
+  const Lack& lack_of(const Construct* rule) const {
+    const auto [known, fresh] = lacks_.try_emplace(rule);
+    if (fresh && (known->second.pattern = lacking(rule))) known->second.makers = makers_of(*known->second.pattern);
+    return known->second;
+  }
+
   const Touch* lacking(const Construct* rule) const {
     for (const Touch* need : needs_.at(rule))
       if (!makers_of(*need).empty()) return need;
@@ -210,9 +223,8 @@ class Reach {
   /// Whether what the rule lacks is made, by way of others, only after itself.
   bool waits_for(const Construct* rule, const Construct* wanted, std::set<const Construct*>& seen) const {
     if (!seen.insert(rule).second) return false;
-    const Touch* lacks = lacking(rule);
-    if (!lacks) return false;
-    return std::ranges::any_of(makers_of(*lacks), [&](const Construct* by) {
+    return std::ranges::any_of(lack_of(rule).makers, [&](const Construct* by) {
+      if (++spent_ > kMostSteps) return false;
       return by == wanted || (needs_.contains(by) && !reached_.contains(by) && waits_for(by, wanted, seen));
     });
   }
@@ -221,6 +233,8 @@ class Reach {
   std::map<std::string, std::set<const Construct*>> makers_;
   std::map<const Construct*, std::vector<const Touch*>> needs_;
   std::set<const Construct*> reached_;
+  mutable std::map<const Construct*, Lack> lacks_;
+  mutable int spent_ = 0;
 };
 
 void judge_modules(const RuleBase& base, Findings& findings) {
