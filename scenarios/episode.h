@@ -10,6 +10,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -54,8 +56,10 @@ struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
   JournalLevel journal = JournalLevel::kDecisions;
-  cx::RunControl* control = nullptr;  ///< of a person; may be none
-  cx::LogSink* log = nullptr;         ///< lines of environments and nodes; may be none
+  cx::RunControl* control = nullptr;  ///< of a person, or of what is planned; may be none
+  /// Kept in the run's folder beside what the run reads: by the name of the copy.
+  std::vector<std::pair<std::string, std::string>> keep_texts = {};
+  cx::LogSink* log = nullptr;  ///< lines of environments and nodes; may be none
   WallMeters meters;
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts

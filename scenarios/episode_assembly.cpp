@@ -98,6 +98,8 @@ Status Episode::open_files() {
   files_.emplace(*std::move(files));
   if (!options_.run_folder.empty())
     if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.journal); !s) return s;
+  for (const auto& [name, text] : options_.keep_texts)
+    if (Status s = files_->keep_text(name, text); !s) return s;
   return files_->keep_text("scenario.yaml", scenario_.text.empty() ? scenario_.to_yaml() : scenario_.text);
 }
 

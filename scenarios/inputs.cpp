@@ -97,11 +97,14 @@ class ReplayingOutside final : public LookOutside {
   std::optional<Error> error_;
 };
 
-// An act of a person as bytes, and back.
+// An act of the control as bytes, and back.
 
 std::string bytes_of(const cx::ControlAct& act) {
   std::string bytes;
-  ByteWriter(bytes).zigzag(act.place.run).zigzag(act.place.fired).fixed(act.verb).raw(act.text);
+  ByteWriter out(bytes);
+  out.zigzag(act.place.run).zigzag(act.place.fired).fixed(act.verb);
+  if (cx::is_planned(act.verb)) out.fixed(static_cast<std::uint32_t>(act.name.size())).raw(act.name);
+  out.raw(act.text);
   return bytes;
 }
 
@@ -112,8 +115,9 @@ std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
   act.place.run = in.zigzag();
   act.place.fired = in.zigzag();
   act.verb = in.fixed<cx::ControlAct::Verb>();
+  if (cx::is_planned(act.verb)) act.name = in.raw(in.fixed<std::uint32_t>());
   act.text = in.raw(in.left());
-  if (!in.ok() || act.verb > cx::ControlAct::Verb::kBuild) return {};
+  if (!in.ok() || act.verb > cx::ControlAct::Verb::kFail) return {};
   return act;
 }
 

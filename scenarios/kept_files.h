@@ -10,6 +10,7 @@
 //   agents/N/config/FILE          the configuration of the agent of that number: two agents may call different folders
 //   agents/N/packages/PACKAGE/... by one name
 //   agents/N/outside/...          what lies in no package
+//   what_if/N/FILE                rules that came in the middle of the run (lab/what_if.h)
 
 #include <cstddef>
 #include <filesystem>

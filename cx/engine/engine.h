@@ -67,6 +67,13 @@ enum class OnLoadError : std::uint8_t {
   kKeepGoing,  ///< as CX: every form is tried, all errors are reported
 };
 
+/// Which constructs are left as they are where a file defines them again word for word.
+enum class KeepSame : std::uint8_t {
+  kNothing,
+  kTypes,  ///< deftemplates, defclasses and defmodules, which CLIPS does not define again while something uses them
+  kAll,    ///< all: a rule does not fire again for facts that it has fired for, a global keeps its value
+};
+
 /// `Error::code` of `eval` and `build`.
 inline constexpr const char* kSyntaxCode = "syntax";
 inline constexpr const char* kUnknownConstructCode = "unknown_construct";
@@ -184,9 +191,8 @@ class RuleEngine {
   LoadReport load_file(const std::string& path, LoadMode mode, OnLoadError on_error = OnLoadError::kStop);
   LoadReport load_text(std::string_view text, const std::string& file, LoadMode mode,
                        OnLoadError on_error = OnLoadError::kStop);
-  /// While true, a deftemplate, defclass or defmodule that is there word for word is left as it is instead of being
-  /// defined again, which CLIPS refuses while something uses it: for files that are loaded once more.
-  void keep_same_constructs(bool keep);
+  /// From now on: for files that are loaded once more.
+  void keep_same_constructs(KeepSame keep);
   /// One construct, e.g. a deftemplate of a plugin.
   Status build(std::string_view construct, const std::string& file = {}, int line = 0);
   /// Removes a construct; fails while something uses it.

@@ -266,9 +266,14 @@ std::string RuleEngine::acting_call(const ConstructInfo& rule) const {
 
 bool RuleEngine::Impl::is_there_already(const Form& form) const {
   const bool module = form.head == "defmodule";
-  if (form.head != "deftemplate" && form.head != "defclass" && !module) return false;
+  if (keep_same == KeepSame::kNothing || !is_construct(env, form.head)) return false;
+  if (keep_same == KeepSame::kTypes && form.head != "deftemplate" && form.head != "defclass" && !module) return false;
   for (const ConstructInfo& known : engine.find_constructs(form.head, form.name)) {
-    if (known.text != form.text || !engine.has(form.head, module ? known.name : known.module + "::" + known.name))
+    std::string name = known.name;
+    if (name.starts_with("?*") && name.size() > 3) name = name.substr(2, name.size() - 3);  // of a global
+    if (known.text != form.text || !engine.has(form.head, module ? name : known.module + "::" + name)) continue;
+    if (keep_same == KeepSame::kAll && !module && known.module != GetCurrentModule(env)->header.name->contents &&
+        tokens_of(form)[2].text.find("::") == std::string_view::npos)
       continue;
     if (module) SetCurrentModule(env, FindDefmodule(env, known.name.c_str()));  // what follows it belongs there
     return true;
@@ -276,9 +281,9 @@ bool RuleEngine::Impl::is_there_already(const Form& form) const {
   return false;
 }
 
-void RuleEngine::keep_same_constructs(bool keep) {
+void RuleEngine::keep_same_constructs(KeepSame keep) {
   impl_->keep_same = keep;
-  if (keep) {
+  if (keep != KeepSame::kNothing) {
     SetCurrentModule(environment_, FindDefmodule(environment_, "MAIN"));  // as at the first load
     return;
   }
@@ -319,7 +324,7 @@ bool RuleEngine::Impl::load_form(const Form& form, const std::string& file, Load
                              (form.list ? "(" + form.head + " ...)" : form.head)));
     return false;
   }
-  if (keep_same && is_there_already(form)) return true;
+  if (is_there_already(form)) return true;
   if (form.head == "defrule" && form.text.find("(or") != std::string::npos) {
     if (const double rules = alternatives(tree_of(form).items, false); rules > kMostAlternatives) {
       add_error(load_error(file, form.line,

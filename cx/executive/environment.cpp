@@ -82,7 +82,7 @@ bus::ParticipantId Environment::join_threads(bus::NodeName name, const std::stri
 
 void Environment::begin_again() {
   ending_ = false;
-  engine_->keep_same_constructs(true);
+  engine_->keep_same_constructs(KeepSame::kTypes);
 }
 
 Status Environment::take_inputs() {
@@ -188,7 +188,7 @@ void Environment::write_line(const LogLine& line) {
   if (options_.log_file) options_.log_file->line(line);
 }
 
-// --- Control by a person
+// --- Control of the run
 
 std::optional<ControlAct> Environment::next_act() const {
   ControlLog* log = options_.run->control_log;
@@ -206,9 +206,11 @@ Status Environment::stop_at(ControlPlace place) {
     const auto recorded = next_act();
     if (!recorded || recorded->place != place) break;
     options_.run->control_log->take(options_.unique_name);
-    (void)act(recorded->verb, recorded->text);
+    const auto done = act(recorded->verb, recorded->text, recorded->name);
+    if (!done && is_planned(recorded->verb)) return done.error();
   }
-  if (options_.run->control) options_.run->control->stop_at(*this, place);
+  if (options_.run->control)
+    if (Status s = options_.run->control->stop_at(*this, place); !s) return s;
   return check_errors();
 }
 
@@ -233,29 +235,55 @@ Expected<std::int64_t> Environment::run_stopping(std::int64_t rule_limit) {
   return place.fired;
 }
 
-Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string& text) {
-  was_controlled_ = true;
-  const bool build = verb == ControlAct::Verb::kBuild;
+Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string& text, const std::string& name) {
+  was_controlled_ = was_controlled_ || !is_planned(verb);
   if (options_.run->control && options_.run->control_log)
-    options_.run->control_log->add(options_.unique_name, {place_, verb, text});
-  data_.begin().field("what", build ? "build" : "eval").field("text", text);
+    options_.run->control_log->add(options_.unique_name, {place_, verb, text, name});
+  constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail"};
+  data_.begin().field("what", kWords[static_cast<std::size_t>(verb)]);
+  if (!name.empty()) data_.field("name", name);
+  data_.field("text", text);
   engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kControl, data_));
-  std::string printed;
-  Status done;
-  if (build) {
-    done = engine_->build(text);
-  } else {
-    auto value = engine_->eval(text);
-    if (value)
-      printed = value->print();
-    else
-      done = value.error();
-  }
+  auto done = carry_out(verb, text, name);
   engine_->clear_cause();
-  // The person sees what went wrong; the run goes on.
+  // The answer tells what went wrong; the run goes on unless the caller ends it.
   (void)engine_->take_errors();
-  if (!done) return done.error();
-  return printed;
+  return done;
+}
+
+Expected<std::string> Environment::carry_out(ControlAct::Verb verb, const std::string& text, const std::string& name) {
+  const auto evaluated = [this](const std::string& expression) -> Expected<std::string> {
+    auto value = engine_->eval(expression);
+    if (!value) return value.error();
+    return value->print();
+  };
+  const auto silent = [](const Status& done) { return done ? Expected<std::string>("") : done.error(); };
+  switch (verb) {
+    case ControlAct::Verb::kEval: return evaluated(text);
+    case ControlAct::Verb::kBuild: return silent(engine_->build(text));
+    case ControlAct::Verb::kLoad: return silent(load_planned(text, name));
+    case ControlAct::Verb::kAssert: {
+      auto index = engine_->assert_string(text);
+      if (index) return "f-" + std::to_string(*index);
+      const std::vector<RuleError> said = engine_->take_errors();
+      return said.empty() ? index.error() : input_error(said.front().message);
+    }
+    case ControlAct::Verb::kFail: return input_error(text);
+    case ControlAct::Verb::kSet: break;
+  }
+  if (name.starts_with("?*")) return evaluated("(bind " + name + ' ' + text + ')');
+  if (!options_.set_parameter) return input_error("the environment has no parameters");
+  return silent(options_.set_parameter(name, text));
+}
+
+Status Environment::load_planned(const std::string& text, const std::string& file) {
+  const auto module = engine_->eval("(get-current-module)");
+  engine_->keep_same_constructs(KeepSame::kAll);
+  const LoadReport report = engine_->load_text(text, file, LoadMode::kBatch);
+  engine_->keep_same_constructs(KeepSame::kNothing);
+  (void)engine_->take_notes();  // that it replaces constructs is what it is for
+  if (module) (void)engine_->use_module(module->text());
+  return report.status();
 }
 
 }  // namespace cxlab::cx

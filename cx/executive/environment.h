@@ -59,7 +59,9 @@ class Environment {
     LogFile* log_file = nullptr;                         ///< may be none
     std::vector<RuleErrorEntry>* rule_errors = nullptr;  ///< all errors are added here
     PrintedErrors* printed_errors = nullptr;             ///< what rules print as an error is added here; may be none
-    bool topic_logging = false;                          ///< lines of rules also go to `publish_line`
+    /// Sets a parameter of the manager at once, of which the value is YAML; may be none.
+    std::function<Status(const std::string& name, const std::string& yaml)> set_parameter = {};
+    bool topic_logging = false;  ///< lines of rules also go to `publish_line`
     std::function<void(const std::string& environment, std::string_view logical_name, std::string_view line)>
         publish_line = [](const auto&, auto, auto) {};
   };
@@ -70,6 +72,10 @@ class Environment {
   Environment& operator=(const Environment&) = delete;
 
   const std::string& name() const { return options_.name; }
+  /// In the run: its stream is "env/" and this.
+  const std::string& unique_name() const { return options_.unique_name; }
+  /// The node that it belongs to.
+  const bus::NodeName& node() const { return options_.node; }
   const RunSettings& settings() const { return *options_.run; }
   std::string name_in_log() const { return options_.logger_names.in_log(options_.name); }
   RuleEngine& engine() const { return *engine_; }
@@ -92,11 +98,11 @@ class Environment {
     auto fired = run(Pass{});
     return fired ? Status() : Status(fired.error());
   }
-  /// Stops at this tick, before the plugins act, where a person wants that or did something there.
+  /// Stops at this tick, before the plugins act, where the control of the run wants that or something was done there.
   Status stop_at_tick();
-  /// What a person does, at the place where the environment has stopped: the value of an evaluation, printed, or
-  /// nothing for a construct. Lines that are printed meanwhile go to the log as ever.
-  Expected<std::string> act(ControlAct::Verb verb, const std::string& text);
+  /// Does something at the place where the environment has stopped: the value of an evaluation, printed, or nothing.
+  /// Lines that are printed meanwhile go to the log as ever. `name`: see `ControlAct`.
+  Expected<std::string> act(ControlAct::Verb verb, const std::string& text, const std::string& name = {});
   /// Whether a person has done anything.
   bool was_controlled() const { return was_controlled_; }
   /// Notes all errors since the last call. With `stop_on_rule_error` it returns the first one.
@@ -108,7 +114,7 @@ class Environment {
   void end() { ending_ = true; }
   /// It is activated again: templates that exist and have the same text may be loaded once more.
   void begin_again();
-  void has_begun() { engine_->keep_same_constructs(false); }
+  void has_begun() { engine_->keep_same_constructs(KeepSame::kNothing); }
 
   /// An object that plugins of this environment share, e.g. the messages that its rules hold: one a type, made from
   /// this environment when first asked for, destroyed with the environment.
@@ -159,6 +165,8 @@ class Environment {
   bool stops() const { return options_.run->control != nullptr || options_.run->control_log != nullptr; }
   std::optional<ControlAct> next_act() const;
   Status stop_at(ControlPlace place);
+  Expected<std::string> carry_out(ControlAct::Verb verb, const std::string& text, const std::string& name);
+  Status load_planned(const std::string& text, const std::string& file);
   void write_line(const LogLine& line);
   Error loop_error(const std::string& what) const;
 

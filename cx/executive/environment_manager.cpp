@@ -291,6 +291,9 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   o.publish_line = [this](const auto& environment, auto logical_name, auto line) {
     publish_line(environment, logical_name, line);
   };
+  o.set_parameter = [this](const std::string& parameter, const std::string& yaml) {
+    return set_parameter(parameter, yaml);
+  };
   if (to_file && !options_.run_folder.empty()) {
     auto file = log_file(name);
     if (!file) return file.error();

@@ -22,6 +22,7 @@
 #include "cx/node/bond.h"
 #include "cx/node/lifecycle.h"
 #include "cx/node/log.h"
+#include "cx/node/parameter_services.h"
 #include "cx/node/parameters.h"
 #include "cx/run/parts.h"
 #include "cx/wall/wall.h"
@@ -92,6 +93,8 @@ class EnvironmentManager final : public Agent {
   Status create_environment(const std::string& name);
   /// Plugins in reverse order, no (executive-finalize). "unknown Environment name"
   Status destroy_environment(const std::string& name);
+  /// Sets a declared parameter at once, as the service does; `yaml` is its value.
+  Status set_parameter(const std::string& name, const std::string& yaml);
   /// No reset. "unknown environment", "error while loading plugin"
   Status load_plugin(const std::string& environment, const std::string& plugin);
   /// "unknown plugin"
@@ -191,6 +194,7 @@ class EnvironmentManager final : public Agent {
   ManagerOptions options_;
   std::unique_ptr<net::Network> own_network_;
   Parameters parameters_;
+  ParameterSetter set_parameters_;
   std::set<std::string> configured_;  ///< texts of the configuration, classes of plugins among them
   bus::Bus& bus_;
   RecordSink& journal_;

@@ -57,8 +57,28 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
   if (Status s = manager->add_packaged_plugins(); !s) return s.error();
   if (Status s = manager->check_configuration(); !s) return s.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();
-  if (Status s = serve_parameters(bus, manager->node_, manager->parameters_); !s) return s.error();
+  auto setter = serve_parameters(bus, manager->node_, manager->parameters_);
+  if (!setter) return setter.error();
+  manager->set_parameters_ = *std::move(setter);
   return manager;
+}
+
+Status EnvironmentManager::set_parameter(const std::string& name, const std::string& yaml) {
+  Parameters given;
+  if (Status s = given.set(name, yaml, Origin{}); !s) return s;
+  std::vector<std::pair<std::string, Parameter>> values;
+  for (const std::string& each : given.names()) {
+    const Parameter* old = parameters_.find(each);
+    if (!old)
+      return input_error("the node " + node_name_.full_name() + " has no parameter '" + each + "'" +
+                         did_you_mean(each, parameters_.names()));
+    Parameter value = *given.find(each);
+    value.asked_for = false;
+    // As where a plugin reads it.
+    if (old->type == Parameter::Type::kDouble && value.type == Parameter::Type::kInteger) value.type = old->type;
+    values.emplace_back(each, std::move(value));
+  }
+  return set_parameters_(std::move(values));
 }
 
 Status EnvironmentManager::add_packaged_plugins() {

@@ -1,6 +1,7 @@
 #pragma once
-// Control of a run by a person: environments stop before they fire a rule, and the person evaluates and builds there.
-// All that was done is in the input log with its place, so that the run replays.
+// Control of a run: environments stop at ticks and before they fire a rule, and there a person evaluates and builds, or
+// what was planned is done (lab/what_if.h). All that was done is in the input log with its place, so that the run
+// replays.
 
 #include <cstdint>
 #include <optional>
@@ -22,21 +23,31 @@ struct ControlPlace {
   bool operator==(const ControlPlace&) const = default;
 };
 
-/// What a person did in an environment.
+/// What was done in an environment.
 struct ControlAct {
-  enum class Verb : std::uint8_t { kEval, kBuild };
+  enum class Verb : std::uint8_t {
+    kEval,    ///< by a person: evaluate the text
+    kBuild,   ///< by a person: the text is a construct
+    kLoad,    ///< planned: the text is that of a file of the name, as `batch*` loads it
+    kAssert,  ///< planned: the text is a fact
+    kSet,     ///< planned: the text is the value of the name, `?*global*` or a parameter of the node
+    kFail,    ///< planned: the run ends here, the text says why
+  };
   ControlPlace place;
   Verb verb = Verb::kEval;
   std::string text;
+  std::string name = {};
 };
+/// A planned act belongs to what the run is played with: the run stays deterministic, and an error in it ends the run.
+inline bool is_planned(ControlAct::Verb verb) { return verb >= ControlAct::Verb::kLoad; }
 
 /// Decides where environments stop, and does there what it is told.
 class RunControl {
  public:
   virtual ~RunControl() = default;
   /// Called at each tick and when rules are about to run; before each firing only where `before_each_firing` says so.
-  /// It may wait. What rules could notice it does with `Environment::act`.
-  virtual void stop_at(Environment& environment, const ControlPlace& place) = 0;
+  /// It may wait. What rules could notice it does with `Environment::act`. An error ends the run.
+  virtual Status stop_at(Environment& environment, const ControlPlace& place) = 0;
   virtual bool before_each_firing() const = 0;
 };
 

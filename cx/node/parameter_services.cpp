@@ -177,32 +177,39 @@ class Server {
     if (!s) result.set("reason", s.error().message);
   }
 
-  /// All of them or none.
   Status set(const std::vector<bus::MessageView>& wanted) {
-    std::vector<std::pair<std::string, Parameter>> changes;
+    std::vector<std::pair<std::string, Parameter>> values;
     for (const bus::MessageView& parameter : wanted) {
-      const std::string& name = parameter.text("name");
-      if (name.empty()) return input_error("a parameter needs a name");
       auto value = take_parameter(parameter.nested("value"));
       if (!value) return value.error();
+      values.emplace_back(parameter.text("name"), *std::move(value));
+    }
+    return change(std::move(values));
+  }
+
+ public:
+  /// All of them or none.
+  Status change(std::vector<std::pair<std::string, Parameter>> values) {
+    for (auto& [name, value] : values) {
+      if (name.empty()) return input_error("a parameter needs a name");
       const Parameter* old = parameters_.find(name);
       if (!old) return input_error("parameter '" + name + "' cannot be set because it was not declared");
-      const RosType was = type_of(*old), is = type_of(*value);
+      const RosType was = type_of(*old), is = type_of(value);
       if (was != is && old->type != Type::kNone &&
-          !(old->type == Type::kList && value->type == Type::kList && (old->items.empty() || value->items.empty())))
+          !(old->type == Type::kList && value.type == Type::kList && (old->items.empty() || value.items.empty())))
         return input_error("Wrong parameter type, parameter {" + name + "} is of type {" + kTypeNames[was] +
                            "}, setting it to {" + kTypeNames[is] + "} is not allowed.");
       if (check_)
-        if (Status s = check_(name, *value); !s) return s;
-      value->file = "parameter " + node_ + '.' + name;
-      value->at_run_time = true;
-      changes.emplace_back(name, *std::move(value));
+        if (Status s = check_(name, value); !s) return s;
+      value.file = "parameter " + node_ + '.' + name;
+      value.at_run_time = true;
     }
-    publish(changes);
-    for (auto& [name, value] : changes) parameters_.put(name, std::move(value));
+    publish(values);
+    for (auto& [name, value] : values) parameters_.put(name, std::move(value));
     return {};
   }
 
+ private:
   void publish(const std::vector<std::pair<std::string, Parameter>>& changes) {
     if (!event_) return;
     auto message = std::make_shared<bus::Message>(*event_);
@@ -249,9 +256,10 @@ Expected<Parameter> take_parameter(const bus::MessageView& value) {
   return list;
 }
 
-Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check) {
+Expected<ParameterSetter> serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters,
+                                           ParameterCheck check) {
   const auto server = std::make_shared<Server>(bus, parameters, std::move(check), bus.name_of(node).full_name());
-  if (Status s = server->open(node); !s) return s;
+  if (Status s = server->open(node); !s) return s.error();
   auto services = cx::serve(bus, node,
                             {{"~/list_parameters", "rcl_interfaces/srv/ListParameters",
                               [server](const auto& q, const auto& a) { server->list(q, a); }},
@@ -265,7 +273,8 @@ Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& para
                               [server](const auto& q, const auto& a) { server->set(q, a); }},
                              {"~/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
                               [server](const auto& q, const auto& a) { server->set_atomically(q, a); }}});
-  return services ? Status() : services.error();
+  if (!services) return services.error();
+  return ParameterSetter([server](auto values) { return server->change(std::move(values)); });
 }
 
 }  // namespace cxlab::cx

@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cx/base/expected.h"
 #include "cx/bus/bus.h"
@@ -17,10 +19,14 @@ Expected<Parameter> take_parameter(const bus::MessageView& value);
 /// The error of a value that a client wants to set, if it has one.
 using ParameterCheck = std::function<Status(const std::string& name, const Parameter& value)>;
 
+/// Sets parameters of a node at once, as `~/set_parameters_atomically` does.
+using ParameterSetter = std::function<Status(std::vector<std::pair<std::string, Parameter>> values)>;
+
 /// Offers `~/list_parameters`, `~/get_parameters`, `~/get_parameter_types`, `~/describe_parameters`,
 /// `~/set_parameters`, `~/set_parameters_atomically`, and reports changes on `/parameter_events`. A parameter keeps
 /// its type; one that is not there is not set, nor what `check` refuses. `parameters` outlives the node's place on the
-/// bus.
-Status serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters, ParameterCheck check = {});
+/// bus, and what is returned.
+Expected<ParameterSetter> serve_parameters(bus::Bus& bus, bus::ParticipantId node, Parameters& parameters,
+                                           ParameterCheck check = {});
 
 }  // namespace cxlab::cx

@@ -295,6 +295,13 @@ std::vector<Error> Parameters::in_vain() const {
   std::vector<Error> out;
   for (const auto& [name, value] : values_) {
     if (!value.given || value.asked_for) continue;
+    if (value.at_run_time) {
+      out.push_back(input_error(
+          "parameter '" + name +
+          "' was set while the run went on and nobody asked for it since: rules that have read it before go on with "
+          "the old value, which a global or a fact of theirs may hold"));
+      continue;
+    }
     std::vector<std::string> others = names();
     std::erase_if(others, [&word = name](const std::string& other) {
       // Of names in the same group, what is behind the group counts.

@@ -42,8 +42,8 @@ bool Debugger::before_each_firing() const {
                      [](const BreakPoint& b) { return b.kind != BreakPoint::Kind::kTime; });
 }
 
-void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
-  if (gives_up_) return;
+Status Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
+  if (gives_up_) return {};
   here_ = &environment;
   place_ = place;
   if (options_.recorded)
@@ -65,6 +65,7 @@ void Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& pla
     while (auto line = lines_.take()) answer(*line);
   }
   here_ = nullptr;
+  return {};
 }
 
 void Debugger::stay(cx::Environment&) {

@@ -60,7 +60,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   const std::atomic<bool>& gives_up() const { return gives_up_; }
   bool has_left() const { return left_; }
 
-  void stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
+  Status stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
   bool before_each_firing() const override;
   void line(const cx::LogLine& line) override;
 

@@ -50,7 +50,8 @@ Expected<std::unique_ptr<PddlManager>> PddlManager::create(PddlManagerOptions op
   const auto fixed = [](const std::string& changed, const cx::Parameter&) {
     return Status(usage_error("parameter '" + changed + "' is set where the node is named"));
   };
-  if (Status s = cx::serve_parameters(bus, manager->node_, manager->parameters_, fixed); !s) return s.error();
+  if (auto served = cx::serve_parameters(bus, manager->node_, manager->parameters_, fixed); !served)
+    return served.error();
   if (Status s = manager->lifecycle_.serve(); !s) return s.error();
   if (!o.autostart) return manager;
   if (Status s = manager->change(cx::Transition::kConfigure); !s) return s.error();

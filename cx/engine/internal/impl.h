@@ -147,7 +147,7 @@ struct RuleEngine::Impl {
 
   OnLoadError on_load_error = OnLoadError::kKeepGoing;  ///< of the load under way, which files loaded by it follow
 
-  bool keep_same = false;
+  KeepSame keep_same = KeepSame::kNothing;
   bool is_there_already(const Form& form) const;
   bool load_form(const Form& form, const std::string& file, LoadMode mode);
   void remember(const Form& form, const std::string& file);

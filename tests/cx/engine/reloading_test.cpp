@@ -19,9 +19,9 @@ class Reloading : public EngineTest {
 
 TEST_F(Reloading, AChangedTemplateReplacesTheFormerOneAlsoWhereTheSameAreKept) {
   given("(deftemplate a (slot x))");
-  engine().keep_same_constructs(true);
+  engine().keep_same_constructs(KeepSame::kTypes);
   given("(deftemplate a (slot y))");
-  engine().keep_same_constructs(false);
+  engine().keep_same_constructs(KeepSame::kNothing);
   EXPECT_TRUE(engine().assert_fact("a", {{"y", Value::integer(1)}}).ok());
 }
 
@@ -31,9 +31,9 @@ TEST_F(Reloading, TheSameConstructsOfAModuleAreKeptInTheirModule) {
       "(defmodule B (import A ?ALL))\n(defrule s (t) =>)\n";
   given(rules);
   ASSERT_TRUE(engine().assert_fact("A::t", {{"x", Value::integer(1)}}).ok());
-  engine().keep_same_constructs(true);
+  engine().keep_same_constructs(KeepSame::kTypes);
   given(rules);
-  engine().keep_same_constructs(false);
+  engine().keep_same_constructs(KeepSame::kNothing);
   EXPECT_THAT(fact_texts(), ElementsAre("(t (x 1))")) << "the template was not undefined";
   EXPECT_TRUE(engine().has("defrule", "A::r"));
   EXPECT_TRUE(engine().has("defrule", "B::s"));
@@ -42,6 +42,31 @@ TEST_F(Reloading, TheSameConstructsOfAModuleAreKeptInTheirModule) {
   EXPECT_THAT(engine().find_constructs("deftemplate", "t"), SizeIs(1));
   EXPECT_THAT(engine().find_constructs("defclass", "C"), SizeIs(1));
   EXPECT_THAT(engine().find_constructs("defrule", "r"), SizeIs(1));
+}
+
+TEST_F(Reloading, WhereAllAreKeptOnlyWhatHasChangedIsDefinedAgain) {
+  const std::string rules =
+      "(deftemplate a (slot x))\n(defglobal ?*n* = 1)\n(deffunction twice (?x) (* 2 ?x))\n(deffacts f (a (x 1)))\n"
+      "(defrule same (a (x ?x)) => (bind ?*n* (+ ?*n* 1)))\n(defrule other (a (x 2)) => (bind ?*n* 100))\n"
+      "(defmodule B)\n(defrule same => )\n";
+  given(rules);
+  engine().reset();
+  engine().run();
+  EXPECT_EQ(engine().eval("?*n*")->as_integer(), 2);
+  std::string changed = rules;
+  changed.replace(changed.find("(x 2)"), 5, "(x 1)");
+  engine().keep_same_constructs(KeepSame::kAll);
+  given(changed);
+  engine().keep_same_constructs(KeepSame::kNothing);
+  EXPECT_EQ(engine().run().fired, 1) << "the rule that is the same has fired for its fact";
+  ASSERT_TRUE(engine().use_module("MAIN"));
+  EXPECT_EQ(engine().eval("?*n*")->as_integer(), 100) << "the global kept its value until then";
+  EXPECT_THAT(engine().find_constructs("defrule", "same"), SizeIs(2));
+  // One of another module is another one.
+  engine().keep_same_constructs(KeepSame::kAll);
+  given("(defrule same => )");
+  engine().keep_same_constructs(KeepSame::kNothing);
+  EXPECT_EQ(engine().find_construct("defrule", "MAIN::same")->text, "(defrule same => )");
 }
 
 TEST_F(Reloading, ARuleOfTooManyAlternativesIsRefused) {
