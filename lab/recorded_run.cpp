@@ -12,6 +12,7 @@
 #include "cx/journal/input_log.h"
 #include "cx/journal/run_folder.h"
 #include "lab/versions.h"
+#include "lab/what_if_json.h"
 
 namespace cxlab::lab {
 
@@ -49,6 +50,7 @@ void read_manifest(const Json& json, RecordedRun& run) {
   run.options.release = static_cast<cx::RosRelease>(release - std::begin(cx::kRosReleases));
   run.options.sockets = json.value("sockets", false);
   run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
+  for (const Json& change : json.value("what_if", Json::array())) run.options.what_if.push_back(what_if_from(change));
   run.versions = json.at("versions").get<std::map<std::string, std::string>>();
   run.machine = json.value("machine", std::map<std::string, std::string>());
   for (const Json& agent : json.at("agents"))

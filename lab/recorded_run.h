@@ -26,7 +26,8 @@ struct RecordedRun {
   std::filesystem::path scenario_file;  ///< absolute; need not be there any more
   std::vector<std::string> overrides;
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
-  /// until, journal, keep_going, strict, sockets; `programs` is false until the caller trusts the run
+  /// until, journal, keep_going, strict, sockets, what_if without the texts of its files; `programs` is false until the
+  /// caller trusts the run
   PlayOptions options;
   std::filesystem::path recorded_folder;  ///< its folder when it was played
   std::vector<Shares> shares;             ///< by agent: package -> its share directory then

@@ -5,6 +5,7 @@
 
 #include "cx/journal/journal_reader.h"
 #include "lab/confine.h"
+#include "lab/journal_difference.h"
 #include "lab/physics_replay.h"
 
 namespace cxlab::lab {
@@ -22,10 +23,6 @@ Expected<std::map<std::uint64_t, JournalRecord>> records_of(const std::string& s
   for (JournalRecord& record : *all)
     if (record.stream == stream) records.emplace(record.n, std::move(record));
   return records;
-}
-
-std::string shown(const JournalRecord& record) {
-  return std::string(to_string(record.kind)) + ' ' + to_json(record.data);
 }
 
 bool same(const JournalRecord& a, const JournalRecord& b) {

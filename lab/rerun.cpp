@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/executive/reach.h"
 #include "cx/journal/input_log.h"
@@ -34,7 +35,7 @@ std::vector<std::string> changed_files(const std::map<std::string, std::string>&
   for (const auto& [name, hash] : before)
     if (const auto again = after.find(name); again == after.end() || again->second != hash) out.push_back(name);
   for (const auto& [name, hash] : after)
-    if (!before.contains(name)) out.push_back(name);
+    if (!before.contains(name) && !name.starts_with("what_if/")) out.push_back(name);
   return out;
 }
 
@@ -119,13 +120,50 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
   return {};
 }
 
-/// Whether a person did something in the run, with cxlab attach.
-bool person_acted(const std::filesystem::path& inputs) {
-  auto log = InputLogReader::open(inputs);
+/// Whether a person did something in the run, with cxlab attach. Nobody can attach to one that goes on otherwise.
+bool person_acted(const RecordedRun& run) {
+  if (!run.options.what_if.empty()) return false;
+  auto log = InputLogReader::open(run.folder / "inputs.bin");
   if (!log) return false;
   while (const auto entry = log->next())
     if (const auto* result = std::get_if<LoggedResult>(&*entry); result && result->key == kControlKey) return true;
   return false;
+}
+
+/// The changes of the run in order of their time, with their files and the new one.
+Expected<std::vector<WhatIf>> changes_of(const RecordedRun& run, const std::optional<WhatIf>& more,
+                                         const Scenario& scenario) {
+  std::vector<WhatIf> changes = run.options.what_if;
+  if (!changes.empty()) {
+    const auto files = StoredFiles::open(run.folder);
+    if (!files) return files.error();
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      if (changes[k].file.empty()) continue;
+      auto text = files->read(changes[k].copy_name(k));
+      if (!text) return text.error();
+      changes[k].text = *std::move(text);
+    }
+  }
+  if (more) {
+    WhatIf change = *more;
+    if (Status s = prepare(change, run, scenario); !s) return s.error();
+    if (!change.changes_nothing()) changes.push_back(std::move(change));
+  }
+  std::ranges::stable_sort(changes, {}, &WhatIf::at);
+  return changes;
+}
+
+/// What a run that went on otherwise has become.
+Status compare(const RecordedRun& run, SimTime since, const std::string& result_then, Rerun& again) {
+  again.results = compare_results(result_then, again.played.result.to_json());
+  if (again.played.folder.empty()) return {};
+  auto before = difference_before(since, run.folder, again.played.folder, run.finished);
+  if (!before) return before.error();
+  again.before = *std::move(before);
+  auto after = first_differences(run.folder, again.played.folder);
+  if (!after) return after.error();
+  again.after = *std::move(after);
+  return {};
 }
 
 }  // namespace
@@ -151,27 +189,44 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
   if (Status s = no_hidden_packages(run, *scenario); !s && !copies && !given.trust_rules) return s.error();
-  const char* took_part = run.options.sockets                       ? "programs outside (--sockets)"
-                          : person_acted(run.folder / "inputs.bin") ? "a person (cxlab attach)"
-                                                                    : nullptr;
+  const char* took_part = run.options.sockets ? "programs outside (--sockets)"
+                          : person_acted(run) ? "a person (cxlab attach)"
+                                              : nullptr;
   if (took_part)
     return usage_error(std::string(took_part) +
                            " took part in this run, and would not do the same again; its rules alone: cxlab replay " +
                            run.folder.string(),
                        run.folder.string());
   PlayOptions options = run.options;
+  if (given.until && given.what_if && *given.until < given.what_if->at)
+    return usage_error("--until: found " + general_text(*given.until, 9) + ", expected a time after that of --at");
+  auto changes = changes_of(run, given.what_if, *scenario);
+  if (!changes) return changes.error();
+  options.what_if = *std::move(changes);
+  options.also_read = {run.folder};
   if (copies) options.prefixes.clear();
   options.out = given.out;
   options.force = given.force;
   options.command = given.command;
-  if (run.status == "interrupted") options.until = to_seconds(run.sim_time);
-  const auto files_then = hashes_of_files(run.folder);  // behind a wall only the new run can be read
+  if (given.until)
+    options.until = given.until;
+  else if (run.status == "interrupted")
+    options.until = to_seconds(run.sim_time);
+  const auto files_then = hashes_of_files(run.folder);
+  const auto result_then = read_file(run.folder / "result.json");
+  if (!result_then) return result_then.error();
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();
   if (played->failure)
     if (auto error = run.untrusted(*played->failure)) return *error;
   Rerun again;
   again.played = *std::move(played);
+  if (given.what_if) {
+    if (host.stopped() || again.played.result.stream_hashes.empty()) return again;
+    if (Status s = compare(run, from_seconds(given.what_if->at), *result_then, again); !s) return s.error();
+    if (again.before) again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
+    return again;
+  }
   if (again.played.result.stream_hashes.empty() || host.stopped()) return again;
   again.differ = differences(run, again.played.result);
   for (const std::string& stream : again.differ)

@@ -18,6 +18,7 @@
 #include "lab/packages.h"
 #include "lab/pictures.h"
 #include "lab/versions.h"
+#include "lab/what_if_json.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -67,6 +68,7 @@ struct Run {
   std::vector<double> snapshots;            // when, s
   std::filesystem::path folder;             // empty: nothing is written
   Control control;                          // outlives the episode
+  std::unique_ptr<WhatIfControl> what_if;   // as this one
   std::unique_ptr<Episode> episode;
   Meter game, physics;
   Played played;
@@ -115,12 +117,30 @@ std::string manifest(const Run& run) {
   out["world_files"] = nlohmann::ordered_json::object();
   for (const auto& [key, file] : run.scenario.world_files)
     out["world_files"][key] = std::filesystem::absolute(file.path).string();
+  for (std::size_t k = 0; k < run.options.what_if.size(); ++k) {
+    nlohmann::ordered_json change = json_of(run.options.what_if[k]);
+    if (!run.options.what_if[k].file.empty()) change["copy"] = run.options.what_if[k].copy_name(k);
+    out["what_if"].push_back(std::move(change));
+  }
   out["repeat"] = "cxlab rerun " + run.folder.string();
   return json_text(out, 2) + '\n';
 }
 
+std::vector<cx::Environment*> environments_of(const Run& run) {
+  std::vector<cx::Environment*> all;
+  if (!run.episode) return all;
+  for (const auto& agent : run.episode->agents())
+    for (std::size_t i = 0; i < agent->size(); ++i) all.push_back(&agent->environment(i));
+  return all;
+}
+
 Status open_control(Run& run) {
   const PlayOptions& options = run.options;
+  if (!options.what_if.empty()) {
+    run.what_if = std::make_unique<WhatIfControl>(options.what_if);
+    run.what_if->watch([&run] { return environments_of(run); });
+    return {};
+  }
   const std::string& given = options.control_at;
   if (!options.control && !options.begin_stopped && given.empty()) return {};
   if (given.empty() && run.folder.empty())
@@ -149,7 +169,7 @@ Status open_control(Run& run) {
   };
   control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
   control.debugger->watch(
-      [&run] { return run.episode ? run.episode->environments() : std::vector<cx::Environment*>(); },
+      [&run] { return environments_of(run); },
       [&run](cx::Environment& environment) {
         return inspect::Inspector(
             environment.name_in_log(), environment.engine(),
@@ -234,6 +254,7 @@ Status play(Run& run) {
   auto video = start_video(run);
   if (!video) return video.error();
   Wall drawn;
+  drawn.read = run.options.also_read;
   drawn.pictures = !run.snapshots.empty() || *video;
   confine(*run.episode, run.host, drawn);
   const Status played = play_ticks(run, **pictures, video->get());
@@ -390,6 +411,10 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   for_episode.run_folder = run.folder;
   for_episode.journal = *level;
   for_episode.control = run.control.debugger.get();
+  if (run.what_if) for_episode.control = run.what_if.get();
+  for (std::size_t k = 0; k < options.what_if.size(); ++k)
+    if (!options.what_if[k].file.empty())
+      for_episode.keep_texts.emplace_back(options.what_if[k].copy_name(k), options.what_if[k].text);
   for_episode.meters = options.meters;
   for_episode.meters.physics = &run.physics;
   for_episode.file_read = options.file_read;
@@ -398,6 +423,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   run.episode = *std::move(episode);
   if (run.control.debugger) run.episode->journal().observe(run.control.timelines);
   finish(run, play(run));
+  if (run.what_if) run.played.changed = run.what_if->done();
   if (run.control.debugger)
     run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +
                               fixed_text(to_seconds(run.played.result.sim_time), 3) + " s");

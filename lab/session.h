@@ -15,6 +15,7 @@
 #include "lab/host.h"
 #include "lab/picture.h"
 #include "lab/video.h"
+#include "lab/what_if.h"
 #include "scenarios/episode.h"
 
 namespace cxlab::lab {
@@ -38,14 +39,17 @@ struct PlayOptions {
   bool programs = true;                   ///< libraries of packages may be opened, and programs that nodes name started
   std::vector<std::string> command = {};  ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
-  WallMeters meters = {};  ///< of nodes and rules; the result has the time of physics anyway
+  std::vector<WhatIf> what_if = {};                   ///< changes in the middle of the run, in order of their time
+  std::vector<std::filesystem::path> also_read = {};  ///< what the caller reads when the run is over
+  WallMeters meters = {};                             ///< of nodes and rules; the result has the time of physics anyway
 };
 
 struct Played {
   Result result;
   std::filesystem::path folder;  ///< empty = none
   std::vector<Picture> pictures;
-  std::filesystem::path film;  ///< empty = none
+  std::filesystem::path film;      ///< empty = none
+  std::vector<WhatIfAct> changed;  ///< by `PlayOptions::what_if`
   /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo); none after a stop.
   std::optional<Error> failure;
   /// All that a person has to see: what could not be loaded, each once and in order, then `failure`.

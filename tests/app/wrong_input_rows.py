@@ -516,7 +516,16 @@ def asked(run):
     late = ["--at", "2.5"]
     return [Row("why-not after the end", ["why-not", "run", "never", *late], 2, run), Row("render after the end of a run", ["render", "run", "--out", "x.png", *late], 2, run),
             Row("rerun into a folder that is used", ["rerun", "run", "--quiet", "--out", "used"], 2, run),
-            Row("rerun into a folder that is used, by force", ["rerun", "run", "--quiet", "--out", "used", "--force"], 0, run, leaves=("used",), kept={"used/mine.txt": "mine"})]
+            Row("rerun into a folder that is used, by force", ["rerun", "run", "--quiet", "--out", "used", "--force"], 0, run, leaves=("used",), kept={"used/mine.txt": "mine"}),
+            *[Row(f"rerun --at '{value}'", ["rerun", "run", "--quiet", "--out", "out", "--at", value], 2, run) for value in ("-1", "x", "", "nan", "0:60", "0:1", "2.5", "1e400")],
+            *[Row(f"rerun --at 1 {option} '{value}'", ["rerun", "run", "--quiet", "--out", "out", "--at", "1", option, value], code, run)
+              for option, value, code in (("--then", "", 2), ("--then", "missing.clp", 3), ("--then", "garbage", 3), ("--then", "nothing", 3), ("--then", "empty", 3), ("--set", "x", 2), ("--set", "=1", 2),
+                                          ("--set", "seed=2", 2), ("--set", "?*x*=", 2), ("--set", "?*x*=)", 2), ("--set", "?x=1", 2), ("--set", "nobody.x=1", 2), ("--set", "clips_manager.=1", 2),
+                                          ("--set", "clips_manager.nothing=1", 3), ("--set", "clips_manager.environments=1", 3), ("--set", "?*nothing*=1", 3),
+                                          ("--assert", "", 2), ("--assert", "go", 2), ("--assert", "()", 2), ("--assert", "(go", 2), ("--assert", "(gone)", 3), ("--assert", "(pose (y 1))", 3), ("--assert", "(said ?x)", 3),
+                                          ("--env", "main", 2), ("--until", "0.5", 2))],
+            *[Row(f"rerun {option} without --at", ["rerun", "run", "--quiet", "--out", "out", option, value], 2, run)
+              for option, value in (("--then", "rules.clp"), ("--set", "?*x*=1"), ("--assert", "(go)"), ("--env", "main"), ("--until", "1"))]]
 
 
 def with_library(folder):

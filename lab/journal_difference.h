@@ -1,0 +1,37 @@
+#pragma once
+// Where two runs part, found in their journals and input logs: the folders are read once, in step.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "cx/journal/journal_record.h"
+
+namespace cxlab::lab {
+
+/// The first record of a stream that one run has and the other has not.
+struct Difference {
+  std::string stream;
+  SimTime t{};
+  std::string then, now;  ///< the records, or "nothing like it"
+  /// "env/main at 0.500 s: then ..., now ...".
+  std::string text() const;
+};
+
+/// A record as people read it: kind and data.
+std::string shown(const JournalRecord& record);
+
+/// What two runs that should be the same up to `t` do otherwise before, as far as the first one was recorded: in
+/// journal.jsonl, or else in what entered their environments. `then_whole`: it was not cut off.
+Expected<std::optional<Difference>> difference_before(SimTime t, const std::filesystem::path& then,
+                                                      const std::filesystem::path& now, bool then_whole);
+
+/// The first difference of each stream in journal.jsonl, in order of time. Numbers of records and what was planned
+/// (`cx::is_planned`) do not count.
+Expected<std::vector<Difference>> first_differences(const std::filesystem::path& then,
+                                                    const std::filesystem::path& now);
+
+}  // namespace cxlab::lab

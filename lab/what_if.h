@@ -1,0 +1,94 @@
+#pragma once
+// What if: a run is played again exactly up to a time, and goes on from there with other rules, parameters or facts, in
+// the same world and with the same chance.
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "cx/executive/environment.h"
+#include "cx/executive/run_control.h"
+
+namespace cxlab {
+struct Scenario;
+}
+
+namespace cxlab::lab {
+
+struct RecordedRun;
+
+/// What changes at a time: at the first tick that is not before it, when the facts of that tick are there and before
+/// any rule fires. Parameters are set first, then the file is loaded, globals are set, facts are asserted.
+struct WhatIf {
+  double at = 0;                      ///< s
+  std::string file = {};              ///< of rules, as a person named it; empty: none
+  std::string text = {};              ///< what is in it
+  std::vector<std::string> set = {};  ///< NODE.NAME=VALUE, a parameter; ?*NAME*=VALUE, a global
+  std::vector<std::string> facts = {};
+  /// Those that the file, globals and facts are for; empty: each that there is, and for facts the only one.
+  std::vector<std::string> environments = {};
+
+  bool changes_nothing() const { return file.empty() && set.empty() && facts.empty(); }
+  /// The file as errors and records of the run name it.
+  std::string file_name() const;
+  /// Of the k-th change of a run: where the run keeps the file.
+  std::string copy_name(std::size_t k) const;
+};
+
+/// Reads the file that is named, and finds what is wrong before anything is played: with the file's form, with names
+/// that the run does not have, with a time after its end.
+Status prepare(WhatIf& what_if, const RecordedRun& run, const Scenario& scenario);
+
+/// Something that was done: "replaces defrule go (rules.clp:12)".
+struct WhatIfAct {
+  SimTime t{};
+  std::string environment, what;
+};
+
+/// `Error::code` of a change that cannot be made.
+inline constexpr const char* kWhatIfCode = "what_if";
+
+/// Carries the changes out where their time has come. An error of one ends the run.
+class WhatIfControl final : public cx::RunControl {
+ public:
+  explicit WhatIfControl(std::vector<WhatIf> changes);
+
+  /// The environments of the run, asked for when a change begins.
+  void watch(std::function<std::vector<cx::Environment*>()> environments) { environments_ = std::move(environments); }
+  Status stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
+  bool before_each_firing() const override { return false; }
+  const std::vector<WhatIfAct>& done() const { return done_; }
+
+ private:
+  struct Change {
+    WhatIf what_if;
+    bool begun = false;
+    std::set<std::string> waiting = {};  // environments whose turn has not come
+    std::set<std::string> set = {};      // of `what_if.set`: what has been set
+  };
+
+  Status change(cx::Environment& environment, const cx::ControlPlace& place);
+  Status begin(Change& change, SimTime t) const;
+  Status carry_out(Change& change, cx::Environment& environment);
+  Status set_parameters(Change& change, cx::Environment& environment);
+  Status load(const WhatIf& what_if, cx::Environment& environment);
+  Status set_globals(Change& change, cx::Environment& environment);
+  Status assert_facts(const WhatIf& what_if, cx::Environment& environment);
+  Status end(const Change& change) const;
+  void note(const cx::Environment& environment, std::string what);
+
+  std::vector<Change> changes_;
+  std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
+  std::vector<WhatIfAct> done_;
+};
+
+/// A line of a comparison of two results.
+struct ResultChange {
+  std::string what, then, now;
+};
+/// How the run ended and what it was worth, then and now; further figures where they differ.
+std::vector<ResultChange> compare_results(const std::string& then_json, const std::string& now_json);
+
+}  // namespace cxlab::lab
