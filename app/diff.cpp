@@ -8,7 +8,7 @@
 #include "app/console.h"
 #include "cx/base/json_text.h"
 #include "cx/inspect/text.h"
-#include "lab/difference.h"
+#include "lab/comparison.h"
 
 namespace cxlab::app {
 
@@ -21,7 +21,7 @@ struct DiffOptions {
   bool trust_programs = false, json = false;
 };
 
-Json json_of(const lab::Difference::Side& side) {
+Json json_of(const lab::Comparison::Side& side) {
   Json json{{"what", side.what.empty() ? Json() : Json(side.what)}};
   Json steps = Json::array();
   if (side.because)
@@ -32,7 +32,7 @@ Json json_of(const lab::Difference::Side& side) {
   return json;
 }
 
-Json json_of(const lab::Difference& found) {
+Json json_of(const lab::Comparison& found) {
   Json json{{"same", found.same()}, {"compared_s", to_seconds(found.compared)}};
   json["constructs"] = Json::array();
   for (const auto& c : found.constructs)
@@ -52,7 +52,7 @@ Json json_of(const lab::Difference& found) {
   return json;
 }
 
-void print(const char* name, const lab::Difference::Side& side) {
+void print(const char* name, const lab::Comparison::Side& side) {
   if (side.because)
     std::printf("%s: %s", name, inspect::text_of(inspect::tree_of(*side.because, false)).c_str());
   else
@@ -60,7 +60,7 @@ void print(const char* name, const lab::Difference::Side& side) {
   if (!side.remark.empty()) std::printf("   %s\n", side.remark.c_str());
 }
 
-void print(const lab::Difference& found) {
+void print(const lab::Comparison& found) {
   for (const auto& c : found.constructs) {
     std::printf("%s %s ", c.kind.c_str(), c.name.c_str());
     if (c.a.empty() || c.b.empty())
@@ -93,7 +93,7 @@ int diff(const DiffOptions& options) {
   if (!b) return fail(b.error());
   a->options.programs = b->options.programs = options.trust_programs;
   Console console(true);
-  const auto found = lab::difference(*a, *b, console.host());
+  const auto found = lab::compare(*a, *b, console.host());
   if (const int code = interrupted("the runs were not compared")) return code;
   if (!found) return fail(found.error());
   if (options.json)

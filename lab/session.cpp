@@ -127,11 +127,7 @@ std::string manifest(const Run& run) {
 }
 
 std::vector<cx::Environment*> environments_of(const Run& run) {
-  std::vector<cx::Environment*> all;
-  if (!run.episode) return all;
-  for (const auto& agent : run.episode->agents())
-    for (std::size_t i = 0; i < agent->size(); ++i) all.push_back(&agent->environment(i));
-  return all;
+  return run.episode ? run.episode->environments() : std::vector<cx::Environment*>();
 }
 
 Status open_control(Run& run) {

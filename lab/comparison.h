@@ -12,7 +12,7 @@
 
 namespace cxlab::lab {
 
-struct Difference {
+struct Comparison {
   /// A rule or another construct that only one run has, or that is written differently.
   struct Construct {
     std::string kind, name;
@@ -46,6 +46,6 @@ struct Difference {
 };
 
 /// Plays the rules of both runs again.
-Expected<Difference> difference(const RecordedRun& a, const RecordedRun& b, const Host& host = {});
+Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const Host& host = {});
 
 }  // namespace cxlab::lab

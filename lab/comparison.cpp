@@ -1,4 +1,4 @@
-#include "lab/difference.h"
+#include "lab/comparison.h"
 
 #include <algorithm>
 #include <map>
@@ -41,23 +41,23 @@ void flatten(const Json& json, const std::string& path, std::map<std::string, st
   if (out.emplace(path, json.dump(-1, ' ', false, Json::error_handler_t::replace)).second) order.push_back(path);
 }
 
-std::vector<Difference::Outcome> outcomes_that_differ(const RecordedRun& a, const RecordedRun& b) {
+std::vector<Comparison::Outcome> outcomes_that_differ(const RecordedRun& a, const RecordedRun& b) {
   std::map<std::string, std::string> of_a, of_b;
   std::vector<std::string> order;
   for (const auto& [run, out] : {std::pair(&a, &of_a), std::pair(&b, &of_b)})
     if (const auto text = read_file(run->folder / "result.json"))
       flatten(Json::parse(*text, nullptr, false), {}, *out, order);
-  std::vector<Difference::Outcome> differ;
+  std::vector<Comparison::Outcome> differ;
   for (const std::string& path : order) {
     const auto there = of_a.find(path), here = of_b.find(path);
-    Difference::Outcome outcome{path, there == of_a.end() ? "" : there->second, here == of_b.end() ? "" : here->second};
-    const bool known = std::ranges::find(differ, path, &Difference::Outcome::path) != differ.end();
+    Comparison::Outcome outcome{path, there == of_a.end() ? "" : there->second, here == of_b.end() ? "" : here->second};
+    const bool known = std::ranges::find(differ, path, &Comparison::Outcome::path) != differ.end();
     if (outcome.a != outcome.b && !known) differ.push_back(std::move(outcome));
   }
   return differ;
 }
 
-void compare_constructs(Inspector& a, Inspector& b, std::vector<Difference::Construct>& out) {
+void compare_constructs(Inspector& a, Inspector& b, std::vector<Comparison::Construct>& out) {
   struct Text {
     std::string place, text;
   };
@@ -74,7 +74,7 @@ void compare_constructs(Inspector& a, Inspector& b, std::vector<Difference::Cons
   const auto of_a = texts(a), of_b = texts(b);
   const auto add = [&out](const std::pair<std::string, std::string>& key, const std::string& in_a,
                           const std::string& in_b) {
-    const auto same = [&](const Difference::Construct& c) { return c.kind == key.first && c.name == key.second; };
+    const auto same = [&](const Comparison::Construct& c) { return c.kind == key.first && c.name == key.second; };
     if (std::ranges::none_of(out, same)) out.push_back({key.first, key.second, in_a, in_b});
   };
   for (const auto& [key, text] : of_a) {
@@ -95,8 +95,8 @@ std::optional<std::uint64_t> parting(const Timeline& a, const Timeline& b) {
   return a.end() == b.end() ? std::nullopt : std::optional(end);
 }
 
-Difference::Side side_of(const Inspector& inspector, std::uint64_t n) {
-  Difference::Side side;
+Comparison::Side side_of(const Inspector& inspector, std::uint64_t n) {
+  Comparison::Side side;
   if (!inspector.timeline().has(n)) return side;
   side.because = inspector.why(n);
   side.what = inspect::line_of(side.because->steps.front());
@@ -105,7 +105,7 @@ Difference::Side side_of(const Inspector& inspector, std::uint64_t n) {
 
 /// The data of record `n` around the first letter in which that of the other run differs, where the events are called
 /// the same: what came from outside, say.
-void remark_on_data(const Timeline& a, const Timeline& b, std::uint64_t n, Difference::First& first) {
+void remark_on_data(const Timeline& a, const Timeline& b, std::uint64_t n, Comparison::First& first) {
   if (!a.has(n) || !b.has(n) || first.a.what != first.b.what) return;
   const std::string of_a = to_json(a.read(n).data), of_b = to_json(b.read(n).data);
   constexpr std::size_t kBefore = 60, kShown = 160;
@@ -144,8 +144,8 @@ Expected<std::string> why_not_here(Moment& moment, const std::string& environmen
 
 }  // namespace
 
-Expected<Difference> difference(const RecordedRun& a, const RecordedRun& b, const Host& host) {
-  Difference out;
+Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const Host& host) {
+  Comparison out;
   auto in_a = Moment::open(a, host), in_b = Moment::open(b, host);
   if (!in_a || !in_b) return (in_a ? in_b : in_a).error();
   out.outcomes = outcomes_that_differ(a, b);
