@@ -63,16 +63,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Limits most;
   most.steps = 200'000;
   LimitsInUse limits(most);
+  const inspect::Timeline nothing_recorded;
   cx::ManagerOptions options;
   options.config = config;
   options.plugin_types = cx::builtin_plugins();
   options.limits = &limits;
   options.control = &debugger;
   fuzz::live(std::move(options), 3, [&](cx::EnvironmentManager& manager) {
-    debugger.watch([&] {
+    const auto environments = [&] {
       std::vector<cx::Environment*> all;
       for (std::size_t i = 0; i < manager.size(); ++i) all.push_back(&manager.environment(i));
       return all;
+    };
+    debugger.watch(environments, [&](cx::Environment& environment) {
+      return inspect::Inspector(environment.name_in_log(), environment.engine(), nothing_recorded,
+                                [](const std::string& file) { return file; });
     });
     for (std::size_t i = 0; i < manager.size(); ++i)
       (void)manager.environment(i).engine().load_text(kRules, "rules.clp", LoadMode::kBatch);
