@@ -479,6 +479,15 @@ class Mends(unittest.TestCase):
 (printout t "= " (length$ (find-all-facts ((?f go)) TRUE)) " facts" crlf)
 """), ["1", "1", "2", "2", "3", "3", "3 facts"])
 
+    # Wrong without AddressSanitizer only by chance.
+    def test_default_of_a_slot_outlives_its_class(self):
+        self.assertEqual(printed("""
+(defclass Q (is-a USER) (role concrete) (multislot m (default a 1.5 "unique")))
+(printout t "= 1 " (create$ (slot-default-value Q m) (progn (undefclass Q) 2) (gensym*)) crlf)
+(defclass Q (is-a USER) (role concrete) (multislot m (default b 2.5)))
+(foreach ?x (slot-default-value Q m) (undefclass Q) (gensym*) (printout t "= 2 " ?x crlf))
+"""), ['1 (a 1.5 "unique" 2 gen1)', "2 2.5", "2 b"])
+
 
 if __name__ == "__main__":
     unittest.main()
