@@ -37,7 +37,7 @@ constexpr std::string_view kFactsOfPlugins[] = {"time",
                                                 "decision"};
 
 using Extensions = std::span<const std::string_view>;
-constexpr std::string_view kRuleFiles[] = {".clp", ".bat", ".clips"}, kYaml[] = {".yaml"}, kPddl[] = {".pddl"};
+constexpr std::string_view kRuleFiles[] = {".clp", ".bat", ".clips"}, kYaml[] = {".yaml", ".yml"}, kPddl[] = {".pddl"};
 
 bool has_extension(const fs::path& file, Extensions extensions) {
   std::string extension = file.extension().string();
@@ -159,6 +159,8 @@ class Checker {
     if (is_rule_file(input)) return std::optional<Scenario>();
     const auto found = find_scenario(input);
     if (!found) return found.error();
+    if (!has_extension(*found, kYaml))
+      return input_error("expected a scenario or configuration (.yaml), or rule files (.clp, .bat, .clips)", input);
     auto document = yaml::Document::load(*found);
     if (!document) return document.error();
     yaml::Map root = document->root().as_map();

@@ -50,10 +50,23 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+/// For XML: a byte that is no UTF-8, and a control character, becomes U+FFFD.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : text)
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80   ? 1
+                               : lead < 0xc2 ? 0
+                               : lead < 0xe0 ? 2
+                               : lead < 0xf0 ? 3
+                               : lead < 0xf5 ? 4
+                                             : 0;
+    bool whole = length > 0 && lead >= 0x20 && i + length <= text.size();
+    for (std::size_t k = 1; whole && k < length; ++k) whole = (static_cast<unsigned char>(text[i + k]) & 0xc0U) == 0x80;
+    const std::string one = whole ? text.substr(i, length) : "\xef\xbf\xbd";
+    out += one == "&" ? "&amp;" : one == "<" ? "&lt;" : one == ">" ? "&gt;" : one == "\"" ? "&quot;" : one;
+    i += whole ? length : 1;
+  }
   return out;
 }
 
@@ -62,6 +75,11 @@ std::string list(std::initializer_list<std::pair<bool, const char*>> deeds) {
   for (const auto& [does, word] : deeds)
     if (does) out += (out.empty() ? "" : ", ") + std::string(word);
   return out;
+}
+
+std::string makes(const Deeds& deeds) { return list({{deeds.asserts, "asserts"}, {deeds.modifies, "modifies"}}); }
+std::string takes(const Deeds& deeds) {
+  return list({{deeds.reads, "reads"}, {deeds.reads_not, "not"}, {deeds.retracts, "retracts"}});
 }
 
 // --- The picture: one block below the other
@@ -99,11 +117,10 @@ std::string graph_dot(const RuleBase& base, const std::string& title) {
     for (const auto& [doer, deeds] : doers) {
       rules.insert(doer);
       if (deeds.produces())
-        arrows += "  " + quoted(doer) + " -> " + quoted("(" + name + ")") + " [color=\"#2e7d32\", tooltip=" +
-                  quoted(list({{deeds.asserts, "asserts"}, {deeds.modifies, "modifies"}})) + "];\n";
+        arrows += "  " + quoted(doer) + " -> " + quoted("(" + name + ")") +
+                  " [color=\"#2e7d32\", tooltip=" + quoted(makes(deeds)) + "];\n";
       if (deeds.consumes())
-        arrows += "  " + quoted("(" + name + ")") + " -> " + quoted(doer) + " [tooltip=" +
-                  quoted(list({{deeds.reads, "reads"}, {deeds.reads_not, "not"}, {deeds.retracts, "retracts"}})) +
+        arrows += "  " + quoted("(" + name + ")") + " -> " + quoted(doer) + " [tooltip=" + quoted(takes(deeds)) +
                   (deeds.reads ? "" : ", style=dashed") + "];\n";
     }
   }
@@ -122,21 +139,19 @@ std::string graph_svg(const RuleBase& base, const std::string& title) {
     }
     const int rows = static_cast<int>(std::max<std::size_t>({makers.size(), takers.size(), 1}));
     const int height = rows * kRow, middle = y + height / 2;
-    for (std::size_t i = 0; i < makers.size(); ++i) {
-      const Deeds& deeds = makers[i].second;
-      const int top = y + static_cast<int>(i) * kRow, center = top + kRow / 2;
-      body += box(kLeft, top + 2, kBox, kRow - 4, makers[i].first, "rule") +
-              arrow(kLeft + kBox, center, kX2, middle, list({{deeds.asserts, "asserts"}, {deeds.modifies, "modifies"}}),
-                    center, "makes");
-    }
-    for (std::size_t i = 0; i < takers.size(); ++i) {
-      const Deeds& deeds = takers[i].second;
-      const int top = y + static_cast<int>(i) * kRow, center = top + kRow / 2;
-      body += box(kX3, top + 2, kBox, kRow - 4, takers[i].first, "rule") +
-              arrow(kX2 + kMiddle, middle, kX3, center,
-                    list({{deeds.reads, "reads"}, {deeds.reads_not, "not"}, {deeds.retracts, "retracts"}}), center,
-                    deeds.reads ? "reads" : "without");
-    }
+    const auto draw = [&](const std::vector<std::pair<std::string, Deeds>>& doing, bool left) {
+      int top = y + (rows - static_cast<int>(doing.size())) * kRow / 2;
+      for (const auto& [doer, deeds] : doing) {
+        const int center = top + kRow / 2;
+        body += box(left ? kLeft : kX3, top + 2, kBox, kRow - 4, doer, "rule");
+        body +=
+            left ? arrow(kLeft + kBox, center, kX2, middle, makes(deeds), center, "makes")
+                 : arrow(kX2 + kMiddle, middle, kX3, center, takes(deeds), center, deeds.reads ? "reads" : "without");
+        top += kRow;
+      }
+    };
+    draw(makers, true);
+    draw(takers, false);
     if (makers.empty()) body += box(kLeft, middle - 9, kBox, kRow - 4, "nothing asserts it", "none");
     if (takers.empty()) body += box(kX3, middle - 9, kBox, kRow - 4, "nothing reads it", "none");
     body += box(kX2, middle - 13, kMiddle, 26, name, "facts");
@@ -147,7 +162,8 @@ std::string graph_svg(const RuleBase& base, const std::string& title) {
          "\" font-family=\"sans-serif\" font-size=\"12\">\n<style>rect{fill:#f5f7fa;stroke:#8a97a8} .facts "
          "rect{fill:#fff2cc;stroke:#b8860b} .facts text{font-weight:bold} .none rect{fill:#fde7e7;stroke:#c62828} "
          "path{fill:none;stroke:#607d8b} .makes{stroke:#2e7d32} .without{stroke-dasharray:4 3} "
-         ".what{font-size:10px;fill:#607080} .title{font-size:15px;font-weight:bold}</style>\n<defs><marker "
+         ".what{font-size:10px;fill:#607080;stroke:white;stroke-width:3px;paint-order:stroke} "
+         ".title{font-size:15px;font-weight:bold}</style>\n<defs><marker "
          "id=\"head\" "
          "markerWidth=\"8\" markerHeight=\"8\" refX=\"7\" refY=\"4\" orient=\"auto\"><path d=\"M0 0 L8 4 L0 8 z\" "
          "style=\"fill:#607d8b;stroke:none\"/></marker></defs>\n<rect x=\"0\" y=\"0\" width=\"100%\" height=\"100%\" "

@@ -693,6 +693,11 @@ class Reader {
       if ((touch.how == How::kRead || touch.how == How::kReadNot) && touch.term && touch.term->items.size() > 1 &&
           touch.term->items[1].is_list() && !base_.templates_.contains(touch.template_name))
         base_.outside_.templates.insert(touch.template_name);
+    // What another package defines as well, its rules and plugins use.
+    for (const Construct& construct : base_.constructs_)
+      if (construct.kind == "deftemplate" && !construct.judged() &&
+          base_.templates_.at(construct.name).defined->judged())
+        base_.outside_.templates.insert(construct.name);
     for (const Touch& touch : base_.touches_)
       if (touch.how == How::kAssert && !base_.templates_.contains(touch.template_name))
         for (const auto& [key, flow] : base_.flows_)
