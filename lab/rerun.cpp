@@ -200,6 +200,8 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
   PlayOptions options = run.options;
   if (given.until && given.what_if && *given.until < given.what_if->at)
     return usage_error("--until: found " + general_text(*given.until, 9) + ", expected a time after that of --at");
+  if (std::error_code none; given.what_if && std::filesystem::equivalent(given.out, run.folder, none))
+    return usage_error("--out: found the folder of the run itself, expected another one, to compare them", given.out);
   auto changes = changes_of(run, given.what_if, *scenario);
   if (!changes) return changes.error();
   options.what_if = *std::move(changes);

@@ -64,9 +64,13 @@ Error not_to_set(const std::string& name, const std::string& value, const Record
   overrides.push_back(name + '=' + value);
   const auto other =
       Scenario::parse(scenario.text, scenario.file, *run.catalogue, {overrides.begin(), overrides.end()});
+  if (other && name.starts_with("agents[") && name.find(".params") != name.npos)
+    return usage_error(
+        "in the middle of a run a parameter is set by itself: --set NODE.NAME=VALUE, of " + list(nodes_of(scenario)),
+        option);
   if (other)
-    return usage_error(name + " is fixed when a run begins; cxlab run " + scenario.file.string() + " --set " + name +
-                           '=' + value + " plays another one",
+    return usage_error(name + " is fixed when a run begins; cxlab run " + scenario.file.filename().string() +
+                           " --set " + name + '=' + value + " plays another one",
                        option);
   std::vector<std::string> nodes;
   for (const AgentSpec& agent : scenario.agents) nodes.push_back(manager_node(agent).name);

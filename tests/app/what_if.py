@@ -130,6 +130,7 @@ class WhatIf(Lab):
                 (["--assert", "(ready)"], 2, "--assert: expected --at T as well"),
                 (["--until", "1"], 2, "--until: expected --at T as well"),
                 (["--at", "1", "--env", "main"], 2, "--env: says for which environment"),
+                (["--at", "1", "--set", "agents[0].params={clips_manager.x: 1}"], 2, "a parameter is set by itself: --set NODE.NAME=VALUE, of /clips_manager"),
                 (["--at", "1", "--set", "world.robots=2"], 2, "--set world.robots=2: found 'world.robots', expected a parameter of an agent's node"),
                 (["--at", "1", "--set", "duration_s=2"], 2, "--set duration_s=2: duration_s is fixed when a run begins"),
                 (["--at", "1", "--set", "clips_manager.refresh=2"], 3, "has no parameter 'refresh'"),
@@ -141,6 +142,12 @@ class WhatIf(Lab):
             done = self.cxlab("rerun", "run", "--quiet", "--out", "again", *arguments, expect=code)
             self.assertIn(text, done.stderr, arguments)
             self.assertEqual((done.stdout, done.stderr.count("error:")), ("", 1), arguments)
+
+    def test_the_run_itself_is_no_place_for_the_new_one(self):
+        self.small_run()
+        before = self.hash("run")
+        self.assertIn("--out: found the folder of the run itself", self.cxlab("rerun", "run", "--at", 1, "--out", "./run", "--force", expect=2).stderr)
+        self.assertEqual(self.hash("run"), before)
 
     def test_a_run_with_a_person_is_refused(self):
         self.agent(RULES)
