@@ -151,6 +151,7 @@ int run(int argc, char** argv) {
   add_help(app, action);
   add_completion(app, action);
   add_man(app, action);
+  if (Status s = add_world_questions(app, action); !s) return fail(s.error());
   if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
   try {
     app.parse(argc, argv);

@@ -19,6 +19,7 @@
 #include "cx/node/log.h"
 #include "cx/yaml/writer.h"
 #include "cx/yaml/yaml.h"
+#include "scenarios/question.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
@@ -75,6 +76,8 @@ struct WorldKind {
   Expected<std::unique_ptr<WorldReplay>> (*replay)(const ReplaySetup& setup) = nullptr;
   /// Sets the sections that the world can add to a result, with one of everything: what `expect:` may name.
   void (*add_sample)(Result& sample) = nullptr;
+  /// What can be asked about a recorded run of this world, each a command of `cxlab`.
+  std::span<const WorldQuestion> questions{};
 };
 
 /// A kind of node beside the world: an item of `servers:`, `cxlab env --with NAME`.

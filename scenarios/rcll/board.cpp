@@ -20,18 +20,6 @@ std::string clock_text(double seconds) {
   return text;
 }
 
-double number(const RecordValue& data, std::string_view key) {
-  const RecordValue* found = data.find(key);
-  if (!found) return 0;
-  if (const auto* value = std::get_if<double>(&found->value)) return *value;
-  return static_cast<double>(data.integer(key));
-}
-
-bool holds(const RecordValue& data, std::string_view key) {
-  const RecordValue* found = data.find(key);
-  return found && found->value == decltype(found->value)(true);
-}
-
 void set_time(Board& board, const GameClock& clock, SimTime now) {
   board.phase = to_string(clock.phase(now));
   board.game_time = clock.game_time(now);
@@ -63,50 +51,36 @@ Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<
   RecordedBoard board;
   board.clock_ = clock;
   board.teams_ = std::move(teams);
-  board.records_ = *std::move(records);
+  for (const JournalRecord& record : *records)
+    if (auto event = read_referee_event(record.data)) board.events_.emplace_back(record.t, *std::move(event));
   return board;
 }
 
 Board RecordedBoard::at(SimTime now) const {
-  GameClock clock = clock_;
-  sim::FloorClock floor;
+  RecordedClock clock{clock_, {}};
   Board board;
-  for (const JournalRecord& record : records_) {
-    if (record.t > now) continue;
-    const RecordValue& data = record.data;
-    const std::string_view event = data.text("event");
-    const auto team = named<Team>(data.text("team"));
-    if (event == "overtime" || event == "sudden death") {
-      clock.production_end = clock.at(number(data, "until"));
-    } else if (event == "phase" && data.text("phase") == to_string(Phase::kPostGame)) {
-      clock.production_end = floor.at(record.t);
-    } else if (event == "set_phase" && clock.phase(floor.at(record.t)) == Phase::kSetup) {
-      clock.begin_production(floor.at(record.t));
-    } else if (event == "state") {
-      if (data.text("state") == to_string(GameState::kPaused))
-        floor.halt(record.t);
-      else
-        floor.go_on(record.t);
-    } else if (event == "score" && team) {
-      board.points[static_cast<std::size_t>(*team)] = data.integer("total");
-    } else if (event == "order") {
-      board.orders.push_back({static_cast<int>(data.integer("order")),
-                              std::string(data.text("complexity")),
-                              stack_of(data.text("product")),
-                              number(data, "begin"),
-                              number(data, "end"),
-                              static_cast<int>(data.integer("quantity")),
-                              static_cast<int>(data.integer("gate")),
-                              holds(data, "competitive"),
-                              {}});
-    } else if (event == "delivery" && team && holds(data, "correct")) {
-      const auto order = std::ranges::find(board.orders, data.integer("order"), &BoardOrder::id);
-      if (order != board.orders.end()) ++order->delivered[static_cast<std::size_t>(*team)];
-    }
+  for (const auto& [t, event] : events_) {
+    if (t > now) continue;
+    clock.apply(t, event);
+    std::visit(
+        Cases{[&](const PointsGiven& e) {
+                if (e.team) board.points[static_cast<std::size_t>(*e.team)] = e.total;
+              },
+              [&](const OrderPublished& e) {
+                board.orders.push_back(
+                    {e.id, e.complexity, stack_of(e.product), e.begin, e.end, e.quantity, e.gate, e.competitive, {}});
+              },
+              [&](const DeliveryJudged& e) {
+                const auto order = std::ranges::find(board.orders, e.order, &BoardOrder::id);
+                if (e.team && e.correct && order != board.orders.end())
+                  ++order->delivered[static_cast<std::size_t>(*e.team)];
+              },
+              [](const auto&) {}},
+        event);
   }
   std::ranges::stable_sort(board.orders, {}, &BoardOrder::id);
-  set_time(board, clock, floor.at(now));
-  board.paused = floor.halted();
+  set_time(board, clock.game, clock.floor.at(now));
+  board.paused = clock.floor.halted();
   board.teams = teams_;
   return board;
 }

@@ -6,12 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "cx/journal/journal_record.h"
 #include "scenarios/rcll/clock.h"
 #include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/referee_event.h"
 #include "scenarios/rcll/types.h"
 #include "sim/legend.h"
 
@@ -52,7 +53,7 @@ class RecordedBoard {
  private:
   GameClock clock_;
   std::vector<Team> teams_;
-  std::vector<JournalRecord> records_;
+  std::vector<std::pair<SimTime, RefereeEvent>> events_;
 };
 
 /// Time, phase and points, and a card for each order: its number, complexity and gate ("G2"), "vs" when it is

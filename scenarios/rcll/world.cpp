@@ -10,6 +10,7 @@
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/questions/questions.h"
 #include "scenarios/rcll/refbox/refbox_server.h"
 #include "scenarios/rcll/result.h"
 #include "sim/ledger/ledger_world.h"
@@ -253,6 +254,7 @@ constinit const WorldKind kWorld{
     .make_stage = make_stage,
     .replay = replay,
     .add_sample = add_sample,
+    .questions = kQuestions,
 };
 
 }  // namespace cxlab::rcll

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cx/journal/journal_reader.h"
+#include "scenarios/question.h"
 #include "scenarios/result.h"
 #include "tests/support/episode_test.h"
 
@@ -206,6 +208,41 @@ TEST_F(OwnWorld, NodesAddTheirViewsAndSections) {
   EXPECT_EQ(view_of(empty, 10, 10).error().message, "the world is empty: there is nothing to look at");
 }
 
+Expected<WorldAnswer> answer_rings(const AskedRun& run) {
+  Table rings{"rings", "", {{"t_s", "time", Column::Kind::kTime}, {"bell", "bell"}}, {}};
+  for (const JournalRecord& record : run.records)
+    if (record.data.text("event") == "rung" && record.t >= run.from)
+      rings.rows.push_back({record.t, record.data.text("bell")});
+  return WorldAnswer{{std::move(rings)}, {}};
+}
+constexpr WorldQuestion kRings[]{{.name = "rings", .what = "Lists when a bell rang", .ask = answer_rings}};
+
+TEST(WorldQuestions, AreAnsweredFromRecords) {
+  std::vector<JournalRecord> records;
+  for (const int second : {1, 3}) {
+    const auto line =
+        parse_journal_line(R"({"stream":"referee","n":0,"t":)" + std::to_string(second) +
+                           R"(000000000,"kind":"referee","data":{"event":"rung","bell":"big"},"cause":[]})");
+    ASSERT_TRUE(line) << line.error().text();
+    records.push_back(*line);
+  }
+  const Scenario scenario;
+  const std::filesystem::path folder;
+  const auto answer =
+      kRings[0].ask({folder, scenario, records, from_seconds(2), from_seconds(4), /*ended=*/true, /*about=*/{}});
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->tables[0].rows.size(), 1u);
+  EXPECT_EQ(std::get<double>(answer->tables[0].rows[0][0].value), 3);
+  EXPECT_EQ(std::get<std::string>(answer->tables[0].rows[0][1].value), "big");
+}
+
+TEST(WorldQuestions, TimesAreShownAsOptionsTakeThem) {
+  EXPECT_EQ(time_text(0.0), "0:00.0");
+  EXPECT_EQ(time_text(312.44), "5:12.4");
+  EXPECT_EQ(time_text(59.96), "1:00.0");
+  EXPECT_EQ(time_text(3600), "60:00.0");
+}
+
 /// Without its white space: the formatter may break lines elsewhere.
 std::string dense(const std::string& text) {
   std::string out;
@@ -223,7 +260,7 @@ TEST_F(OwnWorld, IsWhatTheDocumentationShows) {
     EXPECT_NE(code.find(dense(block)), std::string::npos) << block;
     at = end;
   }
-  EXPECT_EQ(blocks, 6);
+  EXPECT_EQ(blocks, 7);
 }
 
 }  // namespace

@@ -1,0 +1,250 @@
+// cxlab orders: when each order was worked for, and why a product is late or missing.
+
+#include <algorithm>
+
+#include "cx/base/number_text.h"
+#include "scenarios/rcll/questions/products.h"
+#include "scenarios/rcll/questions/questions.h"
+
+namespace cxlab::rcll {
+
+namespace {
+
+constexpr std::size_t kReasonsNamed = 3;
+
+bool is_in_time(const OrderWork& work) {
+  const auto first = std::ranges::find_if(work.deliveries, [](const auto& one) { return one.value.correct; });
+  return first != work.deliveries.end() && first->value.late_s <= 0;
+}
+
+std::vector<Waiting> waits_for(const OrderWork& work) {
+  std::vector<Waiting> sums;
+  for (const Attempt& attempt : work.attempts)
+    for (const Waiting& wait : attempt.waits) add_to(sums, wait);
+  return sums;
+}
+
+SimTime total(const std::vector<Waiting>& sums) {
+  SimTime out{};
+  for (const Waiting& sum : sums) out += sum.when.length();
+  return out;
+}
+
+std::string waits_sentence(const OrderWork& work) {
+  const std::vector<Waiting> sums = waits_for(work);
+  const std::string longest = sums_text(sums, kReasonsNamed);
+  if (longest.empty()) return work.attempts.empty() ? "" : "; its product did not have to wait";
+  return "; its product waited " + length_text(total(sums)) + ", most of it: " + longest;
+}
+
+/// What became of products that were not delivered.
+std::string lost_products(const OrderWork& work) {
+  std::string out;
+  for (const Attempt& attempt : work.attempts) {
+    const Fate& fate = attempt.fate;
+    if (!fate.is_lost() && fate.kind != Fate::Kind::kRefused && fate.kind != Fate::Kind::kPayment) continue;
+    out += (out.empty() ? "" : "; ") + std::string("product ") + std::to_string(attempt.piece->number) + " (" +
+           product_text(attempt.piece->product) + ") was lost at " + time_text(fate.t) + ": " + fate.text;
+  }
+  return out;
+}
+
+/// "RING_BLUE at C-RS2" of a product that is still in play.
+std::string step_reached(const GameStory& story, const OrderWork& work, const Attempt& attempt) {
+  const Visit* last = attempt.visits.empty() ? nullptr : &attempt.visits.back();
+  std::string next =
+      last && !last->done && !last->part.empty() ? last->part : next_part(attempt.piece->product, work.order);
+  std::string out = "the next step was " + next;
+  if (last && !last->done)
+    out += " at " + last->machine->name + (last->began ? ", which had begun at " + time_text(*last->began) : "");
+  return out + "; the product was " + attempt.fate.text + " since " + time_text(attempt.fate.t) +
+         (story.run_ended ? "" : " at that time");
+}
+
+/// The orders that the team began while this one could have been.
+std::string others_begun(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
+  const SimTime from = story.published.at(work.order.id);
+  const SimTime to = std::min(story.end, story.clock.when(work.order.delivery_end));
+  std::vector<std::pair<SimTime, int>> begun;
+  for (const OrderWork& other : all)
+    if (const auto at = other.begun(); other.team == work.team && at && *at >= from && *at <= to)
+      begun.emplace_back(*at, other.order.id);
+  std::ranges::sort(begun);
+  std::string out;
+  for (const auto& [t, id] : begun)
+    out += (out.empty() ? "from its publication at " + time_text(from) + " to the end of its window the agent began "
+                        : ", ") +
+           std::to_string(id) + " (" + time_text(t) + ")";
+  return out.empty() ? "no other order was begun in its window either" : out;
+}
+
+std::string never_begun(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
+  const Decision* last = nullptr;
+  for (const Decision& decision : story.decisions)
+    if (decision.team == work.team && decision.names_order(work.order.id) &&
+        !(decision.slots.size() > 1 && decision.slots.front().find("points for") != std::string::npos))
+      last = &decision;
+  return std::string("never begun: ") +
+         (last ? "the agent decided at " + time_text(last->t) + " " + last->text() + "; " : "") +
+         others_begun(story, work, all);
+}
+
+std::string missing(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
+  const auto released = story.published.find(work.order.id);
+  if (released == story.published.end())
+    return "not published before " + time_text(story.clock.when(work.order.activate_at));
+  const std::string lost = lost_products(work);
+  const Attempt* in_play = nullptr;
+  for (const Attempt& attempt : work.attempts)
+    if (!attempt.fate.is_over()) in_play = &attempt;
+  const bool over = story.clock.phase(story.end) == Phase::kPostGame;
+  if (in_play)
+    return std::string(over ? "not finished when the game ended: " : "being made: ") +
+           step_reached(story, work, *in_play) + (lost.empty() ? "" : "; before, " + lost) + waits_sentence(work);
+  if (!lost.empty()) return lost + "; no other was made" + waits_sentence(work);
+  if (!work.decided) return never_begun(story, work, all);
+  return "the agent decided at " + time_text(work.decided->t) + " " + work.decided->value->text() +
+         "; no product is known that was made for it" + (over || story.run_ended ? "" : " up to now");
+}
+
+std::string late(const GameStory& story, const OrderWork& work, double late_s) {
+  const SimTime end = story.clock.when(work.order.delivery_end);
+  std::string out = "late by " + length_text(late_s);
+  if (const auto begun = work.begun())
+    out += *begun <= end ? ": begun " + length_text(end - *begun) + " before the end of its window"
+                         : ": begun " + length_text(*begun - end) + " after the end of its window";
+  const std::string lost = lost_products(work);
+  return out + (lost.empty() ? "" : "; " + lost) + waits_sentence(work);
+}
+
+std::string outcome(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
+  if (!work.correct()) return missing(story, work, all);
+  const auto first = std::ranges::find_if(work.deliveries, [](const auto& one) { return one.value.correct; });
+  if (!is_in_time(work)) return late(story, work, first->value.late_s);
+  const std::string lost = lost_products(work);
+  const auto count = std::ranges::count_if(work.deliveries, [](const auto& one) { return one.value.correct; });
+  return "in time" +
+         (work.order.quantity > 1 ? ", " + std::to_string(count) + " of " + std::to_string(work.order.quantity) : "") +
+         (lost.empty() ? "" : "; " + lost);
+}
+
+std::string_view state_of(const GameStory& story, const OrderWork& work) {
+  if (work.correct()) return is_in_time(work) ? "delivered" : "late";
+  if (!story.published.contains(work.order.id)) return "not published";
+  if (work.attempts.empty()) return work.decided ? "begun" : "never begun";
+  return std::ranges::any_of(work.attempts, [](const Attempt& one) { return !one.fate.is_over(); }) ? "unfinished"
+                                                                                                    : "lost";
+}
+
+TableCell optional_time(const std::optional<SimTime>& t) { return t ? TableCell(*t) : TableCell(); }
+
+/// Whether something of the order's life is not over before what is asked about.
+bool is_asked_for(const GameStory& story, const OrderWork& work) {
+  if (story.from <= SimTime{}) return true;
+  SimTime last = story.clock.when(work.order.delivery_end);
+  for (const Attempt& attempt : work.attempts)
+    last = std::max(last, attempt.fate.is_over() ? attempt.fate.t : story.end);
+  const auto delivered = work.delivered_at();
+  return (delivered && work.attempts.size() <= 1 ? *delivered : last) >= story.from;
+}
+
+/// Of the waits those that began at this step: since the visit before ended, up to its own end.
+std::vector<Waiting> waits_of_step(const Attempt& attempt, std::size_t step) {
+  const SimTime from = step == 0 ? SimTime{} : attempt.visits[step - 1].done.value_or(attempt.visits[step - 1].arrived);
+  const SimTime to = attempt.visits[step].done.value_or(kNever);
+  std::vector<Waiting> sums;
+  for (const Waiting& wait : attempt.waits)
+    if (wait.when.from >= from && wait.when.from < to) add_to(sums, wait);
+  return sums;
+}
+
+void add_steps(const OrderWork& work, Table& steps) {
+  for (const Attempt& attempt : work.attempts) {
+    for (std::size_t i = 0; i < attempt.visits.size(); ++i) {
+      const Visit& visit = attempt.visits[i];
+      const std::vector<Waiting> sums = waits_of_step(attempt, i);
+      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
+                            visit.part.empty() ? TableCell("?") : TableCell(visit.part), visit.machine->name,
+                            visit.arrived, optional_time(visit.began), optional_time(visit.done), total(sums),
+                            sums_text(sums, kReasonsNamed)});
+    }
+    if (attempt.fate.kind != Fate::Kind::kDelivered)
+      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
+                            TableCell(to_string(attempt.fate.kind)), TableCell(), TableCell(), TableCell(),
+                            attempt.fate.t, SimTime{}, attempt.fate.text});
+  }
+}
+
+}  // namespace
+
+Expected<WorldAnswer> answer_orders(const AskedRun& run) {
+  const auto story = GameStory::read(run);
+  if (!story) return story.error();
+  const std::vector<OrderWork> all = work_for_orders(*story);
+  if (!run.about.empty()) {
+    std::vector<std::string> known;
+    for (const Order& order : story->orders()) known.push_back(std::to_string(order.id));
+    if (std::ranges::find(known, run.about) == known.end())
+      return usage_error("there is no order '" + std::string(run.about) + "' in this game" +
+                         did_you_mean(std::string(run.about), known) + "; it has " + some_of(known, known.size()));
+  }
+  const bool two_teams = story->teams.size() > 1;
+  Table orders{"orders",
+               "",
+               {{"order", "order", Column::Kind::kNumber},
+                {"team", "team"},
+                {"complexity", ""},
+                {"product", "product"},
+                {"window_s", "window", Column::Kind::kTime},
+                {"begun_s", "begun", Column::Kind::kTime},
+                {"delivered_s", "delivered", Column::Kind::kTime},
+                {"points", "points", Column::Kind::kNumber},
+                {"state", "state"},
+                {"waited_s", "waited", Column::Kind::kSeconds},
+                {"outcome", "outcome"}},
+               {}};
+  Table steps{"steps",
+              "steps",
+              {{"order", "order", Column::Kind::kNumber},
+               {"team", "team"},
+               {"piece", "piece", Column::Kind::kNumber},
+               {"step", "step"},
+               {"machine", "machine"},
+               {"arrived_s", "arrived", Column::Kind::kTime},
+               {"began_s", "began", Column::Kind::kTime},
+               {"done_s", "done", Column::Kind::kTime},
+               {"waited_s", "waited", Column::Kind::kSeconds},
+               {"waited_for", "what it waited for"}},
+              {}};
+  for (const OrderWork& work : all) {
+    const Order& order = work.order;
+    if (!run.about.empty() && run.about != std::to_string(order.id)) continue;
+    if (!is_asked_for(*story, work)) continue;
+    const std::string product = describe(stack_of(order.product));
+    orders.rows.push_back(
+        {order.id, TableCell(to_string(work.team)), TableCell(to_string(order.complexity)),
+         TableCell(product, product_text(product)), TableCell::Stretch(order.delivery_begin, order.delivery_end),
+         optional_time(work.begun()), optional_time(work.delivered_at()), work.points,
+         TableCell(std::string(state_of(*story, work))), total(waits_for(work)), outcome(*story, work, all)});
+    add_steps(work, steps);
+  }
+  if (!two_teams)
+    for (Table* table : {&orders, &steps}) drop_column(*table, "team");
+  WorldAnswer answer{{std::move(orders), std::move(steps)}, {}};
+  for (const Team team : story->teams) {
+    std::int64_t points = 0, delivered = 0, asked = 0;
+    for (const auto& [t, given] : story->points)
+      if (given.team == team) points = given.total;
+    for (const OrderWork& work : all)
+      if (work.team == team) {
+        ++asked;
+        delivered += work.correct() ? 1 : 0;
+      }
+    answer.notes.push_back(std::string(to_string(team)) + ": " + std::to_string(points) + " points, " +
+                           std::to_string(delivered) + " of " + std::to_string(asked) + " orders delivered");
+  }
+  if (const std::string about = story->about_times(); !about.empty()) answer.notes.push_back(about);
+  return answer;
+}
+
+}  // namespace cxlab::rcll

@@ -1,0 +1,310 @@
+"""cxlab orders, waits, machines and pieces: questions about a recorded game, against what journal and result say."""
+
+import collections
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+CXLAB = os.environ["CXLAB"]
+SOURCE = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"])
+FAULTS = ("faults=[{kind: piece_dropped, mean_s: 200}, {kind: robot_maintenance, mean_s: 300, seconds: 60},"
+          " {kind: machine_breaks, mean_s: 300, machine: C-RS1}, {kind: machine_breaks, mean_s: 300, machine: C-CS1}]")
+GAMES = {
+    "rules": ["rcll/game", "--tier", "timed", "--seed", "3"],
+    "plans": ["rcll/planning", "--tier", "timed", "--seed", "1"],
+    "teams": ["rcll/two_teams", "--tier", "timed", "--seed", "1"],
+    "faults": ["rcll/game", "--tier", "timed", "--seed", "4", "--set", FAULTS],
+    "paused": ["rcll/game", "--tier", "timed", "--seed", "2", "--set", "world.setup_s=20",
+               "--set", "world.production_s=400", "--set", "world.pauses=[{at: 100, for: 30}]"],
+    "physics": ["rcll/game", "--tier", "physics", "--seed", "5", "--until", "150"],
+}
+folder = None
+
+
+def setUpModule():
+    global folder
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
+    for name, arguments in GAMES.items():
+        subprocess.run([CXLAB, "run", *arguments, "--quiet", "--out", folder / name], check=True, timeout=250,
+                       stdout=subprocess.DEVNULL)
+
+
+def tearDownModule():
+    shutil.rmtree(folder)
+
+
+def cxlab(*arguments, expect=0):
+    done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, timeout=60)
+    assert done.returncode == expect, f"cxlab {arguments}: {done.returncode}\n{done.stdout[-2000:]}\n{done.stderr}"
+    return done
+
+
+def ask(question, game, *arguments):
+    return json.loads(cxlab(question, folder / game, *arguments, "--json").stdout)
+
+
+def result_of(game):
+    return json.loads((folder / game / "result.json").read_text())
+
+
+def referee(game, event):
+    with open(folder / game / "journal.jsonl") as lines:
+        for line in lines:
+            if '"kind":"referee"' in line:
+                record = json.loads(line)
+                if record["data"]["event"] == event:
+                    yield record["t"] / 1e9, record["data"]
+
+
+class Orders(unittest.TestCase):
+    def test_points_deliveries_and_lateness_are_those_of_the_result(self):
+        for game in GAMES:
+            with self.subTest(game):
+                result = result_of(game)
+                rows = ask("orders", game)["orders"]
+                key = lambda o, number: (o[number], o.get("team"))
+                found = {key(o, "order"): (o["delivered_s"], o["points"], o["complexity"]) for o in rows}
+                expected = {key(o, "id"): (o["delivered_at"], o["points"], o["complexity"]) for o in result["orders"]}
+                self.assertEqual(found, expected)
+                late = {(d["order"], d["team"]) for d in result["deliveries"] if d["correct"] and d["late_s"] > 0}
+                team = list(result["teams"])[0]
+                self.assertEqual({(o["order"], o.get("team", team)) for o in rows if o["state"] == "late"}, late)
+
+    def test_each_delivered_product_has_all_of_its_steps_in_order(self):
+        for game in GAMES:
+            with self.subTest(game):
+                answer = ask("orders", game)
+                for order in answer["orders"]:
+                    if order["delivered_s"] is None:
+                        continue
+                    steps = [s for s in answer["steps"]
+                             if s["order"] == order["order"] and s.get("team") == order.get("team")]
+                    last = [s for s in steps if s["piece"] == steps[-1]["piece"]]
+                    made = [s["step"] for s in last if s["step"].startswith(("BASE", "RING", "CAP"))]
+                    self.assertEqual(made, order["product"].split())
+                    self.assertEqual(last[-1]["step"], "delivery")
+                    done = [s["done_s"] for s in last]
+                    self.assertEqual(done, sorted(done))
+                    self.assertAlmostEqual(last[-1]["done_s"], order["delivered_s"], places=6)
+                    for step in last:
+                        self.assertLessEqual(step["arrived_s"] if step["step"][:4] != "BASE" else 0, step["done_s"])
+
+    def test_works_are_those_that_the_referee_saw(self):
+        for game in GAMES:
+            with self.subTest(game):
+                mounted = {(round(t, 6), d["machine"], d["product"].split()[-1]) for t, d in referee(game, "mounted")}
+                told = {(round(s["done_s"], 6), s["machine"], s["step"]) for s in ask("orders", game)["steps"]
+                        if s["machine"] and s["done_s"] is not None and s["step"].startswith(("RING", "CAP"))}
+                self.assertLessEqual(told, mounted)
+                # What is missing belongs to products of which no order is known for sure.
+                self.assertGreaterEqual(len(told), 0.8 * len(mounted))
+
+    def test_every_order_without_a_product_has_a_reason(self):
+        for game in GAMES:
+            for order in ask("orders", game)["orders"]:
+                self.assertTrue(order["outcome"])
+                if order["state"] == "late":
+                    self.assertRegex(order["outcome"], r"^late by \d+\.\d s: begun ")
+                if order["state"] == "never begun":
+                    self.assertRegex(order["outcome"], "^never begun: .*(agent decided|began|no other order)")
+
+    def test_a_product_that_fell_is_named_with_the_robot_and_the_time(self):
+        drops = {d["piece"]: (t, d["from_name"]) for t, d in referee("faults", "piece")
+                 if d["from"] == "gripper" and d["to"] == "floor"}
+        lost = {s["piece"]: s for s in ask("orders", "faults")["steps"] if s["step"] == "dropped"}
+        self.assertTrue(lost)
+        for piece, step in lost.items():
+            if piece in drops:
+                t, robot = drops[piece]
+                self.assertAlmostEqual(step["done_s"], t, places=6)
+                self.assertEqual(step["waited_for"], f"dropped by {robot}")
+
+    def test_a_moment_knows_nothing_of_what_comes_later(self):
+        whole = {(o["order"]): o for o in ask("orders", "rules")["orders"]}
+        early = ask("orders", "rules", "--at", "5:00")
+        self.assertEqual(early["at_s"], 300)
+        for order in early["orders"]:
+            delivered = whole[order["order"]]["delivered_s"]
+            self.assertEqual(order["delivered_s"], delivered if delivered is not None and delivered <= 300 else None)
+            published = order["state"] != "not published"
+            self.assertEqual(published, any(t <= 300 and d["order"] == order["order"] for t, d in referee("rules", "order")))
+
+    def test_one_order_alone(self):
+        answer = ask("orders", "rules", 2)
+        self.assertEqual([o["order"] for o in answer["orders"]], [2])
+        self.assertEqual({s["order"] for s in answer["steps"]}, {2})
+
+
+class Waits(unittest.TestCase):
+    def test_time_of_each_robot_adds_up(self):
+        for game in GAMES:
+            with self.subTest(game):
+                result = result_of(game)
+                answer = ask("waits", game)
+                busy = {r["name"]: r["busy_s"] for r in result["robots"]}
+                way = {r["name"]: r["wait_s"] for r in result["robots"]}
+                self.assertEqual([r["robot"] for r in answer["robots"]], list(busy))
+                for robot in answer["robots"]:
+                    name = robot["robot"]
+                    self.assertAlmostEqual(robot["time_s"], result["sim_time_s"], places=3)
+                    self.assertAlmostEqual(robot["working_s"] + robot["standing_s"], busy[name], delta=0.1)
+                    self.assertAlmostEqual(sum(robot[k] for k in ("working_s", "standing_s", "idle_s", "off_field_s")),
+                                           robot["time_s"], places=6)
+                    sums = [s for s in answer["sums"] if s["robot"] == name]
+                    self.assertAlmostEqual(sum(s["length_s"] for s in sums), robot["standing_s"] + robot["idle_s"], places=6)
+                    self.assertAlmostEqual(sum(s["length_s"] for s in sums if s["for"] == "way"), way[name], delta=0.1)
+
+    def test_waits_do_not_overlap_and_are_within_the_stretch(self):
+        for game in GAMES:
+            for robot, waits in self.by_robot(ask("waits", game, "--from", "1:00", "--to", "2:20")["waits"]).items():
+                self.assertTrue(all(60 <= w["from_s"] < w["to_s"] <= 140 for w in waits), waits)
+                for one, other in zip(waits, waits[1:]):
+                    self.assertLessEqual(one["to_s"], other["from_s"] + 1e-9)
+
+    def by_robot(self, waits):
+        out = collections.defaultdict(list)
+        for wait in waits:
+            out[wait["robot"]].append(wait)
+        return out
+
+    def test_a_machine_that_is_waited_for_was_in_the_state_that_is_named(self):
+        for game in GAMES:
+            states = collections.defaultdict(list)
+            for t, d in referee(game, "machine"):
+                states[d["machine"]].append((t, d["state"]))
+            checked = 0
+            for wait in ask("waits", game)["waits"]:
+                machine, _, state = wait["why"].partition(" was ")
+                if machine != wait["for"] or machine not in states:
+                    continue
+                before = [s for t, s in states[machine] if t <= wait["from_s"] + 1e-9]
+                self.assertEqual(before[-1] if before else "IDLE", state, wait)
+                self.assertFalse([s for t, s in states[machine] if wait["from_s"] + 1e-6 < t < wait["to_s"] - 1e-6], wait)
+                checked += 1
+            if game != "physics":
+                self.assertGreater(checked, 0, game)
+
+    def test_pauses_and_set_up_are_told_apart(self):
+        sums = collections.Counter()
+        for one in ask("waits", "paused", "robot1")["sums"]:
+            sums[one["for"]] += one["length_s"]
+        self.assertGreater(sums["set-up"], 15)
+        self.assertLessEqual(sums["pause"], 30 + 1e-6)
+
+    def test_longest_first(self):
+        lengths = [w["length_s"] for w in ask("waits", "rules", "--sort", "length_s")["waits"]]
+        self.assertEqual(lengths, sorted(lengths, reverse=True))
+
+
+class Machines(unittest.TestCase):
+    def test_shares_add_up_and_works_are_those_of_the_referee(self):
+        states = ("idle", "prepared", "processing", "done", "ready", "wait", "broken", "down")
+        for game in GAMES:
+            with self.subTest(game):
+                works, breaks = collections.Counter(), collections.Counter()
+                for event in ("mounted", "cap_retrieved"):
+                    works.update(d["machine"] for t, d in referee(game, event))
+                breaks.update(d["machine"] for t, d in referee(game, "broken"))
+                for machine in ask("machines", game)["machines"]:
+                    self.assertAlmostEqual(sum(machine[s] for s in states), 1, places=6)
+                    self.assertEqual(machine["breaks"], breaks[machine["machine"]])
+                    if machine["machine"][2:4] in ("RS", "CS"):
+                        self.assertEqual(machine["works"], works[machine["machine"]])
+
+    def test_a_share_is_the_time_between_the_records(self):
+        down, since = 0, None
+        for t, d in referee("rules", "machine"):
+            if d["machine"] == "C-CS2":
+                if since is not None:
+                    down += t - since
+                since = t if d["state"] == "DOWN" else None
+        machine = ask("machines", "rules", "C-CS2")["machines"][0]
+        self.assertGreater(down, 0)
+        self.assertAlmostEqual(machine["down"] * result_of("rules")["sim_time_s"], down, places=3)
+
+
+class Pieces(unittest.TestCase):
+    def test_every_piece_and_its_end(self):
+        for game in GAMES:
+            with self.subTest(game):
+                moved = {d["piece"]: d for t, d in referee(game, "piece")}
+                pieces = {p["piece"]: p for p in ask("pieces", game)["pieces"]}
+                self.assertLessEqual(set(moved), set(pieces))
+                delivered = sorted(p["order"] for p in pieces.values() if p["fate"] == "delivered")
+                self.assertEqual(delivered, sorted(d["order"] for d in result_of(game)["deliveries"] if d["correct"]))
+                for number, move in moved.items():
+                    if move["to"] == "slide":
+                        self.assertEqual(pieces[number]["fate"], "payment")
+                    if move["to"] == "floor":
+                        self.assertEqual(pieces[number]["fate"], "dropped")
+                    if move["to"] == "crew":
+                        self.assertEqual(pieces[number]["fate"], "taken")
+
+    def test_the_life_of_one(self):
+        times = [t for t, d in referee("rules", "piece") if d["piece"] == 13]
+        life = ask("pieces", "rules", 13)["life"]
+        self.assertEqual([e["t_s"] for e in life], sorted(e["t_s"] for e in life))
+        self.assertLessEqual({round(t, 6) for t in times}, {round(e["t_s"], 6) for e in life})
+
+
+class Asking(unittest.TestCase):
+    def test_same_answer_each_time_and_quickly(self):
+        for question in ("orders", "waits", "machines", "pieces"):
+            for game in ("rules", "plans", "teams"):
+                before = os.times()
+                first = cxlab(question, folder / game).stdout
+                after = os.times()
+                cpu = after.children_user + after.children_system - before.children_user - before.children_system
+                self.assertLess(cpu, 2, (question, game))
+                self.assertEqual(first, cxlab(question, folder / game).stdout)
+
+    def test_a_run_that_was_killed(self):
+        out = folder / "killed"
+        run = subprocess.Popen([CXLAB, "run", "rcll/planning", "--tier", "timed", "--quiet", "--out", out],
+                               stdout=subprocess.DEVNULL)
+        journal = out / "journal.jsonl"
+        while run.poll() is None and (not journal.is_file() or journal.stat().st_size < 1_000_000):
+            time.sleep(0.02)
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+        for question in ("orders", "waits", "machines", "pieces"):
+            answer = ask(question, "killed")
+            self.assertTrue(answer["cut_off"])
+            self.assertGreater(answer["at_s"], 10)
+            self.assertTrue(answer[question])
+        self.assertIn("cut off", cxlab("orders", out).stdout)
+
+    def test_wrong_questions(self):
+        rules = folder / "rules"
+        for arguments, code, text in (
+                (["waits", rules, "robot7"], 2, "did you mean 'robot"),
+                (["machines", rules, "C-RS3"], 2, "did you mean 'C-RS1'"),
+                (["orders", rules, "12"], 2, "there is no order '12'"),
+                (["orders", rules, "x"], 2, "there is no order 'x'"),
+                (["pieces", rules, "999"], 2, "there is no workpiece '999'"),
+                (["waits", rules, "--sort", "lenght_s"], 2, "did you mean 'length_s'"),
+                (["orders", rules, "--at", "2000"], 2, "--at: the run ended at"),
+                (["orders", rules, "--from", "5:00", "--to", "4:00"], 2, "--from is after --to"),
+                (["orders", rules, "--at", "5:72"], 2, "expected"),
+                (["orders", rules, "--at", "5:00", "--to", "6:00"], 2, "excludes"),
+                (["orders", folder / "nothing"], 3, "there is no folder of a run"),
+                (["orders", folder], 3, "manifest.json")):
+            with self.subTest(arguments):
+                self.assertIn(text, cxlab(*arguments, expect=code).stderr)
+
+    def test_another_world_and_no_journal(self):
+        cxlab("run", "turtlesim/figures", "--until", "1", "--quiet", "--out", folder / "turtles")
+        self.assertIn("turtlesim, has no question 'orders'; it is one of rcll",
+                      cxlab("orders", folder / "turtles", expect=3).stderr)
+        cxlab("run", "rcll/game", "--tier", "timed", "--until", "1", "--quiet", "--journal", "none", "--out", folder / "mute")
+        self.assertIn("without a journal", cxlab("orders", folder / "mute", expect=3).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
