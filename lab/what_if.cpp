@@ -265,7 +265,7 @@ Status WhatIfControl::load(const WhatIf& what_if, cx::Environment& environment) 
       note(environment,
            file + " replaces " + name + " (" + old->second.file + ':' + std::to_string(old->second.line) + ')');
   }
-  if (!any) note(environment, file + " is loaded; it changes no construct");
+  if (!any) note(environment, file + " is loaded; it defines nothing anew");
   return {};
 }
 
