@@ -23,7 +23,7 @@ namespace cxlab::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = Column::Kind;
+using CellKind = Column::Kind;
 
 struct WorldAsk {
   std::string name;  ///< of the question
@@ -34,13 +34,13 @@ struct WorldAsk {
 
 // --- Tables
 
-std::string shown(const TableCell& cell, Kind kind) {
+std::string shown(const TableCell& cell, CellKind kind) {
   if (!cell.shown.empty()) return cell.shown;
   const auto number = [kind](double value) {
     switch (kind) {
-      case Kind::kTime: return time_text(value);
-      case Kind::kSeconds: return length_text(value);
-      case Kind::kShare: return fixed_text(100 * value, 1) + " %";
+      case CellKind::kTime: return time_text(value);
+      case CellKind::kSeconds: return length_text(value);
+      case CellKind::kShare: return fixed_text(100 * value, 1) + " %";
       default: return shortest_text(value);
     }
   };
@@ -104,14 +104,14 @@ std::string text_of(const Table& table) {
   const auto line_of = [&](const auto& text_at) {
     for (std::size_t i = 0; i < columns; ++i) {
       const std::string text = text_at(i);
-      if (i + 1 == columns && table.columns[i].kind == Kind::kText) {
+      if (i + 1 == columns && table.columns[i].kind == CellKind::kText) {
         const std::vector<std::string> lines = broken_at(text, last);
         for (std::size_t k = 0; k < lines.size(); ++k)
           out += (k ? '\n' + std::string(before_last, ' ') : "") + lines[k];
         break;
       }
       const std::string fill(widths[i] - width_of(text), ' ');
-      out += table.columns[i].kind == Kind::kText ? text + fill : fill + text;
+      out += table.columns[i].kind == CellKind::kText ? text + fill : fill + text;
       if (i + 1 < columns) out += "  ";
     }
     out.erase(out.find_last_not_of(' ') + 1);
@@ -143,7 +143,7 @@ Status sort_by(const std::string& key, Table& table) {
     return usage_error("--sort: there is no column '" + key + "'" + did_you_mean(key, keys) + "; there are " +
                        some_of(keys, keys.size()));
   const auto at = static_cast<std::size_t>(found - keys.begin());
-  const bool text = table.columns[at].kind == Kind::kText;
+  const bool text = table.columns[at].kind == CellKind::kText;
   std::ranges::stable_sort(table.rows, [&](const auto& a, const auto& b) {
     return text ? a[at].value < b[at].value : b[at].value < a[at].value;
   });

@@ -86,11 +86,11 @@ struct AskedRun {
 
 /// A question of a world.
 struct WorldQuestion {
-  std::string_view name;      ///< of the command; worlds may share one
-  std::string_view what;      ///< one line for people
-  std::string_view argument;  ///< name of an argument that chooses a part: "robot"; empty: it takes none
-  std::string_view argument_help;
-  std::string_view examples;  ///< lines for `--help`
+  std::string_view name;           ///< of the command; worlds may share one
+  std::string_view what;           ///< one line for people
+  std::string_view argument = {};  ///< name of an argument that chooses a part: "robot"; empty: it takes none
+  std::string_view argument_help = {};
+  std::string_view examples = {};  ///< lines for `--help`
   /// An argument that names nothing is a usage error with the nearest name.
   Expected<WorldAnswer> (*ask)(const AskedRun& run) = nullptr;
 };

@@ -223,7 +223,7 @@ void add_to(std::vector<Waiting>& sums, const Waiting& waiting) {
 
 std::string sums_text(std::vector<Waiting> sums, std::size_t most) {
   std::ranges::stable_sort(sums, std::greater(), [](const Waiting& sum) { return sum.when.length(); });
-  constexpr SimTime kCounts = std::chrono::milliseconds(500);
+  static constexpr SimTime kCounts = std::chrono::milliseconds(500);
   std::erase_if(sums, [](const Waiting& sum) { return sum.when.length() < kCounts; });
   std::string out;
   for (std::size_t i = 0; i < std::min(most, sums.size()); ++i)
