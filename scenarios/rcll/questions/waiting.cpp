@@ -168,12 +168,16 @@ void add_idle(const GameStory& story, const RobotStory& robot, const Interval& i
 
 /// The parts of a skill in which it stood.
 void add_standing(const GameStory& story, const RobotStory& robot, const SkillRun& skill, std::vector<RobotWait>& out) {
+  for (const Interval& pause : story.pauses)
+    if (const Interval when = common(common(pause, skill.when), story.asked()); !when.empty())
+      out.push_back({{when, "pause", "the game was paused"}, true});
   for (const SkillRun::PhaseOf& phase : skill.phases) {
     const Interval when = common(phase.when, story.asked());
     if (when.empty()) continue;
     const std::string doing = skill.skill + " to " + skill.target;
     if (phase.name == "wait") {
-      out.push_back({{when, "way", "another robot was in the way of its " + doing}, true});
+      for (const Interval& part : without(when, story.pauses))
+        out.push_back({{part, "way", "another robot was in the way of its " + doing}, true});
       continue;
     }
     // A pick looks, or handles, from before its piece has come.
@@ -189,7 +193,8 @@ void add_standing(const GameStory& story, const RobotStory& robot, const SkillRu
     needed.machine = machine;
     needed.take = true;
     needed.robot = robot.name;
-    for (Waiting& part : reasons_for(story, until, needed)) out.push_back({std::move(part), true});
+    for (Waiting& part : reasons_for(story, until, needed))
+      if (part.what != "pause") out.push_back({std::move(part), true});
   }
 }
 
