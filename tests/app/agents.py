@@ -88,7 +88,7 @@ class WrongInput(Env):
             with self.subTest(option + ' ' + value):
                 more = ["--with", "turtlesim"] if "turtlesim" in value else []
                 self.assertIn("error: " + text, self.env("", option, value, *more, code=code))
-        self.assertIn("--until: found 'soon', expected a number, 0 or more",
+        self.assertIn("--until: found 'soon', expected a time: s from 0 to 1e9",
                       subprocess.run([CXLAB, "env", "agent.yaml", "--until", "soon"], cwd=self.folder, text=True, stderr=subprocess.PIPE).stderr)
         self.assertIn("error: rules: is a folder, expected a configuration", self.env("", configs=("rules",), code=3))
 

@@ -158,7 +158,7 @@ class Scenarios(Lab):
         self.fails(2, "--frob", arguments=["--frob"])
         self.fails(2, "--journal: found 'some', expected one of: none, decisions, full", arguments=["--journal", "some"])
         self.fails(2, "error: --seed: found '-1', expected a whole number from 0", "cxlab run --help", arguments=["--seed", "-1"])
-        self.fails(2, "error: --until: found '-3', expected a number, 0 or more", arguments=["--until", "-3"])
+        self.fails(2, "error: --until: found '-3', expected a time: s from 0 to 1e9", arguments=["--until", "-3"])
         for swapped, meant in (("rnu", "run"), ("evn", "env")):
             done = subprocess.run([CXLAB, swapped], text=True, stderr=subprocess.PIPE)
             self.assertEqual(done.returncode, 2)
