@@ -213,6 +213,8 @@ int travel(const AttachOptions& options) {
   Console console(true);
   auto played = lab::TimeTravel::start(*run, console.host());
   if (!played) return fail(played.error());
+  if (options.commands.empty() && isatty(STDIN_FILENO) != 0)
+    std::fputs("playing the rules of the run again ...\n", stderr);
   while (true) {
     if (auto client = ControlClient::connect((*played)->address(), {})) return talk(**client, options);
     if (const auto code = (*played)->ended()) return *code == 0 ? static_cast<int>(ErrorKind::kRun) : *code;
