@@ -70,21 +70,6 @@ void note_duty(Open& away, const RecordValue& data, double t, Json& out) {
   }
 }
 
-/// The slots of a fact `decision`, in their order; texts without their quotes.
-Json slots_of(const RecordValue& fact) {
-  Json out = Json::array();
-  const RecordValue* slots = fact.find("slots");
-  const auto* map = slots ? std::get_if<RecordValue::Map>(&slots->value) : nullptr;
-  if (!map) return out;
-  for (const RecordValue::Entry& slot : *map) {
-    std::string text(slots->text(slot.key));
-    if (text.empty()) text = to_json(slot.value);
-    if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-    out.push_back(std::move(text));
-  }
-  return out;
-}
-
 /// Adds what the journal says: decisions of agents, skills, pieces in grippers, points, robots off the field, faults,
 /// pauses.
 Status read_story(const std::filesystem::path& journal, double last, Json& report) {
@@ -102,7 +87,7 @@ Status read_story(const std::filesystem::path& journal, double last, Json& repor
     const double t = to_seconds(record.t);
     if (record.kind == RecordKind::kDecision) {
       if (record.stream.starts_with("env/"))
-        decisions.push_back({{"t", t}, {"by", record.stream.substr(4)}, {"slots", slots_of(record.data)}});
+        decisions.push_back({{"t", t}, {"by", record.stream.substr(4)}, {"slots", slot_texts(record.data)}});
     } else if (record.kind == RecordKind::kControl) {
       if (!record.data.text("fault").empty())
         faults.push_back({{"t", t},

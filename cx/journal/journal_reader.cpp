@@ -169,4 +169,18 @@ Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& p
   return records;
 }
 
+std::vector<std::string> slot_texts(const RecordValue& fact) {
+  std::vector<std::string> out;
+  const RecordValue* slots = fact.find("slots");
+  const auto* map = slots ? std::get_if<RecordValue::Map>(&slots->value) : nullptr;
+  if (!map) return out;
+  for (const RecordValue::Entry& slot : *map) {
+    std::string text(slots->text(slot.key));
+    if (text.empty()) text = to_json(slot.value);
+    if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+    out.push_back(std::move(text));
+  }
+  return out;
+}
+
 }  // namespace cxlab

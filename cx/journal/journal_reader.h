@@ -20,6 +20,9 @@ Expected<JournalRecord> parse_journal_line(std::string_view line);
 Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
                                                   const std::vector<RecordKind>& kinds = {});
 
+/// What the slots of a record of a fact hold, in their order: texts without their quotes.
+std::vector<std::string> slot_texts(const RecordValue& fact);
+
 /// The data of a record as it stands in a line of the export.
 std::string to_json(const RecordValue& value);
 

@@ -37,21 +37,6 @@ bool has_word(std::string_view text, std::string_view word) {
   return false;
 }
 
-/// What the slots of a fact `decision` hold; texts without their quotes.
-std::vector<std::string> slots_of_decision(const RecordValue& fact) {
-  std::vector<std::string> out;
-  const RecordValue* slots = fact.find("slots");
-  const auto* map = slots ? std::get_if<RecordValue::Map>(&slots->value) : nullptr;
-  if (!map) return out;
-  for (const RecordValue::Entry& slot : *map) {
-    std::string text(slots->text(slot.key));
-    if (text.empty()) text = to_json(slot.value);
-    if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-    out.push_back(std::move(text));
-  }
-  return out;
-}
-
 std::vector<std::string> parts_of(const Order& order) { return words_in(describe(stack_of(order.product))); }
 
 template <class Named>
@@ -203,7 +188,7 @@ void GameStory::take_skill(const JournalRecord& record) {
 
 void GameStory::take_decision(const JournalRecord& record) {
   if (!record.stream.starts_with("env/")) return;
-  decisions.push_back({record.t, record.stream.substr(4), std::nullopt, slots_of_decision(record.data)});
+  decisions.push_back({record.t, record.stream.substr(4), std::nullopt, slot_texts(record.data)});
 }
 
 void GameStory::take_event(SimTime t, const RefereeEvent& event) {
