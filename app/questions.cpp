@@ -122,14 +122,13 @@ int rules_against(const RulesOptions& options) {
   if (!a || !b) return fail((a ? b : a).error());
   a->options.programs = b->options.programs = question.trust_programs;
   Console console(true);
-  auto in_a = lab::Moment::open(*a, console.host()), in_b = lab::Moment::open(*b, console.host());
-  if (!in_a || !in_b) return fail((in_a ? in_b : in_a).error());
-  lab::Moment::confine_together(**in_a, **in_b);
+  auto two = lab::Moment::open_two(*a, *b, console.host());
+  if (!two) return fail(two.error());
   const auto at = question.at ? std::optional(from_seconds(*question.at)) : std::nullopt;
-  for (lab::Moment* moment : {in_a->get(), in_b->get()})
+  for (lab::Moment* moment : {two->first.get(), two->second.get()})
     if (Status s = moment->seek(at); !s && !moment->stopped()) return fail(lab::about_option(s.error(), "--at"));
   if (const int code = interrupted("the runs were not replayed up to that time")) return code;
-  auto of_a = (*in_a)->inspectors(question.environment), of_b = (*in_b)->inspectors(question.environment);
+  auto of_a = two->first->inspectors(question.environment), of_b = two->second->inspectors(question.environment);
   if (!of_a || !of_b) return fail((of_a ? of_b : of_a).error());
   Json environments = Json::array();
   for (const inspect::Inspector& one : *of_a) {

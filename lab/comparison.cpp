@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cx/base/file.h"
+#include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
 #include "cx/inspect/text.h"
 #include "cx/journal/journal_reader.h"
@@ -64,7 +65,7 @@ void compare_constructs(Inspector& a, Inspector& b, std::vector<Comparison::Cons
   const auto texts = [](Inspector& inspector) {
     std::map<std::pair<std::string, std::string>, Text> all;
     for (const ConstructInfo& info : inspector.engine().constructs()) {
-      const std::string name = info.module == "MAIN" ? info.name : info.module + "::" + info.name;
+      const std::string name = explain::with_module(info.module, info.name);
       const std::string place =
           info.file.empty() ? "?" : inspector.shown_file(info.file) + ':' + std::to_string(info.line);
       all[{info.kind, name}] = {place, info.text};
@@ -146,16 +147,17 @@ Expected<std::string> why_not_here(Moment& moment, const std::string& environmen
 
 Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const Host& host) {
   Comparison out;
-  auto in_a = Moment::open(a, host), in_b = Moment::open(b, host);
-  if (!in_a || !in_b) return (in_a ? in_b : in_a).error();
   out.outcomes = outcomes_that_differ(a, b);
-  Moment::confine_together(**in_a, **in_b);
-  for (Moment* moment : {in_a->get(), in_b->get()}) {
+  auto two = Moment::open_two(a, b, host);
+  if (!two) return two.error();
+  Moment& in_a = *two->first;
+  Moment& in_b = *two->second;
+  for (Moment* moment : {&in_a, &in_b}) {
     if (Status s = moment->seek(std::nullopt); !s) return s.error();
     if ((out.stopped = moment->stopped())) return out;
   }
-  out.compared = std::min((*in_a)->t(), (*in_b)->t());
-  auto of_a = (*in_a)->inspectors(), of_b = (*in_b)->inspectors();
+  out.compared = std::min(in_a.t(), in_b.t());
+  auto of_a = in_a.inspectors(), of_b = in_b.inspectors();
   if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
   std::string rule_of_a, rule_of_b;
   for (Inspector& one : *of_a) {
@@ -176,12 +178,12 @@ Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const H
   if (!out.first || rule_of_a == rule_of_b) return out;
   const SimTime t = out.first->t;
   if (!rule_of_b.empty()) {
-    auto why = why_not_here(**in_a, out.first->environment, rule_of_b, t);
+    auto why = why_not_here(in_a, out.first->environment, rule_of_b, t);
     if (!why) return why.error();
     out.first->a.remark = *std::move(why);
   }
   if (!rule_of_a.empty()) {
-    auto why = why_not_here(**in_b, out.first->environment, rule_of_a, t);
+    auto why = why_not_here(in_b, out.first->environment, rule_of_a, t);
     if (!why) return why.error();
     out.first->b.remark = *std::move(why);
   }

@@ -50,12 +50,17 @@ void Moment::add_reach(Wall& wall) {
   wall.links.push_back(replay_.written());
 }
 
-void Moment::confine_together(Moment& a, Moment& b) {
-  Wall both = b.episode().wall();
-  a.add_reach(both);
-  b.add_reach(both);
-  confine(a.episode(), a.host_, both);
-  a.behind_wall_ = b.behind_wall_ = true;
+Expected<Moment::Two> Moment::open_two(const RecordedRun& a, const RecordedRun& b, const Host& host) {
+  auto first = open(a, host);
+  if (!first) return first.error();
+  auto second = open(b, host);
+  if (!second) return second.error();
+  Wall both = (*second)->episode().wall();
+  (*first)->add_reach(both);
+  (*second)->add_reach(both);
+  confine((*first)->episode(), host, both);
+  (*first)->behind_wall_ = (*second)->behind_wall_ = true;
+  return Two{*std::move(first), *std::move(second)};
 }
 
 Status Moment::seek(std::optional<SimTime> t) {
@@ -98,9 +103,9 @@ Status Moment::play(SimTime end) {
 
 SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
 
-inspect::Inspector Moment::inspector(cx::Environment& environment) {
+inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines) {
   return {environment.name_in_log(), environment.engine(),
-          timelines_.of(episode().journal().stream_name(environment.engine().stream())),
+          timelines.of(episode.journal().stream_name(environment.engine().stream())),
           [&environment](const std::string& file) { return environment.files().journal_name(file); }};
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -16,6 +17,9 @@
 #include "lab/recorded_run.h"
 
 namespace cxlab::lab {
+
+/// Answers about an environment of an episode whose journal these timelines observe.
+inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines);
 
 class Moment {
  public:
@@ -29,6 +33,9 @@ class Moment {
   static Expected<std::unique_ptr<Moment>> open(const RecordedRun& run, const Host& host) {
     return open(run, host, Options{});
   }
+  /// Two runs, to be played in this process, which gives up only what neither of them needs.
+  using Two = std::pair<std::unique_ptr<Moment>, std::unique_ptr<Moment>>;
+  static Expected<Two> open_two(const RecordedRun& a, const RecordedRun& b, const Host& host);
   ~Moment();
   Moment(const Moment&) = delete;
   Moment& operator=(const Moment&) = delete;
@@ -38,8 +45,6 @@ class Moment {
   /// but with `rewind`.
   /// This process gives up its rights before the first rule runs (lab/confine.h).
   Status seek(std::optional<SimTime> t);
-  /// Both are played in this process, so it gives up only what neither of them needs. Before either `seek`.
-  static void confine_together(Moment& a, Moment& b);
   /// Goes back to the start.
   Status rewind();
   /// Of the last tick that was played.
@@ -50,7 +55,9 @@ class Moment {
   bool stopped() const { return stopped_; }
 
   Episode& episode() { return *replay_.episode; }
-  inspect::Inspector inspector(cx::Environment& environment);
+  inspect::Inspector inspector(cx::Environment& environment) {
+    return inspector_of(environment, episode(), timelines_);
+  }
   /// Those called `name` in the run's log, or all; an error that lists them if there is none.
   Expected<std::vector<inspect::Inspector>> inspectors(const std::string& name = {});
 

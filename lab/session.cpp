@@ -15,6 +15,7 @@
 #include "cx/journal/run_folder.h"
 #include "lab/confine.h"
 #include "lab/control/debugger.h"
+#include "lab/moment.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
 #include "lab/versions.h"
@@ -166,12 +167,7 @@ Status open_control(Run& run) {
   control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
   control.debugger->watch(
       [&run] { return environments_of(run); },
-      [&run](cx::Environment& environment) {
-        return inspect::Inspector(
-            environment.name_in_log(), environment.engine(),
-            run.control.timelines.of(run.episode->journal().stream_name(environment.engine().stream())),
-            [&environment](const std::string& file) { return environment.files().journal_name(file); });
-      });
+      [&run](cx::Environment& environment) { return inspector_of(environment, *run.episode, run.control.timelines); });
   run.host.log = control.debugger.get();
   return {};
 }

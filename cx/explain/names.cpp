@@ -21,6 +21,10 @@ std::optional<std::vector<std::string>> slots_of(const RuleEngine& engine, const
 
 }  // namespace
 
+std::string with_module(const std::string& module, const std::string& name) {
+  return module.empty() || module == "MAIN" ? name : module + "::" + name;
+}
+
 std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind) {
   std::vector<std::string> names;
   for (const ConstructInfo& info : engine.constructs())

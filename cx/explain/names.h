@@ -10,6 +10,9 @@
 
 namespace cxlab::explain {
 
+/// The name of a construct as people write it: with a module other than MAIN.
+std::string with_module(const std::string& module, const std::string& name);
+
 /// Names of constructs of that kind, bare.
 std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind);
 

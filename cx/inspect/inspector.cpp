@@ -14,10 +14,6 @@ namespace cxlab::inspect {
 
 namespace {
 
-std::string qualified(const std::string& module, const std::string& name) {
-  return module.empty() || module == "MAIN" ? name : module + "::" + name;
-}
-
 /// Whether `wanted`, with or without a module, stands for the rule of that name.
 bool names(std::string_view wanted, std::string_view rule) {
   if (wanted.starts_with("MAIN::")) return rule == without_module(wanted);
@@ -285,7 +281,7 @@ std::vector<RuleUse> Inspector::rules(bool explain) const {
   // A copy: to look for what a rule lacks defines functions for a while.
   for (const ConstructInfo& info : engine_->constructs())
     if (info.kind == "defrule" && engine_->has("defrule", info.module + "::" + info.name))
-      add(qualified(info.module, info.name), info.module, &info);
+      add(explain::with_module(info.module, info.name), info.module, &info);
   // Rules that fired and were removed since.
   for (const auto& [name, count] : counts) {
     const std::size_t mark = name.find("::");

@@ -7,6 +7,7 @@
 #include "cx/check/patterns.h"
 #include "cx/check/rule_base.h"
 #include "cx/engine/form_reader.h"
+#include "cx/explain/names.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::inspect {
@@ -118,7 +119,7 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
   if (!base) return std::nullopt;
   std::set<std::string> seen;
   const auto add = [&](const check::Construct& rule, const std::string& how, const std::string& through) {
-    const std::string name = rule.module.empty() || rule.module == "MAIN" ? rule.name : rule.module + "::" + rule.name;
+    const std::string name = explain::with_module(rule.module, rule.name);
     if (!rule.is_rule() || !engine.has("defrule", name) || !seen.insert(name).second) return;
     Makers::Maker maker{name, inspector.shown_file(rule.place.source->file), rule.place.line, how, through, 0, {}, {}};
     for (const std::uint64_t n : inspector.timeline().firings())

@@ -5,6 +5,8 @@
 #include <functional>
 #include <set>
 
+#include "cx/explain/names.h"
+
 namespace cxlab::inspect {
 
 namespace {
@@ -101,7 +103,7 @@ std::string text_of(const std::vector<ActivationInfo>& agenda, const std::vector
     text += '\n';
   }
   for (const ActivationInfo& a : agenda) {
-    text += right(std::to_string(a.salience), 6) + "  " + (a.module == "MAIN" ? "" : a.module + "::") + a.rule + ':';
+    text += right(std::to_string(a.salience), 6) + "  " + explain::with_module(a.module, a.rule) + ':';
     for (const std::int64_t fact : a.facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
     text += '\n';
   }

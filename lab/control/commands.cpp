@@ -32,10 +32,6 @@ std::string place_of(const ConstructInfo& info) {
   return info.file.empty() ? std::string() : "  " + info.file + ':' + std::to_string(info.line);
 }
 
-std::string qualified(const ConstructInfo& info) {
-  return info.module == "MAIN" ? info.name : info.module + "::" + info.name;
-}
-
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -155,7 +151,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            for (const ConstructInfo& info : e.engine().constructs()) {
              if (info.kind != "defrule") continue;
              if (rest.empty())
-               lines.push_back(qualified(info) + place_of(info));
+               lines.push_back(explain::with_module(info.module, info.name) + place_of(info));
              else if (rest == info.name || rest == info.module + "::" + info.name)
                lines.push_back(info.text + '\n' + place_of(info));
            }
