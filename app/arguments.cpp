@@ -118,7 +118,7 @@ CLI::Option* time_option(CLI::Option* option) {
   return option->transform({[](std::string& text) {
                               const std::string seconds = without_minutes(text);
                               const double value = finite_number(seconds).value_or(-1);
-                              if (value < 0 || value > to_seconds(lab::kLongestRun))
+                              if (value < 0 || value > to_seconds(kLongestRun))
                                 return expected(text, "a time: s from 0 to 1e9, as 312.4, or minutes and s, as 5:12.4");
                               text = seconds;
                               return std::string();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/named_value.h"
 #include "lab/packages.h"
 
 namespace cxlab::app {
@@ -25,6 +26,14 @@ CLI::Validator picture_size();
 void read_size(const std::string& text, int& width, int& height);
 /// One of these words.
 CLI::Validator one_of(std::vector<std::string> words);
+/// Declares an option that takes one of the words of an enumeration.
+template <class Enum>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, NamedValue<Enum> value, const std::string& what) {
+  return command
+      .add_option_function<std::string>(
+          name, [value](const std::string& word) mutable { value.set(word); }, what)
+      ->check(one_of({value.begin, value.end}));
+}
 /// The words of `one_of`, if the option takes only these.
 std::vector<std::string> words_of(const CLI::Option& option);
 

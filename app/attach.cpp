@@ -207,9 +207,8 @@ int talk(ControlClient& client, const AttachOptions& options) {
 
 /// A run that has ended is played again.
 int travel(const AttachOptions& options) {
-  auto run = lab::RecordedRun::open(options.where, catalogue());
+  auto run = lab::RecordedRun::open(options.where, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
-  run->options.programs = options.trust_programs;
   Console console(true);
   auto played = lab::TimeTravel::start(*run, console.host());
   if (!played) return fail(played.error());

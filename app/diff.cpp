@@ -87,11 +87,10 @@ void print(const lab::Comparison& found) {
 }
 
 int diff(const DiffOptions& options) {
-  auto a = lab::RecordedRun::open(options.a, catalogue());
+  auto a = lab::RecordedRun::open(options.a, catalogue(), options.trust_programs);
   if (!a) return fail(a.error());
-  auto b = lab::RecordedRun::open(options.b, catalogue());
+  auto b = lab::RecordedRun::open(options.b, catalogue(), options.trust_programs);
   if (!b) return fail(b.error());
-  a->options.programs = b->options.programs = options.trust_programs;
   Console console(true);
   const auto found = lab::compare(*a, *b, console.host());
   if (const int code = interrupted("the runs were not compared")) return code;

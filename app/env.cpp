@@ -25,15 +25,15 @@ std::vector<std::string> companion_names() {
 
 int env(const EnvOptions& options) {
   lab::EnvOptions env = options.env;
-  if (options.run.play.until) env.until = *options.run.play.until;
+  if (options.run.play.spec.until) env.until = *options.run.play.spec.until;
   if (options.run.seed) env.seed = options.run.seed;
   auto scenario = lab::env_scenario(env, catalogue());
   if (!scenario) return fail(scenario.error());
   PlayCommand run = options.run;
   run.lives = true;
-  if (!run.play.until && !run.quiet)
+  if (!run.play.spec.until && !run.quiet)
     std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", env.until);
-  run.play.until.reset();  // it is the scenario's duration
+  run.play.spec.until.reset();  // it is the scenario's duration
   const auto [code, played] = play(run, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;
   if (run.json) {
@@ -65,8 +65,8 @@ void declare(CLI::App& command, EnvOptions& options) {
   once_each(command.add_option("--transition", options.env.transitions,
                                "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
                                "(docs/plugins/manager.md)"));
-  options.run.play.keep_going = true;
-  command.add_flag("--keep-going,!--no-keep-going", options.run.play.keep_going,
+  options.run.play.spec.keep_going = true;
+  command.add_flag("--keep-going,!--no-keep-going", options.run.play.spec.keep_going,
                    "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.env.stop_on_rule_error,
                    "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "

@@ -12,30 +12,24 @@ namespace cxlab::app {
 
 void declare_play(CLI::App& command, PlayCommand& options) {
   lab::PlayOptions& play = options.play;
+  RunSpec& spec = play.spec;
   seed_number(command.add_option("--seed", options.seed, "Seed of all chance, instead of the scenario's"));
-  time_option(command.add_option("--until", play.until, "End, s of simulated time, or 5:12.4"));
+  time_option(command.add_option("--until", spec.until, "End, s of simulated time, or 5:12.4"));
   command.add_option("--out", play.out, "Folder of the run; 'none' writes nothing (default runs/<scenario>-<seed>)");
   command.add_flag("--force", play.force, "Overwrites a folder that is in use");
-  command.add_option("--journal", play.journal, "What journal.jsonl holds: none, decisions or full")
-      ->check(one_of({"none", "decisions", "full"}))
-      ->capture_default_str();
-  command.add_flag("--strict-cx", play.strict, "What the real CX would do otherwise are errors (docs/strict-cx.md)");
-  command
-      .add_option_function<std::string>(
-          "--release",
-          [&play](const std::string& name) {
-            const auto found = std::ranges::find(cx::kRosReleases, name);
-            play.release = static_cast<cx::RosRelease>(found - std::begin(cx::kRosReleases));
-          },
-          "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)")
-      ->check(one_of({std::begin(cx::kRosReleases), std::end(cx::kRosReleases)}));
-  add_prefix_option(command, play.prefixes);
+  add_choice(command, "--journal", named(spec.journal, kJournalLevels),
+             "What journal.jsonl holds: none, decisions or full")
+      ->default_str(std::string(named(spec.journal, kJournalLevels).word()));
+  command.add_flag("--strict-cx", spec.strict, "What the real CX would do otherwise are errors (docs/strict-cx.md)");
+  add_choice(command, "--release", named(spec.release, cx::kRosReleases),
+             "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)");
+  add_prefix_option(command, spec.prefixes);
   add_limit_options(command);
   command.add_flag("--control", play.control, "Opens a socket in the run's folder for cxlab attach");
   command.add_option("--control-at", play.control_at, "Opens it there: a path, or 127.0.0.1:PORT with a token");
   command.add_flag("--break", play.begin_stopped, "Begins stopped, for cxlab attach; opens the socket as well");
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
-  command.add_flag("--sockets", play.sockets,
+  command.add_flag("--sockets", spec.sockets,
                    "Programs of this machine reach the ports of agents and nodes; sleeps between ticks");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
   command.add_flag("-v,--verbose", options.verbose, "Shows the lives of nodes and lines of level debug as well");

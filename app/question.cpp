@@ -45,9 +45,8 @@ SimTime to_of(const Question& question) { return question.to ? from_seconds(*que
 
 int ask(const Question& question, const Ask& ask, lab::Moment::Options options) {
   if (question.from && question.to && *question.from > *question.to) return fail(usage_error("--from is after --to"));
-  auto run = lab::RecordedRun::open(question.run, catalogue());
+  auto run = lab::RecordedRun::open(question.run, catalogue(), question.trust_programs);
   if (!run) return fail(run.error());
-  run->options.programs = question.trust_programs;
   Console console(true);
   auto moment = lab::Moment::open(*run, console.host(), options);
   if (!moment) return fail(moment.error());

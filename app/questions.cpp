@@ -118,9 +118,9 @@ Json json_of(const inspect::RuleUse& use) {
 /// What fires in only one of two runs.
 int rules_against(const RulesOptions& options) {
   const Question& question = options.question;
-  auto a = lab::RecordedRun::open(question.run, catalogue()), b = lab::RecordedRun::open(options.against, catalogue());
+  auto a = lab::RecordedRun::open(question.run, catalogue(), question.trust_programs);
+  auto b = lab::RecordedRun::open(options.against, catalogue(), question.trust_programs);
   if (!a || !b) return fail((a ? b : a).error());
-  a->options.programs = b->options.programs = question.trust_programs;
   Console console(true);
   auto two = lab::Moment::open_two(*a, *b, console.host());
   if (!two) return fail(two.error());

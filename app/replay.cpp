@@ -49,9 +49,8 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
 }
 
 int replay(const ReplayOptions& options) {
-  auto run = lab::RecordedRun::open(options.run, catalogue());
+  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
-  run->options.programs = options.trust_programs;
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));
   Console console(options.json);

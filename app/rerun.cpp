@@ -21,7 +21,7 @@ struct RerunOptions {
   std::string run, out;
   bool force = false, json = false, quiet = false, trust_rules = false, trust_programs = false;
   std::optional<double> at, until;
-  lab::WhatIf what_if;
+  WhatIf what_if;
 };
 
 void print_changed(const std::vector<std::string>& files, const std::vector<std::string>& surroundings) {
@@ -129,8 +129,8 @@ void print_what_if(const lab::RecordedRun& run, const lab::Rerun& again, double 
 }
 
 /// The options for another course of the run, as a whole.
-Expected<std::optional<lab::WhatIf>> what_if_of(const RerunOptions& options) {
-  lab::WhatIf what_if = options.what_if;
+Expected<std::optional<WhatIf>> what_if_of(const RerunOptions& options) {
+  WhatIf what_if = options.what_if;
   if (options.at) {
     what_if.at = *options.at;
     if (!what_if.environments.empty() && what_if.changes_nothing())
@@ -143,16 +143,15 @@ Expected<std::optional<lab::WhatIf>> what_if_of(const RerunOptions& options) {
                       : !what_if.environments.empty() ? "--env"
                       : options.until                 ? "--until"
                                                       : nullptr;
-  if (!given) return std::optional<lab::WhatIf>();
+  if (!given) return std::optional<WhatIf>();
   return usage_error(std::string(given) + ": expected --at T as well, the time from which the run goes on otherwise");
 }
 
 int rerun(const RerunOptions& options) {
   auto what_if = what_if_of(options);
   if (!what_if) return fail(what_if.error());
-  auto run = lab::RecordedRun::open(options.run, catalogue());
+  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
-  run->options.programs = options.trust_programs;
   if (!run->finished && !*what_if)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));
   Console console(options.quiet);

@@ -33,7 +33,7 @@ int run(RunOptions options) {
   if (!file) return fail(file.error());
   auto scenario = Scenario::load(*file, catalogue(), overrides);
   if (!scenario) return fail(scenario.error());
-  const double duration = to_seconds(scenario->duration), until = options.play.until.value_or(0);
+  const double duration = to_seconds(scenario->duration), until = options.play.spec.until.value_or(0);
   const auto [code, played] = play(options, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;
   if (options.json) {

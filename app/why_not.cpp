@@ -122,9 +122,8 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
 int why_not(const WhyNotOptions& options) {
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
-  auto run = lab::RecordedRun::open(options.run, catalogue());
+  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
-  run->options.programs = options.trust_programs;
   Console console(true);
   lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted)};
   if (options.at) question.at = from_seconds(*options.at);

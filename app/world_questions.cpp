@@ -168,7 +168,7 @@ const WorldQuestion* find_question(const WorldKind& world, const std::string& na
 }
 
 Status check_recorded(const lab::RecordedRun& run) {
-  if (run.options.journal == "none")
+  if (run.manifest.spec.journal == JournalLevel::kNone)
     return input_error("the run was recorded without a journal (--journal none), which these questions read",
                        run.folder.string());
   if (!is_file(run.folder / "journal.jsonl"))

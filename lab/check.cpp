@@ -206,7 +206,7 @@ class Checker {
     scenario.expect.clear();
     scenario.stop_on_rule_error = false;
     EpisodeOptions options = shared_episode_options(host_);
-    options.keep_going = true;
+    options.spec.keep_going = true;
     options.file_read = [read = &opening->read](const fs::path& file) { read->push_back(file); };
     auto episode = Episode::load(std::move(scenario), options);
     if (!episode) return episode.error();

@@ -11,8 +11,9 @@
 #include "cx/engine/form_reader.h"
 #include "cx/journal/input_log.h"
 #include "cx/journal/run_folder.h"
+#include "lab/json_fields.h"
+#include "lab/session.h"
 #include "lab/versions.h"
-#include "lab/what_if_json.h"
 
 namespace cxlab::lab {
 
@@ -20,42 +21,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 namespace {
-
-Expected<Json> read_json(const fs::path& file) {
-  auto text = read_file(file);
-  if (!text) return text.error();
-  Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return input_error("expected an object in JSON", file.string());
-  return json;
-}
-
-/// What the library says, without its code.
-std::string without_code(const Json::exception& e) {
-  const std::string text = e.what();
-  const std::size_t end = text.find("] ");
-  return end == text.npos ? text : text.substr(end + 2);
-}
-
-void read_manifest(const Json& json, RecordedRun& run) {
-  run.scenario_file = fs::path(json.at("folder").get<std::string>()) / json.at("scenario").get<std::string>();
-  run.recorded_folder = json.value("out", std::string());
-  run.overrides = json.at("overrides").get<std::vector<std::string>>();
-  run.world_files = json.value("world_files", run.world_files);
-  if (!json.at("until").is_null()) run.options.until = json.at("until").get<double>();
-  run.options.journal = json.at("journal").get<std::string>();
-  run.options.keep_going = json.at("keep_going").get<bool>();
-  run.options.strict = json.at("strict_cx").get<bool>();
-  const auto release = std::ranges::find(cx::kRosReleases, json.value("release", std::string("kilted")));
-  if (release == std::end(cx::kRosReleases)) throw Json::other_error::create(500, "unknown 'release'", &json);
-  run.options.release = static_cast<cx::RosRelease>(release - std::begin(cx::kRosReleases));
-  run.options.sockets = json.value("sockets", false);
-  run.options.prefixes = json.at("prefixes").get<std::vector<std::string>>();
-  for (const Json& change : json.value("what_if", Json::array())) run.options.what_if.push_back(what_if_from(change));
-  run.versions = json.at("versions").get<std::map<std::string, std::string>>();
-  run.machine = json.value("machine", std::map<std::string, std::string>());
-  for (const Json& agent : json.at("agents"))
-    run.shares.push_back(agent.at("packages").get<std::map<std::string, std::string>>());
-}
 
 Status read_result(const Json& json, RecordedRun& run) {
   run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
@@ -86,24 +51,19 @@ bool has_first_tick(const fs::path& inputs) {
 
 }  // namespace
 
-Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue) {
+Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue, bool trust_programs) {
   if (!is_folder(folder)) return input_error("there is no folder of a run", folder.string());
   if (!path_exists(folder / "manifest.json"))
     return input_error("is not the folder of a run: there is no manifest.json in it", folder.string());
   RecordedRun run;
   run.folder = folder;
-  run.options.programs = false;
   run.catalogue = &catalogue;
-  auto manifest = read_json(folder / "manifest.json");
+  auto manifest = Manifest::read(folder);
   if (!manifest) return manifest.error();
+  run.manifest = *std::move(manifest);
+  run.manifest.spec.programs = trust_programs;
   auto result = read_json(folder / "result.json");
   if (!result) return result.error();
-  try {
-    read_manifest(*manifest, run);
-  } catch (const Json::exception& e) {
-    return input_error(std::string("not the manifest of a run: ") + without_code(e),
-                       (folder / "manifest.json").string());
-  }
   try {
     if (Status s = read_result(*result, run); !s)
       return input_error(s.error().message, (folder / "result.json").string());
@@ -120,8 +80,8 @@ std::vector<std::string> RecordedRun::changed_surroundings() const {
       if (const auto old = then.find(name); old == then.end() || old->second != value)
         out.push_back(name + ": " + (old == then.end() ? "not known" : old->second) + ", now " + value);
   };
-  compare(versions, lab::versions());
-  compare(machine, lab::machine());
+  compare(manifest.versions, lab::versions());
+  compare(manifest.machine, lab::machine());
   return out;
 }
 
@@ -130,10 +90,11 @@ Expected<Scenario> RecordedRun::scenario() const {
   if (!files) return files.error();
   auto text = files->read("scenario.yaml");
   if (!text) return text.error();
-  auto scenario = Scenario::parse(*text, scenario_file, *catalogue, {overrides.begin(), overrides.end()});
+  auto scenario = Scenario::parse(*text, manifest.scenario_file(), *catalogue,
+                                  {manifest.overrides.begin(), manifest.overrides.end()});
   if (!scenario) return scenario.error();
   for (auto& [key, file] : scenario->world_files)
-    if (const auto then = world_files.find(key); then != world_files.end()) file.path = then->second;
+    if (const auto then = manifest.world_files.find(key); then != manifest.world_files.end()) file.path = then->second;
   return scenario;
 }
 
@@ -178,17 +139,15 @@ Status RulesReplay::load_again(const RecordedRun& run, const Host& host, const O
   episode.reset();
   const fs::path folder = written() / std::to_string(++plays);
   if (Status s = make_folder(folder); !s) return s;
-  EpisodeOptions options = shared_episode_options(host);
+  EpisodeOptions options = shared_episode_options(host, run.manifest.spec);
+  options.spec.journal = given.level;
+  options.spec.sockets = false;
   options.run_folder = folder;
-  options.journal = given.level;
   options.log = given.log;
   options.control = given.control;
   options.count_activations = given.count_activations;
-  options.replay = ReplaySource{run.folder / "inputs.bin", scratch->path() / "copies", run.shares, run.recorded_folder};
-  options.keep_going = run.options.keep_going;
-  options.strict = run.options.strict;
-  options.release = run.options.release;
-  options.programs = run.options.programs;
+  options.replay =
+      ReplaySource{run.folder / "inputs.bin", scratch->path() / "copies", run.manifest.shares(), run.manifest.out};
   auto loaded = Episode::load(*std::move(scenario), std::move(options));
   if (!loaded) return loaded.error();
   episode = *std::move(loaded);

@@ -11,28 +11,18 @@
 #include "cx/base/expected.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
-#include "lab/session.h"
+#include "lab/host.h"
+#include "lab/manifest.h"
 #include "scenarios/episode.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 
-/// No run is longer; the end of one that was killed, of which only its log knows how far it came.
-inline constexpr SimTime kLongestRun = std::chrono::seconds(1'000'000'000);
-
 struct RecordedRun {
   std::filesystem::path folder;
   const Catalogue* catalogue = nullptr;
-  std::filesystem::path scenario_file;  ///< absolute; need not be there any more
-  std::vector<std::string> overrides;
-  std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
-  /// until, journal, keep_going, strict, sockets, what_if without the texts of its files; `programs` is false until the
-  /// caller trusts the run
-  PlayOptions options;
-  std::filesystem::path recorded_folder;  ///< its folder when it was played
-  std::vector<Shares> shares;             ///< by agent: package -> its share directory then
-  /// Of lab/versions.h, then.
-  std::map<std::string, std::string> versions, machine;
+  Manifest
+      manifest;  ///< its files need not be there any more; `spec.programs` is false until the caller trusts the run
 
   // How it ended
   bool finished = false;  ///< else it was killed, and what follows is not known
@@ -44,8 +34,10 @@ struct RecordedRun {
   std::optional<std::string> physics_hash;
   std::map<std::string, Error> not_loaded;  ///< by name of the rule, without module: why
 
-  /// Reads manifest.json and result.json. The catalogue has the worlds and nodes of the scenario.
-  static Expected<RecordedRun> open(const std::filesystem::path& folder, const Catalogue& catalogue = shipped());
+  /// Reads manifest.json and result.json. The catalogue has the worlds and nodes of the scenario. Without
+  /// `trust_programs` nothing that plays the run again opens a library of a package or starts a program.
+  static Expected<RecordedRun> open(const std::filesystem::path& folder, const Catalogue& catalogue = shipped(),
+                                    bool trust_programs = false);
   /// What of versions and machine is another now, which explains other hashes: "C library: glibc 2.36, now glibc 2.41".
   std::vector<std::string> changed_surroundings() const;
   /// As it was read then; from the run's copy.

@@ -97,7 +97,7 @@ bool read_outside(const StoredFiles& files) {
 Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
                         Scenario& scenario) {
   namespace fs = std::filesystem;
-  if (run.shares.size() != scenario.agents.size())
+  if (run.manifest.agents.size() != scenario.agents.size())
     return input_error("the run's manifest has another number of agents", run.folder.string());
   if (Status s = files.materialise(root); !s) return s;
   read_from_copies(root, scenario);
@@ -108,7 +108,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
     const fs::path copies = root / "agents" / std::to_string(i);
     agent.config = (copies / "config" / scenario.resolve(agent.config).filename()).string();
     agent.packages.clear();
-    for (const auto& [name, share] : run.shares[i]) {
+    for (const auto& [name, share] : run.manifest.agents[i].packages) {
       const fs::path folder = copies / "packages" / name;
       fs::create_directories(folder, error);
       if (const fs::path definitions = root / "interfaces" / name; !error && is_folder(definitions))
@@ -122,7 +122,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
 
 /// Whether a person did something in the run, with cxlab attach. Nobody can attach to one that goes on otherwise.
 bool person_acted(const RecordedRun& run) {
-  if (!run.options.what_if.empty()) return false;
+  if (!run.manifest.spec.what_if.empty()) return false;
   auto log = InputLogReader::open(run.folder / "inputs.bin");
   if (!log) return false;
   while (const auto entry = log->next())
@@ -133,15 +133,15 @@ bool person_acted(const RecordedRun& run) {
 /// The changes of the run in order of their time, with their files and the new one.
 Expected<std::vector<WhatIf>> changes_of(const RecordedRun& run, const std::optional<WhatIf>& more,
                                          const Scenario& scenario) {
-  std::vector<WhatIf> changes = run.options.what_if;
+  std::vector<WhatIf> changes = run.manifest.spec.what_if;
   if (!changes.empty()) {
     const auto files = StoredFiles::open(run.folder);
     if (!files) return files.error();
-    for (std::size_t k = 0; k < changes.size(); ++k) {
-      if (changes[k].file.empty()) continue;
-      auto text = files->read(changes[k].copy_name(k));
+    for (WhatIf& change : changes) {
+      if (change.file.empty()) continue;
+      auto text = files->read(change.copy);
       if (!text) return text.error();
-      changes[k].text = *std::move(text);
+      change.text = *std::move(text);
     }
   }
   if (more) {
@@ -189,31 +189,31 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
   if (Status s = no_hidden_packages(run, *scenario); !s && !copies && !given.trust_rules) return s.error();
-  const char* took_part = run.options.sockets ? "programs outside (--sockets)"
-                          : person_acted(run) ? "a person (cxlab attach)"
-                                              : nullptr;
+  const char* took_part = run.manifest.spec.sockets ? "programs outside (--sockets)"
+                          : person_acted(run)       ? "a person (cxlab attach)"
+                                                    : nullptr;
   if (took_part)
     return usage_error(std::string(took_part) +
                            " took part in this run, and would not do the same again; its rules alone: cxlab replay " +
                            run.folder.string(),
                        run.folder.string());
-  PlayOptions options = run.options;
   if (given.until && given.what_if && *given.until < given.what_if->at)
     return usage_error("--until: found " + general_text(*given.until, 9) + ", expected a time after that of --at");
   if (std::error_code none; given.what_if && std::filesystem::equivalent(given.out, run.folder, none))
     return usage_error("--out: found the folder of the run itself, expected another one, to compare them", given.out);
   auto changes = changes_of(run, given.what_if, *scenario);
   if (!changes) return changes.error();
-  options.what_if = *std::move(changes);
+  PlayOptions options{.spec = run.manifest.spec};
+  options.spec.what_if = *std::move(changes);
   options.also_read = {run.folder};
-  if (copies) options.prefixes.clear();
+  if (copies) options.spec.prefixes.clear();
   options.out = given.out;
   options.force = given.force;
   options.command = given.command;
   if (given.until)
-    options.until = given.until;
+    options.spec.until = given.until;
   else if (run.status == "interrupted")
-    options.until = to_seconds(run.sim_time);
+    options.spec.until = to_seconds(run.sim_time);
   const auto files_then = hashes_of_files(run.folder);
   const auto result_then = read_file(run.folder / "result.json");
   if (!result_then) return result_then.error();

@@ -5,21 +5,19 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
 #include <utility>
 
-#include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
 #include "lab/confine.h"
 #include "lab/control/debugger.h"
+#include "lab/manifest.h"
 #include "lab/moment.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
 #include "lab/versions.h"
-#include "lab/what_if_json.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -65,11 +63,10 @@ struct Run {
   PlayOptions options;
   Scenario scenario;
   Host host;
-  std::vector<std::string> named_prefixes;  // absolute
-  std::vector<double> snapshots;            // when, s
-  std::filesystem::path folder;             // empty: nothing is written
-  Control control;                          // outlives the episode
-  std::unique_ptr<WhatIfControl> what_if;   // as this one
+  std::vector<double> snapshots;           // when, s
+  std::filesystem::path folder;            // empty: nothing is written
+  Control control;                         // outlives the episode
+  std::unique_ptr<WhatIfControl> what_if;  // as this one
   std::unique_ptr<Episode> episode;
   Meter game, physics;
   Played played;
@@ -92,39 +89,25 @@ Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scen
   return std::filesystem::path(options.out);
 }
 
-std::string manifest(const Run& run) {
-  nlohmann::ordered_json out;
-  out["schema"] = 1;
-  out["scenario"] = run.scenario.file.string();
-  out["overrides"] = run.scenario.overrides;
-  out["seed"] = run.scenario.seed;
-  for (const auto& [name, version] : versions()) out["versions"][name] = version;
-  out["versions"]["ROS 2 CX studied"] = "90f440b1 (2026-06-13)";
-  for (const auto& [name, value] : machine()) out["machine"][name] = value;
-  out["tier"] = run.scenario.tier_name();
-  out["command"] = run.options.command;
-  out["folder"] = std::filesystem::current_path().string();
-  if (!run.folder.empty()) out["out"] = std::filesystem::absolute(run.folder).lexically_normal().string();
-  out["until"] = run.options.until ? nlohmann::ordered_json(*run.options.until) : nlohmann::ordered_json(nullptr);
-  out["journal"] = run.options.journal;
-  out["keep_going"] = run.options.keep_going;
-  out["strict_cx"] = run.options.strict;
-  out["release"] = cx::kRosReleases[static_cast<std::size_t>(run.options.release)];
-  out["sockets"] = run.options.sockets;
-  out["prefixes"] = run.named_prefixes;
-  out["agents"] = nlohmann::ordered_json::array();
-  for (const AgentSpec& agent : run.scenario.agents)
-    out["agents"].push_back({{"config", agent.config}, {"packages", run.scenario.shares(agent)}});
-  out["world_files"] = nlohmann::ordered_json::object();
-  for (const auto& [key, file] : run.scenario.world_files)
-    out["world_files"][key] = std::filesystem::absolute(file.path).string();
-  for (std::size_t k = 0; k < run.options.what_if.size(); ++k) {
-    nlohmann::ordered_json change = json_of(run.options.what_if[k]);
-    if (!run.options.what_if[k].file.empty()) change["copy"] = run.options.what_if[k].copy_name(k);
-    out["what_if"].push_back(std::move(change));
-  }
-  out["repeat"] = "cxlab rerun " + run.folder.string();
-  return json_text(out, 2) + '\n';
+Manifest manifest_of(const Run& run) {
+  namespace fs = std::filesystem;
+  const Scenario& scenario = run.scenario;
+  Manifest out;
+  out.scenario = scenario.file.string();
+  out.overrides = scenario.overrides;
+  out.seed = scenario.seed;
+  for (const auto& [name, version] : versions()) out.versions[name] = version;
+  out.versions["ROS 2 CX studied"] = "90f440b1 (2026-06-13)";
+  for (const auto& [name, value] : machine()) out.machine[name] = value;
+  out.tier = scenario.tier_name();
+  out.command = run.options.command;
+  out.folder = fs::current_path().string();
+  out.out = fs::absolute(run.folder).lexically_normal().string();
+  out.spec = run.options.spec;
+  for (const AgentSpec& agent : scenario.agents) out.agents.push_back({agent.config, scenario.shares(agent)});
+  for (const auto& [key, file] : scenario.world_files) out.world_files[key] = fs::absolute(file.path).string();
+  out.repeat = "cxlab rerun " + run.folder.string();
+  return out;
 }
 
 std::vector<cx::Environment*> environments_of(const Run& run) {
@@ -133,8 +116,8 @@ std::vector<cx::Environment*> environments_of(const Run& run) {
 
 Status open_control(Run& run) {
   const PlayOptions& options = run.options;
-  if (!options.what_if.empty()) {
-    run.what_if = std::make_unique<WhatIfControl>(options.what_if);
+  if (!options.spec.what_if.empty()) {
+    run.what_if = std::make_unique<WhatIfControl>(options.spec.what_if);
     run.what_if->watch([&run] { return environments_of(run); });
     return {};
   }
@@ -195,7 +178,7 @@ std::string folders_elsewhere(const Scenario& scenario) {
 /// When the run ends at the latest, s.
 double end_of(const Run& run) {
   const double duration = to_seconds(run.scenario.duration);
-  return std::min(run.options.until.value_or(duration), duration);
+  return std::min(run.options.spec.until.value_or(duration), duration);
 }
 
 /// Waits for the wall clock; a signal to stop ends that, however long a tick is.
@@ -222,7 +205,7 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
   run.control.timelines.start_is_over();
   const auto wall_start = std::chrono::steady_clock::now();
   while (!episode.over() && !run.host.stopped() &&
-         !(run.options.until && to_seconds(episode.now()) >= *run.options.until)) {
+         !(run.options.spec.until && to_seconds(episode.now()) >= *run.options.spec.until)) {
     run.game.begin();
     const Status ticked = episode.tick();
     run.game.end();
@@ -231,7 +214,7 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
     if (video)
       if (Status s = video->look(to_seconds(episode.now())); !s) return s;
     run.host.show(to_seconds(episode.now()), end);
-    if (!run.options.realtime && !run.options.sockets) continue;
+    if (!run.options.realtime && !run.options.spec.sockets) continue;
     run.game.begin();
     wait_until(wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
                run.host);
@@ -317,13 +300,8 @@ Expected<Played> refused(Run& run, const Error& error) {
 }
 
 EpisodeOptions episode_options(const Run& run) {
-  EpisodeOptions options = shared_episode_options(run.host);
+  EpisodeOptions options = shared_episode_options(run.host, run.options.spec);
   options.log = run.host.log;
-  options.keep_going = run.options.keep_going;
-  options.strict = run.options.strict;
-  options.release = run.options.release;
-  options.programs = run.options.programs;
-  options.sockets = run.options.sockets;
   return options;
 }
 
@@ -347,10 +325,11 @@ Status try_out(const Run& run) {
 
 }  // namespace
 
-EpisodeOptions shared_episode_options(const Host& host) {
+EpisodeOptions shared_episode_options(const Host& host, RunSpec spec) {
   const Share share = find_share();
   EpisodeOptions options;
-  options.limits = host.limits();
+  options.spec = std::move(spec);
+  options.spec.limits = host.limits();
   options.interfaces = share.interfaces;
   options.models = share.models;
   return options;
@@ -372,16 +351,15 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   run.options = options;
   run.scenario = std::move(scenario);
   run.host = host;
-  for (const std::string& prefix : options.prefixes)
-    run.named_prefixes.push_back(std::filesystem::absolute(prefix).lexically_normal().string());
+  for (std::string& prefix : run.options.spec.prefixes)
+    prefix = std::filesystem::absolute(prefix).lexically_normal().string();
+  name_copies(run.options.spec.what_if);
   if (const std::string folders = folders_elsewhere(run.scenario); !folders.empty() && !run.scenario.trust_rules)
     host.note("rules may read " + folders);
-  auto installed = installed_packages(run.named_prefixes);
+  auto installed = installed_packages(run.options.spec.prefixes);
   if (!installed) return installed.error();
   for (const auto& [name, package_folder] : *installed)
     run.scenario.packages.try_emplace(name, PackageSpec{package_folder});
-  const auto level = parse_journal_level(options.journal);
-  if (!level) return usage_error("--journal: " + level.error().message);
   auto snapshots = snapshot_times(options.snapshot, end_of(run));
   if (!snapshots) return snapshots.error();
   run.snapshots = *std::move(snapshots);
@@ -391,7 +369,7 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   run.folder = *std::move(folder);
   if (!run.folder.empty()) {
     Status written = replace_file(run.folder / "result.json", unfinished_result(run.scenario).to_json());
-    if (written) written = replace_file(run.folder / "manifest.json", manifest(run));
+    if (written) written = replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
     if (!written) return written.error();
     run.played.folder = run.folder;
     host.note("run: " + run.folder.string());
@@ -401,12 +379,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
 
   EpisodeOptions for_episode = episode_options(run);
   for_episode.run_folder = run.folder;
-  for_episode.journal = *level;
   for_episode.control = run.control.debugger.get();
   if (run.what_if) for_episode.control = run.what_if.get();
-  for (std::size_t k = 0; k < options.what_if.size(); ++k)
-    if (!options.what_if[k].file.empty())
-      for_episode.keep_texts.emplace_back(options.what_if[k].copy_name(k), options.what_if[k].text);
   for_episode.meters = options.meters;
   for_episode.meters.physics = &run.physics;
   for_episode.file_read = options.file_read;

@@ -21,27 +21,19 @@
 namespace cxlab::lab {
 
 struct PlayOptions {
-  std::optional<double> until = {};  ///< s
-  std::string out = {};              ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
-  bool force = false;                ///< `out` may be a folder in use
-  std::string journal = "decisions";
-  bool realtime = false;                   ///< sleeps between ticks
-  bool sockets = false;                    ///< programs outside reach the network of the episode; sleeps, too
-  std::string snapshot = {};               ///< "every:T" or "T,T,..."
-  VideoOptions video = {};                 ///< needs ffmpeg
-  std::vector<std::string> prefixes = {};  ///< whose packages are found, before the default ones
-  bool control = false;                    ///< opens a socket for `cxlab attach`, control.sock in the run's folder
-  std::string control_at = {};             ///< opens it there, see `ControlAddress`; empty: as `control` says
-  bool begin_stopped = false;              ///< before the first rule fires; opens the socket as well
-  bool keep_going = false;                 ///< errors in rule files are reported and the run goes on
-  bool strict = false;                     ///< what the real CX would do otherwise are errors
-  cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
-  bool programs = true;                   ///< libraries of packages may be opened, and programs that nodes name started
+  RunSpec spec = {};
+  std::string out = {};                   ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
+  bool force = false;                     ///< `out` may be a folder in use
+  bool realtime = false;                  ///< sleeps between ticks, as a run with sockets does
+  std::string snapshot = {};              ///< "every:T" or "T,T,..."
+  VideoOptions video = {};                ///< needs ffmpeg
+  bool control = false;                   ///< opens a socket for `cxlab attach`, control.sock in the run's folder
+  std::string control_at = {};            ///< opens it there, see `ControlAddress`; empty: as `control` says
+  bool begin_stopped = false;             ///< before the first rule fires; opens the socket as well
   std::vector<std::string> command = {};  ///< for the manifest: the arguments of the program
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that the run reads
-  std::vector<WhatIf> what_if = {};                   ///< changes in the middle of the run, in order of their time
-  std::vector<std::filesystem::path> also_read = {};  ///< what the caller reads when the run is over
-  WallMeters meters = {};                             ///< of nodes and rules; the result has the time of physics anyway
+  std::vector<std::filesystem::path> also_read = {};                 ///< what the caller reads when the run is over
+  WallMeters meters = {};  ///< of nodes and rules; the result has the time of physics anyway
 };
 
 struct Played {
@@ -49,7 +41,7 @@ struct Played {
   std::filesystem::path folder;  ///< empty = none
   std::vector<Picture> pictures;
   std::filesystem::path film;      ///< empty = none
-  std::vector<WhatIfAct> changed;  ///< by `PlayOptions::what_if`
+  std::vector<WhatIfAct> changed;  ///< by `RunSpec::what_if`
   /// What ended the run early, or an expectation of the scenario that does not hold (kind kNo); none after a stop.
   std::optional<Error> failure;
   /// All that a person has to see: what could not be loaded, each once and in order, then `failure`.
@@ -63,7 +55,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
 /// For the handler of a fault: the result of the run that is being played, if there is one, says that it failed so.
 void note_crash(const Error& error);
 
-/// Options of `Episode::load` that every episode has: the data that comes with cxlab, and the limits of the host.
-EpisodeOptions shared_episode_options(const Host& host = {});
+/// Options of `Episode::load` that every episode has: the spec with the limits of the host, and the data that comes
+/// with cxlab.
+EpisodeOptions shared_episode_options(const Host& host = {}, RunSpec spec = {});
 
 }  // namespace cxlab::lab

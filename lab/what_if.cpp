@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <tuple>
 
 #include "cx/base/file.h"
@@ -13,7 +14,6 @@
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "lab/recorded_run.h"
-#include "lab/what_if_json.h"
 
 namespace cxlab::lab {
 
@@ -60,7 +60,7 @@ Error not_to_set(const std::string& name, const std::string& value, const Record
     if (node == server.kind->name)
       return usage_error(
           "the node " + node + " is no agent's; a stimulus set_param of the scenario sets its parameters", option);
-  std::vector<std::string> overrides = run.overrides;
+  std::vector<std::string> overrides = run.manifest.overrides;
   overrides.push_back(name + '=' + value);
   const auto other =
       Scenario::parse(scenario.text, scenario.file, *run.catalogue, {overrides.begin(), overrides.end()});
@@ -146,10 +146,6 @@ Error placed(Error error, const std::string& option, const cx::Environment& envi
 }
 
 }  // namespace
-
-std::string WhatIf::file_name() const { return std::filesystem::path(file).filename().string(); }
-
-std::string WhatIf::copy_name(std::size_t k) const { return "what_if/" + std::to_string(k) + '/' + file_name(); }
 
 Status prepare(WhatIf& what_if, const RecordedRun& run, const Scenario& scenario) {
   if (run.finished && run.ticks == 0) return usage_error("--at: the run ended before its first tick");
@@ -370,30 +366,6 @@ std::vector<ResultChange> compare_results(const std::string& then_json, const st
   }
   for (const char* list : {"deliveries", "rule_errors", "warnings"})
     add(list, size_of(at(then, {list})), size_of(at(now, {list})), false);
-  return out;
-}
-
-// --- Manifests
-
-nlohmann::ordered_json json_of(const WhatIf& what_if) {
-  nlohmann::ordered_json out{{"at", what_if.at}};
-  if (!what_if.file.empty()) out["then"] = what_if.file;
-  if (!what_if.set.empty()) out["set"] = what_if.set;
-  if (!what_if.facts.empty()) out["assert"] = what_if.facts;
-  if (!what_if.environments.empty()) out["env"] = what_if.environments;
-  return out;
-}
-
-WhatIf what_if_from(const Json& json) {
-  WhatIf out;
-  out.at = json.at("at").get<double>();
-  if (!(out.at >= 0 && out.at <= to_seconds(kLongestRun)))
-    throw Json::other_error::create(
-        500, "what_if: found 'at' " + general_text(out.at, 9) + ", expected s from 0 to 1e9", &json);
-  out.file = json.value("then", out.file);
-  out.set = json.value("set", out.set);
-  out.facts = json.value("assert", out.facts);
-  out.environments = json.value("env", out.environments);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "cx/base/expected.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/run_control.h"
+#include "scenarios/what_if.h"
 
 namespace cxlab {
 struct Scenario;
@@ -18,24 +19,6 @@ struct Scenario;
 namespace cxlab::lab {
 
 struct RecordedRun;
-
-/// What changes at a time: at the first tick that is not before it, when the facts of that tick are there and before
-/// any rule fires. Parameters are set first, then the file is loaded, globals are set, facts are asserted.
-struct WhatIf {
-  double at = 0;                      ///< s
-  std::string file = {};              ///< of rules, as a person named it; empty: none
-  std::string text = {};              ///< what is in it
-  std::vector<std::string> set = {};  ///< NODE.NAME=VALUE, a parameter; ?*NAME*=VALUE, a global
-  std::vector<std::string> facts = {};
-  /// Those that the file, globals and facts are for; empty: each that there is, and for facts the only one.
-  std::vector<std::string> environments = {};
-
-  bool changes_nothing() const { return file.empty() && set.empty() && facts.empty(); }
-  /// The file as errors and records of the run name it.
-  std::string file_name() const;
-  /// Of the k-th change of a run: where the run keeps the file.
-  std::string copy_name(std::size_t k) const;
-};
 
 /// Reads the file that is named, and finds what is wrong before anything is played: with the file's form, with names
 /// that the run does not have, with a time after its end.

@@ -35,7 +35,7 @@ std::vector<std::string> shut_down(std::vector<std::unique_ptr<cx::EnvironmentMa
 }  // namespace
 
 Episode::Episode(Scenario scenario, EpisodeOptions options)
-    : scenario_(std::move(scenario)), options_(std::move(options)), limits_(options_.limits) {}
+    : scenario_(std::move(scenario)), options_(std::move(options)), limits_(options_.spec.limits) {}
 
 Episode::~Episode() = default;
 
@@ -91,7 +91,7 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   if (const Result so_far = result(); so_far.reason && status != RunStatus::kInterrupted && !failure)
     failure = so_far.reason;
   std::vector<std::size_t> load_errors;  // by agent: how many count
-  const std::vector<std::string> at_the_end = shut_down(agents_, options_.strict, failure, load_errors);
+  const std::vector<std::string> at_the_end = shut_down(agents_, options_.spec.strict, failure, load_errors);
   const bool stopped = failure && failure->code == kStoppedCode;  // amid a tick: its inputs are not whole
   if (!stopped) note(write_out());
   for (std::size_t i = 0; i < agents_.size(); ++i) {
@@ -123,7 +123,7 @@ Result Episode::result() const {
   out.ticks = loop_->ticks();
   stage_->report(out);
   for (const auto& report : stage_->reports) report(out);
-  out.deterministic = out.deterministic && !options_.sockets;
+  out.deterministic = out.deterministic && !options_.spec.sockets;
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())

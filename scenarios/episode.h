@@ -24,6 +24,7 @@
 #include "scenarios/inputs.h"
 #include "scenarios/kept_files.h"
 #include "scenarios/result.h"
+#include "scenarios/run_spec.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
 
@@ -55,22 +56,14 @@ struct ReplaySource {
 struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
-  JournalLevel journal = JournalLevel::kDecisions;
+  RunSpec spec;
   cx::RunControl* control = nullptr;  ///< of a person, or of what is planned; may be none
-  /// Kept in the run's folder beside what the run reads: by the name of the copy.
-  std::vector<std::pair<std::string, std::string>> keep_texts = {};
-  cx::LogSink* log = nullptr;  ///< lines of environments and nodes; may be none
+  cx::LogSink* log = nullptr;         ///< lines of environments and nodes; may be none
   WallMeters meters;
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts
   std::optional<ReplaySource> replay;
-  Limits limits;                                     ///< of all its environments together
-  bool strict = false;                               ///< what the real CX would do otherwise are errors
-  cx::RosRelease release = cx::RosRelease::kKilted;  ///< that `strict` is about
-  bool keep_going = false;         ///< errors in rule files are reported and the run goes on, as CX does
-  bool programs = true;            ///< libraries of packages may be opened, and programs that nodes name started
   bool count_activations = false;  ///< engines count how often each rule is put on the agenda
-  bool sockets = false;            ///< programs outside reach its network on the loopback interface; not deterministic
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 

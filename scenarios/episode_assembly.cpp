@@ -97,9 +97,10 @@ Status Episode::open_files() {
   if (!files) return files.error();
   files_.emplace(*std::move(files));
   if (!options_.run_folder.empty())
-    if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.journal); !s) return s;
-  for (const auto& [name, text] : options_.keep_texts)
-    if (Status s = files_->keep_text(name, text); !s) return s;
+    if (Status s = journal_.export_to(options_.run_folder / "journal.jsonl", options_.spec.journal); !s) return s;
+  for (const WhatIf& change : options_.spec.what_if)
+    if (!change.file.empty())
+      if (Status s = files_->keep_text(change.copy, change.text); !s) return s;
   return files_->keep_text("scenario.yaml", scenario_.text.empty() ? scenario_.to_yaml() : scenario_.text);
 }
 
@@ -146,7 +147,7 @@ Status Episode::build_stage() {
       .log = options_.log,
       .models = options_.models,
       .run_folder = options_.run_folder,
-      .programs = options_.programs,
+      .programs = options_.spec.programs,
       .keep = [this](const std::string& name, const fs::path& file) { return files_->keep("nodes/" + name, file); }};
   for (const auto& [key, file] : scenario_.world_files) {
     if (!path_exists(file.path))
@@ -175,7 +176,7 @@ Status Episode::build_stage() {
     for (std::size_t i = of_the_world; i < stage_->servers.size(); ++i)
       stage_->servers[i] = std::make_unique<MeasuredServer>(std::move(stage_->servers[i]), *meter);
   if (Status s = build_stimuli(); !s) return s;
-  return options_.sockets ? open_sockets() : Status();
+  return options_.spec.sockets ? open_sockets() : Status();
 }
 
 Status Episode::open_sockets() {
@@ -214,12 +215,9 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.max_firings = scenario_.max_firings_per_tick;
   manager.stop_on_rule_error = scenario_.stop_on_rule_error;
   manager.limits = &limits_;
-  manager.keep_going = options_.keep_going;
-  manager.strict = options_.strict;
+  static_cast<cx::Conduct&>(manager) = options_.spec;
   manager.count_activations = options_.count_activations;
-  manager.release = options_.release;
   manager.trust_rules = scenario_.trust_rules;
-  manager.native_plugins = options_.programs;
   for (const Stimulus& stimulus : scenario_.stimuli)
     if (stimulus.verb == Stimulus::Verb::kSetParam && stimulus.target.ends_with(".plugin"))
       if (const auto value = yaml::Document::parse(stimulus.content, "stimuli"))

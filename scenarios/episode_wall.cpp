@@ -30,7 +30,7 @@ Wall Episode::wall() const {
     wall.write.push_back(options_.run_folder);
     wall.links.push_back(logs);
   }
-  wall.send_to = options_.sockets;
+  wall.send_to = options_.spec.sockets;
   return wall;
 }
 

@@ -92,7 +92,7 @@ void EnvironmentManager::add_reach(Wall& wall) const {
     const fs::path library = library_file(type);
     if (library.empty() || (!folder.empty() && really_below(library, folder))) continue;
     wall.read.push_back(library);
-    if (used.contains(type.name) && options_.native_plugins) open_early(type);
+    if (used.contains(type.name) && options_.programs) open_early(type);
   }
 }
 

@@ -220,7 +220,7 @@ Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginCont
   const std::string name = context.name, class_name = context.type;
   std::shared_ptr<PluginLibrary::Open> open;
   std::function<std::unique_ptr<Plugin>(PluginContext)> make = type.make;
-  if (type.library && !context.run.native_plugins)
+  if (type.library && !context.run.programs)
     return usage_error(who(name, class_name, type.library->name()) +
                        " is native code: it can read, write and run anything. If it may: --trust-programs")
         .with_code(kUntrusted);

@@ -42,7 +42,7 @@ std::string place_of(const PluginType& type);
 
 /// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it
 /// needs is missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
-/// kUsage where `RunSettings::native_plugins` does not allow it. The library stays open as long as the instance lives.
+/// kUsage where `RunSettings::programs` does not allow it. The library stays open as long as the instance lives.
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
 
 /// The library whose constructors run now, empty if none does: an exception of theirs ends the process.

@@ -81,13 +81,6 @@ struct Journal::Stream {
   std::size_t size = 0;
 };
 
-Expected<JournalLevel> parse_journal_level(std::string_view word) {
-  if (word == "none") return JournalLevel::kNone;
-  if (word == "decisions") return JournalLevel::kDecisions;
-  if (word == "full") return JournalLevel::kFull;
-  return usage_error("'" + std::string(word) + "' is no journal level: none, decisions or full");
-}
-
 Journal::Journal() = default;
 Journal::~Journal() = default;
 

@@ -19,9 +19,8 @@ namespace cxlab {
 /// What is exported (the hash always covers everything): nothing; input, skill, referee, decision, control and error;
 /// everything.
 enum class JournalLevel : std::uint8_t { kNone, kDecisions, kFull };
+inline constexpr std::string_view kJournalLevels[] = {"none", "decisions", "full"};
 
-/// "none", "decisions" or "full".
-Expected<JournalLevel> parse_journal_level(std::string_view word);
 class JournalListener;
 
 /// The records of one episode. A stream's hash covers number, time, kind, causes (name of the stream and number) and

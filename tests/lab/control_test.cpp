@@ -184,11 +184,9 @@ class ControlledRunTest : public FolderTest {
     auto scenario = Scenario::load(FolderTest::scenario("game", rules), shipped());
     ASSERT_TRUE(scenario) << scenario.error().text();
     run_ = std::thread([this, scenario = *std::move(scenario)]() mutable {
-      auto played = play_scenario({.out = path("out").string(),
-                                   .journal = "full",
-                                   .control_at = path("c.sock").string(),
-                                   .begin_stopped = true},
-                                  std::move(scenario));
+      PlayOptions options{.out = path("out").string(), .control_at = path("c.sock").string(), .begin_stopped = true};
+      options.spec.journal = JournalLevel::kFull;
+      auto played = play_scenario(options, std::move(scenario));
       EXPECT_TRUE(played) << (played ? "" : played.error().text());
       if (played) played_ = *std::move(played);
     });

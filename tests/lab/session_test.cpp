@@ -88,7 +88,9 @@ TEST_F(SessionTest, AnErrorOfARuleIsTheFailureOfTheRun) {
 
 TEST_F(SessionTest, AnErrorWhileLoadingIsReportedOnce) {
   scenario("game", "(defrule wrong (no-such-template (slot 1)) => (no-such-function))\n");
-  const Played played = play("game", {.keep_going = true});
+  PlayOptions options;
+  options.spec.keep_going = true;
+  const Played played = play("game", options);
   ASSERT_TRUE(played.failure);
   EXPECT_EQ(played.failure->kind, ErrorKind::kInput);
   std::set<std::string> texts;

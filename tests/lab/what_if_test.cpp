@@ -54,7 +54,9 @@ class WhatIfTest : public FolderTest {
   void play() const {
     auto scenario = Scenario::load(path("game.yaml"), shipped());
     ASSERT_TRUE(scenario) << scenario.error().text();
-    const auto played = play_scenario({.out = path("out").string(), .journal = "full"}, *std::move(scenario));
+    PlayOptions options{.out = path("out").string()};
+    options.spec.journal = JournalLevel::kFull;
+    const auto played = play_scenario(options, *std::move(scenario));
     ASSERT_TRUE(played) << played.error().text();
     ASSERT_FALSE(played->failure) << played->failure->text();
   }

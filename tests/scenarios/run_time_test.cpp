@@ -98,7 +98,7 @@ TEST_F(RunTime, TheRulesReplayAloneWithAllOfIt) {
   auto scenario = Scenario::load(file, shipped());
   ASSERT_TRUE(scenario.ok());
   EpisodeOptions options;
-  options.journal = JournalLevel::kFull;
+  options.spec.journal = JournalLevel::kFull;
   options.run_folder = folder_ / "again";
   std::filesystem::create_directories(options.run_folder);
   options.replay =

@@ -79,7 +79,7 @@ class EpisodeTest : public testing::Test {
     options.interfaces = interfaces_dir();
     options.models = models_dir();
     options.log = &log_;
-    options.journal = JournalLevel::kFull;
+    options.spec.journal = JournalLevel::kFull;
     if (!run.empty()) {
       options.run_folder = folder_ / run;
       std::filesystem::create_directories(options.run_folder);

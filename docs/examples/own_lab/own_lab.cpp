@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   auto scenario = cxlab::Scenario::load(argv[1], cxlab::shipped());
   if (!scenario) return fail(scenario.error());
   lab::PlayOptions options;
-  options.until = 60;
+  options.spec.until = 60;
   options.out = folder / "run";
   auto played = lab::play_scenario(options, *std::move(scenario), host);
   if (!played) return fail(played.error());

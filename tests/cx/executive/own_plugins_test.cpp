@@ -55,7 +55,7 @@ talk: {plugin: ")" +
 
 TEST_F(OwnPlugins, LibraryIsNotOpenedWhereNativePluginsMayNotBe) {
   library("libnone.so");  // not even looked for
-  lab_.options.native_plugins = false;
+  lab_.options.programs = false;
   for (const bool keep_going : {false, true}) {
     lab_.options.keep_going = keep_going;
     const Error error = error_of();

@@ -1,4 +1,5 @@
 #include "cx/journal/journal.h"
+#include "cx/base/named_value.h"
 
 #include <gmock/gmock.h>
 
@@ -610,13 +611,14 @@ TEST(JournalExport, BytesThatAreNoRecordAreAnError) {
 }
 
 TEST(JournalLevel, IsOneOfThreeWords) {
-  EXPECT_EQ(*parse_journal_level("none"), JournalLevel::kNone);
-  EXPECT_EQ(*parse_journal_level("decisions"), JournalLevel::kDecisions);
-  EXPECT_EQ(*parse_journal_level("full"), JournalLevel::kFull);
-  const auto wrong = parse_journal_level("all");
-  ASSERT_FALSE(wrong.ok());
-  EXPECT_EQ(wrong.error().kind, ErrorKind::kUsage);
-  EXPECT_THAT(wrong.error().message, HasSubstr("none, decisions or full"));
+  JournalLevel level{};
+  auto words = named(level, kJournalLevels);
+  EXPECT_TRUE(words.set("full"));
+  EXPECT_EQ(level, JournalLevel::kFull);
+  EXPECT_FALSE(words.set("all"));
+  EXPECT_EQ(words.word(), "full");
+  EXPECT_TRUE(words.set("none"));
+  EXPECT_EQ(level, JournalLevel::kNone);
 }
 
 }  // namespace
