@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -79,6 +80,29 @@ struct Counters {
   }
 };
 
+constexpr int kStackIsFull = 3;
+struct sigaction sanitizers_own;
+
+void on_fault(int number, siginfo_t* info, void* context) {
+  const auto fault = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  const auto stack = static_cast<std::uintptr_t>(static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_RSP]);
+  if ((fault > stack ? fault - stack : stack - fault) < 65536) _exit(kStackIsFull);
+  sigaction(number, &sanitizers_own, nullptr);  // the fault comes again
+}
+
+/// A full stack ends the program with a message of its own (app/faults.h), and is no fault of what is searched here.
+void accept_full_stack() {
+  static std::uint8_t memory[64 * 1024];
+  stack_t other{};
+  other.ss_sp = memory;
+  other.ss_size = sizeof memory;
+  promise(sigaltstack(&other, nullptr) == 0, "a second stack can be had");
+  struct sigaction action{};
+  action.sa_sigaction = on_fault;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+  sigaction(SIGSEGV, &action, &sanitizers_own);
+}
+
 }  // namespace
 
 void in_copy(const std::function<void()>& play) {
@@ -87,12 +111,14 @@ void in_copy(const std::function<void()>& play) {
   promise(copy >= 0, "the process can be copied");
   if (copy == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    accept_full_stack();
     play();
     counters.give();
     _exit(0);
   }
   int status = 0;
   while (waitpid(copy, &status, 0) < 0) promise(errno == EINTR, "the copy can be waited for");
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kStackIsFull) return;
   promise(WIFEXITED(status) && WEXITSTATUS(status) == 0, "a copy plays an input to its end");
   counters.take();
 }

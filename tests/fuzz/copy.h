@@ -6,8 +6,8 @@
 namespace cxlab::fuzz {
 
 /// Calls `play` in a copy of this process, so that what was made here before need not be made anew for each input, and
-/// cannot change. What the copy covers counts as covered here; where it ends in any other way than by its return, this
-/// process aborts.
+/// cannot change. What the copy covers counts as covered here. It may also end because calls without end fill its
+/// stack; where it ends in any other way, this process aborts.
 void in_copy(const std::function<void()>& play);
 
 }  // namespace cxlab::fuzz
