@@ -65,6 +65,34 @@ TEST_F(RuleErrors, MethodsThatCallEachOtherWithoutEndAreStopped) {
               ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("from within itself"))));
 }
 
+TEST_F(RuleErrors, MessageHandlersThatCallThemselvesWithoutEndAreStopped) {
+  given("(defclass A (is-a USER) (role concrete) (slot s))\n(defrule go (a) =>)\n");
+  const std::pair<const char*, const char*> kHandlers[] = {
+      {"(defmessage-handler A turn () (send ?self turn))", "(send [x] turn)"},
+      {"(defmessage-handler A init after () (make-instance of A))", "(make-instance of A)"},
+      {"(defmessage-handler A create after () (make-instance of A))", "(make-instance of A)"},
+      {"(defmessage-handler A direct-modify around (?o) (modify-instance ?self (s 1)))", "(modify-instance [x] (s 1))"},
+      {"(defmessage-handler A direct-modify around (?o) (active-modify-instance ?self (s 1)))",
+       "(active-modify-instance [x] (s 1))"},
+      {"(defmessage-handler A message-modify around (?o) (message-modify-instance ?self (s 1)))",
+       "(message-modify-instance [x] (s 1))"},
+      {"(defmessage-handler A direct-duplicate around (?n ?o) (duplicate-instance ?self))", "(duplicate-instance [x])"},
+      {"(defmessage-handler A direct-duplicate around (?n ?o) (active-duplicate-instance ?self to z))",
+       "(active-duplicate-instance [x])"},
+      {"(defmessage-handler A message-duplicate around (?n ?o) (message-duplicate-instance ?self))",
+       "(message-duplicate-instance [x])"},
+      {"(defmessage-handler A delete before () (unmake-instance ?self))", "(unmake-instance [x])"}};
+  for (const auto& [handler, call] : kHandlers) {
+    engine().reset();
+    (void)engine().eval("(make-instance x of A)");
+    ASSERT_TRUE(engine().build(handler).ok()) << handler;
+    ASSERT_TRUE(engine().build(std::string("(defrule go (a) => ") + call + ")").ok());
+    ASSERT_TRUE(engine().assert_string("(a)").ok());
+    EXPECT_THAT(texts(engine().run().errors), ElementsAre(HasSubstr("from within itself"))) << handler;
+    (void)engine().eval("(undefmessage-handler A * *)");
+  }
+}
+
 TEST_F(RuleErrors, AnUnknownSlotHasTheLineWhereItStands) {
   EXPECT_THAT(
       load_errors("(deftemplate order (slot id))\n\n(defrule go\n  (order (id ?x)\n         (colour RED))\n  =>\n)\n"),
