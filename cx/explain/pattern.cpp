@@ -220,6 +220,20 @@ std::vector<std::string> Pattern::slot_names() const {
   return names;
 }
 
+std::vector<std::pair<std::string, Value>> Pattern::constants() const {
+  std::vector<std::pair<std::string, Value>> out;
+  const auto add = [&out](const std::string& slot, const std::vector<Constraint>& constraints) {
+    for (const Constraint& constraint : constraints)
+      for (const auto& together : constraint.any_of)
+        for (const Constraint::Single& single : together)
+          if (single.kind == Constraint::Single::Kind::kConstant && !single.negated)
+            out.emplace_back(slot, single.constant);
+  };
+  for (const Slot& slot : slots_) add(slot.name, slot.constraints);
+  add("implied", ordered_);
+  return out;
+}
+
 std::vector<std::string> Pattern::binds() const {
   std::vector<std::string> names;
   const auto add = [&](const std::vector<Constraint>& constraints) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -56,6 +57,8 @@ class Pattern {
   std::vector<std::string> binds() const;
   /// Empty for an ordered fact.
   std::vector<std::string> slot_names() const;
+  /// The values that are written in the pattern, with their slots ("implied" for an ordered fact), but those of `~`.
+  std::vector<std::pair<std::string, Value>> constants() const;
 
   /// Calls `found` for each way in which the fact matches, with the new bindings, until it returns true. Returns
   /// whether it did. The bindings are as before afterwards. Expressions hold without an evaluator, or where one of

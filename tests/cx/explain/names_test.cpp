@@ -57,6 +57,37 @@ TEST(Names, TemplateIsADeftemplateOrThatOfAnOrderedFact) {
   EXPECT_THAT(wrong(*engine, "(count (name 1))"), HasSubstr("template 'count' has no slots"));
 }
 
+TEST(Names, SlotStandsInAPatternOnceAndWithItsName) {
+  const auto engine = engine_with(kRules);
+  EXPECT_THAT(wrong(*engine, "(robot (name \"a\") (name \"b\"))"), HasSubstr("slot 'name' is in the pattern twice"));
+  EXPECT_THAT(wrong(*engine, "(robot 3)"), HasSubstr("write (robot (SLOT VALUE)), with one of name, tasks"));
+}
+
+TEST(Names, ValueThatNoFactCanHaveIsAgainstItsTypeItsAllowedValuesOrItsQuotes) {
+  const auto engine = engine_with(
+      "(deftemplate order (slot id (type INTEGER)) (slot state (type SYMBOL) (allowed-values OPEN DONE)) (slot cap)"
+      " (slot part (type STRING)) (slot any (type ?VARIABLE)) (slot both (type SYMBOL STRING) (allowed-symbols a)))"
+      "(deffacts start (order (id 1) (state OPEN) (cap \"CAP_GREY\") (part \"x\")) (name robot1))");
+  const auto found = [&](const std::string& pattern) {
+    const Status status = check_values(*Pattern::parse_plain(pattern, "f", 1), *engine, engine->facts());
+    return status.ok() ? "" : status.error().text();
+  };
+  for (const char* possible :
+       {"(order (id 3))", "(order (id 1.0))", "(order (state DONE))", "(order (cap ?))", "(order (cap CAP_BLACK))",
+        "(order (part \"y\"))", "(order (any 3))", "(order (both a))", "(order (both \"b\"))", "(name robot2)"})
+    EXPECT_EQ(found(possible), "") << possible;
+  EXPECT_THAT(found("(order (id three))"),
+              HasSubstr("slot 'id' of template 'order' cannot be three; its type is INTEGER"));
+  EXPECT_THAT(found("(order (state OPENED))"),
+              HasSubstr("cannot be OPENED, did you mean 'OPEN'?; it holds OPEN, DONE"));
+  EXPECT_THAT(found("(order (state \"OPEN\"))"), HasSubstr("its type is SYMBOL"));
+  EXPECT_THAT(found("(order (both b))"), HasSubstr("it holds a"));
+  EXPECT_THAT(found("(order (part x))"), HasSubstr("write \"x\""));
+  EXPECT_THAT(found("(order (cap CAP_GREY))"), HasSubstr("cap holds \"CAP_GREY\", which is not CAP_GREY to CLIPS"));
+  EXPECT_THAT(found("(order (id 1) (cap CAP_GREY))"), HasSubstr("which is not CAP_GREY"));
+  EXPECT_THAT(found("(name \"robot1\")"), HasSubstr("one is a string, the other a symbol"));
+}
+
 TEST(Names, PatternOfAnInstanceIsNotLookedAt) {
   const auto engine = engine_with(kRules);
   EXPECT_EQ(wrong(*engine, "(object (is-a NOBODY) (nmae ?))"), "");
