@@ -8,7 +8,7 @@
 
 #include "app/command.h"
 #include "cx/base/number_text.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 namespace cxlab::app {
 

@@ -207,7 +207,7 @@ int talk(ControlClient& client, const AttachOptions& options) {
 
 /// A run that has ended is played again.
 int travel(const AttachOptions& options) {
-  auto run = lab::RecordedRun::open(options.where, catalogue(), options.trust_programs);
+  auto run = lab::Run::open(options.where, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
   auto played = lab::TimeTravel::start(*run, console.host());

@@ -34,6 +34,8 @@ Json json_of(const lab::Comparison::Side& side) {
 
 Json json_of(const lab::Comparison& found) {
   Json json{{"same", found.same()}, {"compared_s", to_seconds(found.compared)}};
+  json["only_in_a"] = found.only_in_a;
+  json["only_in_b"] = found.only_in_b;
   json["constructs"] = Json::array();
   for (const auto& c : found.constructs)
     json["constructs"].push_back({{"kind", c.kind}, {"name", c.name}, {"a", c.a}, {"b", c.b}});
@@ -61,6 +63,8 @@ void print(const char* name, const lab::Comparison::Side& side) {
 }
 
 void print(const lab::Comparison& found) {
+  for (const std::string& name : found.only_in_a) std::printf("environment %s is only in a\n", name.c_str());
+  for (const std::string& name : found.only_in_b) std::printf("environment %s is only in b\n", name.c_str());
   for (const auto& c : found.constructs) {
     std::printf("%s %s ", c.kind.c_str(), c.name.c_str());
     if (c.a.empty() || c.b.empty())
@@ -87,9 +91,9 @@ void print(const lab::Comparison& found) {
 }
 
 int diff(const DiffOptions& options) {
-  auto a = lab::RecordedRun::open(options.a, catalogue(), options.trust_programs);
+  auto a = lab::Run::open(options.a, catalogue(), options.trust_programs);
   if (!a) return fail(a.error());
-  auto b = lab::RecordedRun::open(options.b, catalogue(), options.trust_programs);
+  auto b = lab::Run::open(options.b, catalogue(), options.trust_programs);
   if (!b) return fail(b.error());
   Console console(true);
   const auto found = lab::compare(*a, *b, console.host());

@@ -45,7 +45,7 @@ SimTime to_of(const Question& question) { return question.to ? from_seconds(*que
 
 int ask(const Question& question, const Ask& ask, lab::Moment::Options options) {
   if (question.from && question.to && *question.from > *question.to) return fail(usage_error("--from is after --to"));
-  auto run = lab::RecordedRun::open(question.run, catalogue(), question.trust_programs);
+  auto run = lab::Run::open(question.run, catalogue(), question.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
   auto moment = lab::Moment::open(*run, console.host(), options);
@@ -54,6 +54,8 @@ int ask(const Question& question, const Ask& ask, lab::Moment::Options options) 
   if (Status s = (*moment)->seek(end ? std::optional(from_seconds(*end)) : std::nullopt); !s && !(*moment)->stopped())
     return fail(lab::about_option(s.error(), question.at ? "--at" : "--to"));
   if (const int code = interrupted("the run was not replayed up to that time")) return code;
+  if (question.from && from_seconds(*question.from) > (*moment)->t())
+    return fail(usage_error("--from: the run ends at " + inspect::seconds_text((*moment)->t())));
   auto inspectors = (*moment)->inspectors(question.environment);
   if (!inspectors) return fail(inspectors.error());
   Json environments = Json::array();

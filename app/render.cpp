@@ -49,7 +49,7 @@ Status draw(const RenderOptions& options, const lab::Host& host) {
     if (options.seed || !options.overrides.empty())
       return usage_error(std::string(options.seed ? "--seed" : "--set") + ": " + options.what +
                          " is a run, which was played already: only a scenario takes it");
-    auto run = lab::RecordedRun::open(options.what, catalogue());
+    auto run = lab::Run::open(options.what, catalogue());
     if (!run) return run.error();
     return film ? lab::film_run(*run, options.film, host) : lab::render_run(*run, options.picture);
   }

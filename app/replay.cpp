@@ -49,7 +49,7 @@ void print(const char* half, const lab::ReplayOutcome& outcome) {
 }
 
 int replay(const ReplayOptions& options) {
-  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
+  auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
   if (!run->finished)
     return fail(input_error("the run was cut off before its end: there are no hashes to compare with", options.run));

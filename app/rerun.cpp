@@ -29,7 +29,7 @@ void print_changed(const std::vector<std::string>& files, const std::vector<std:
   for (const std::string& what : surroundings) std::printf("  not as then: %s\n", what.c_str());
 }
 
-int compare(const RerunOptions& options, const lab::RecordedRun& run, const lab::Rerun& again) {
+int compare(const RerunOptions& options, const lab::Run& run, const lab::Rerun& again) {
   const auto& [played, differ, first, changed, before, after, results] = again;
   if (options.json) {
     const Json out{{"same", differ.empty()},
@@ -62,7 +62,7 @@ Json to_json(const lab::Difference& difference) {
           {"now", difference.now}};
 }
 
-void print_what_if_json(const RerunOptions& options, const lab::RecordedRun& run, const lab::Rerun& again) {
+void print_what_if_json(const RerunOptions& options, const lab::Run& run, const lab::Rerun& again) {
   Json out{{"run", options.run},
            {"again", again.played.folder.string()},
            {"at", *options.at},
@@ -97,7 +97,7 @@ std::string shortened(const std::string& text) {
   return text.substr(0, end) + "...";
 }
 
-void print_what_if(const lab::RecordedRun& run, const lab::Rerun& again, double at) {
+void print_what_if(const lab::Run& run, const lab::Rerun& again, double at) {
   if (again.before) {
     std::printf("different before %s: %s\n", seconds_text(from_seconds(at)).c_str(),
                 printable(shortened(again.before->text())).c_str());
@@ -150,7 +150,7 @@ Expected<std::optional<WhatIf>> what_if_of(const RerunOptions& options) {
 int rerun(const RerunOptions& options) {
   auto what_if = what_if_of(options);
   if (!what_if) return fail(what_if.error());
-  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
+  auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
   if (!run->finished && !*what_if)
     return fail(input_error("the run was cut off before its end: there is nothing to compare with", options.run));

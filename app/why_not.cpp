@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct WhyNotOptions {
-  std::string run, rule;
+  std::string run, rule, environment;
   std::optional<double> at;
   std::vector<std::string> where;
   bool trust_programs = false, json = false;
@@ -122,10 +122,10 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
 int why_not(const WhyNotOptions& options) {
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
-  auto run = lab::RecordedRun::open(options.run, catalogue(), options.trust_programs);
+  auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
-  lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted)};
+  lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted), options.environment};
   if (options.at) question.at = from_seconds(*options.at);
   const auto answer = lab::why_not(*run, question, console.host());
   if (const int code = interrupted("the run was not replayed up to that time")) return code;
@@ -148,6 +148,7 @@ void add_why_not(CLI::App& app, Action& action) {
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("rule", options->rule, "Name of the rule, with or without its module: nav, NAV::nav")->required();
+  command->add_option("--env", options->environment, "Only this environment (default: all)");
   time_option(command->add_option("--at", options->at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));

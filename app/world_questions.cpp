@@ -14,8 +14,7 @@
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
-#include "cx/journal/journal_reader.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 #include "scenarios/question.h"
 
 namespace cxlab::app {
@@ -167,25 +166,15 @@ const WorldQuestion* find_question(const WorldKind& world, const std::string& na
   return nullptr;
 }
 
-Status check_recorded(const lab::RecordedRun& run) {
-  if (run.manifest.spec.journal == JournalLevel::kNone)
-    return input_error("the run was recorded without a journal (--journal none), which these questions read",
-                       run.folder.string());
-  if (!is_file(run.folder / "journal.jsonl"))
-    return input_error("there is no journal.jsonl in the folder of the run", run.folder.string());
-  return {};
-}
-
 struct Recorded {
   std::vector<JournalRecord> records;  ///< up to `to`
   SimTime from{}, to{};
   bool ended = false, cut_off = false;
 };
 
-Expected<Recorded> read_records(const lab::RecordedRun& run, const WorldAsk& ask) {
-  auto records = read_journal(
-      run.folder / "journal.jsonl",
-      {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kDecision, RecordKind::kControl, RecordKind::kError});
+Expected<Recorded> read_records(const lab::Run& run, const WorldAsk& ask) {
+  auto records = run.records({.kinds = {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kDecision,
+                                        RecordKind::kControl, RecordKind::kError}});
   if (!records) return records.error();
   Recorded out;
   SimTime last{};
@@ -208,7 +197,7 @@ Expected<Recorded> read_records(const lab::RecordedRun& run, const WorldAsk& ask
 
 int answer(const WorldAsk& ask) {
   if (ask.from && ask.to && *ask.from > *ask.to) return fail(usage_error("--from is after --to"));
-  auto run = lab::RecordedRun::open(ask.run, catalogue());
+  auto run = lab::Run::open(ask.run, catalogue());
   if (!run) return fail(run.error());
   const auto scenario = run->scenario();
   if (!scenario) return fail(scenario.error());
@@ -219,7 +208,6 @@ int answer(const WorldAsk& ask) {
                                 ", has no question '" + ask.name + "'; it is one of " + some_of(worlds, worlds.size()),
                             ask.run));
   }
-  if (Status s = check_recorded(*run); !s) return fail(s.error());
   auto recorded = read_records(*run, ask);
   if (!recorded) return fail(recorded.error());
   auto given = question->ask(

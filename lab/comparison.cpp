@@ -42,12 +42,11 @@ void flatten(const Json& json, const std::string& path, std::map<std::string, st
   if (out.emplace(path, json.dump(-1, ' ', false, Json::error_handler_t::replace)).second) order.push_back(path);
 }
 
-std::vector<Comparison::Outcome> outcomes_that_differ(const RecordedRun& a, const RecordedRun& b) {
+std::vector<Comparison::Outcome> outcomes_that_differ(const Run& a, const Run& b) {
   std::map<std::string, std::string> of_a, of_b;
   std::vector<std::string> order;
   for (const auto& [run, out] : {std::pair(&a, &of_a), std::pair(&b, &of_b)})
-    if (const auto text = read_file(run->folder / "result.json"))
-      flatten(Json::parse(*text, nullptr, false), {}, *out, order);
+    flatten(Json::parse(run->result), {}, *out, order);
   std::vector<Comparison::Outcome> differ;
   for (const std::string& path : order) {
     const auto there = of_a.find(path), here = of_b.find(path);
@@ -86,6 +85,16 @@ void compare_constructs(Inspector& a, Inspector& b, std::vector<Comparison::Cons
   for (const auto& [key, text] : of_b)
     if (!of_a.contains(key)) add(key, "", text.place);
 }
+
+/// The environments of `here` that are not among `there`.
+std::vector<std::string> names_missing(const std::vector<Inspector>& here, const std::vector<Inspector>& there) {
+  std::vector<std::string> out;
+  for (const Inspector& one : here)
+    if (std::ranges::find(there, one.name(), &Inspector::name) == there.end()) out.push_back(one.name());
+  return out;
+}
+
+std::string list(const std::vector<std::string>& names) { return some_of(names, names.size()); }
 
 /// The first record in which two environments of one name differ; none if the shorter one is like the other's
 /// beginning.
@@ -145,7 +154,7 @@ Expected<std::string> why_not_here(Moment& moment, const std::string& environmen
 
 }  // namespace
 
-Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const Host& host) {
+Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   Comparison out;
   out.outcomes = outcomes_that_differ(a, b);
   auto two = Moment::open_two(a, b, host);
@@ -159,6 +168,11 @@ Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const H
   out.compared = std::min(in_a.t(), in_b.t());
   auto of_a = in_a.inspectors(), of_b = in_b.inspectors();
   if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
+  out.only_in_a = names_missing(*of_a, *of_b);
+  out.only_in_b = names_missing(*of_b, *of_a);
+  if (out.only_in_a.size() == of_a->size())
+    return input_error("the runs have no environment in common: " + a.folder.string() + " has " + list(out.only_in_a) +
+                       ", " + b.folder.string() + " has " + list(out.only_in_b));
   std::string rule_of_a, rule_of_b;
   for (Inspector& one : *of_a) {
     const auto other = std::ranges::find(*of_b, one.name(), &Inspector::name);

@@ -8,7 +8,7 @@
 #include "cx/base/expected.h"
 #include "cx/inspect/inspector.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 namespace cxlab::lab {
 
@@ -19,6 +19,7 @@ struct Comparison {
     std::string a, b;  ///< FILE:LINE in each; empty: it is not there
   };
   std::vector<Construct> constructs;
+  std::vector<std::string> only_in_a, only_in_b;  ///< environments that the other run has not
 
   /// What one of the runs did where they part.
   struct Side {
@@ -42,10 +43,10 @@ struct Comparison {
   std::vector<Outcome> outcomes;
   bool stopped = false;  ///< by the host; then nothing was compared
 
-  bool same() const { return !first && outcomes.empty(); }
+  bool same() const { return !first && outcomes.empty() && only_in_a.empty() && only_in_b.empty(); }
 };
 
-/// Plays the rules of both runs again.
-Expected<Comparison> compare(const RecordedRun& a, const RecordedRun& b, const Host& host = {});
+/// Plays the rules of both runs again. Runs that have no environment in common are an error.
+Expected<Comparison> compare(const Run& a, const Run& b, const Host& host = {});
 
 }  // namespace cxlab::lab

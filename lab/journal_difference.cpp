@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <deque>
-#include <fstream>
 #include <map>
-#include <set>
 #include <tuple>
 
 #include "cx/base/file.h"
@@ -20,34 +18,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNothing = "nothing like it";
 
-/// The lines of a journal. The last one may be cut off, and is then none.
-class Lines {
- public:
-  explicit Lines(const fs::path& run) : file_(run / "journal.jsonl"), in_(file_, std::ios::binary) {}
-  /// One without records may not be there.
-  bool readable() const { return in_.is_open() || !path_exists(file_); }
-  bool next(std::string& line) {
-    ++number_;
-    return static_cast<bool>(std::getline(in_, line)) && !in_.eof();
-  }
-  Expected<JournalRecord> record(const std::string& line) const {
-    auto record = parse_journal_line(line);
-    if (!record) return input_error(record.error().message, file_.string(), number_);
-    return record;
-  }
-  Error unreadable() const { return resource_error("cannot be read", file_.string()); }
-
- private:
-  fs::path file_;
-  std::ifstream in_;
-  int number_ = 0;
-};
-
-/// A record that says what was planned, which only one of the runs has.
-bool is_plan(const JournalRecord& record) {
-  if (record.kind != RecordKind::kControl || !record.stream.starts_with("env/")) return false;
-  const std::string_view what = record.data.text("what");
-  return what == "load" || what == "assert" || what == "set" || what == "fail";
+/// The journal of a run; one that recorded none has no lines.
+Expected<std::optional<JournalReader>> journal_of(const fs::path& run) {
+  const fs::path file = run / "journal.jsonl";
+  if (!path_exists(file)) return std::optional<JournalReader>();
+  auto reader = JournalReader::open(file);
+  if (!reader) return reader.error();
+  return std::optional(*std::move(reader));
 }
 
 bool same(const JournalRecord& a, const JournalRecord& b) { return a.t == b.t && a.kind == b.kind && a.data == b.data; }
@@ -55,23 +32,27 @@ bool same(const JournalRecord& a, const JournalRecord& b) { return a.t == b.t &&
 Difference difference(const JournalRecord* then, const JournalRecord* now) {
   const bool first = then && (!now || then->t <= now->t);
   const JournalRecord& one = first ? *then : *now;
-  return {one.stream, one.t, then ? shown(*then) : kNothing, now ? shown(*now) : kNothing};
+  const auto text = [&](const JournalRecord* record) {
+    if (!record) return std::string(kNothing);
+    return shown(*record) + (record->t == one.t ? "" : " at " + fixed_text(to_seconds(record->t), 3) + " s");
+  };
+  return {one.stream, one.t, text(then), text(now)};
 }
 
 Expected<std::optional<Difference>> records_before(SimTime t, const fs::path& then, const fs::path& now, bool whole) {
-  Lines lines_then(then), lines_now(now);
-  if (!lines_then.readable()) return lines_then.unreadable();
-  if (!lines_now.readable()) return lines_now.unreadable();
-  std::string line_then, line_now;
+  auto journal_then = journal_of(then), journal_now = journal_of(now);
+  if (!journal_then) return journal_then.error();
+  if (!journal_now) return journal_now.error();
+  std::optional<JournalReader>&reader_then = *journal_then, &reader_now = *journal_now;
   while (true) {
-    const bool has_then = lines_then.next(line_then), has_now = lines_now.next(line_now);
-    if (has_then && has_now && line_then == line_now) continue;
+    const bool has_then = reader_then && reader_then->next_line(), has_now = reader_now && reader_now->next_line();
+    if (has_then && has_now && reader_then->line() == reader_now->line()) continue;
     if (!has_then && (!has_now || !whole)) return std::optional<Difference>();
     std::optional<JournalRecord> a, b;
-    for (const auto& [has, lines, line, record] :
-         {std::tuple(has_then, &lines_then, &line_then, &a), std::tuple(has_now, &lines_now, &line_now, &b)}) {
+    for (const auto& [has, reader, record] :
+         {std::tuple(has_then, &reader_then, &a), std::tuple(has_now, &reader_now, &b)}) {
       if (!has) continue;
-      auto read = lines->record(*line);
+      auto read = (*reader)->record();
       if (!read) return read.error();
       *record = *std::move(read);
     }
@@ -166,16 +147,16 @@ Expected<std::vector<Difference>> first_differences(const fs::path& then, const 
   };
   std::map<std::string, Stream> streams;
   std::vector<Difference> out;
-  Lines lines_then(then), lines_now(now);
-  if (!lines_then.readable()) return lines_then.unreadable();
-  if (!lines_now.readable()) return lines_now.unreadable();
-  std::string line_then, line_now;
-  const auto add = [&](const Lines& lines, const std::string& line, std::deque<JournalRecord> Stream::* side,
+  auto journal_then = journal_of(then), journal_now = journal_of(now);
+  if (!journal_then) return journal_then.error();
+  if (!journal_now) return journal_now.error();
+  std::optional<JournalReader>&reader_then = *journal_then, &reader_now = *journal_now;
+  const auto add = [&](const JournalReader& reader, std::deque<JournalRecord> Stream::* side,
                        std::deque<JournalRecord> Stream::* other) -> Status {
-    auto record = lines.record(line);
+    auto record = reader.record();
     if (!record) return record.error();
     Stream& stream = streams[record->stream];
-    if (stream.parted || is_plan(*record)) return {};
+    if (stream.parted || is_planned(*record)) return {};
     if ((stream.*other).empty()) {
       (stream.*side).push_back(*std::move(record));
       return {};
@@ -190,14 +171,14 @@ Expected<std::vector<Difference>> first_differences(const fs::path& then, const 
   };
   bool alike = true;
   while (true) {
-    const bool has_then = lines_then.next(line_then), has_now = lines_now.next(line_now);
+    const bool has_then = reader_then && reader_then->next_line(), has_now = reader_now && reader_now->next_line();
     if (!has_then && !has_now) break;
-    alike = alike && has_then && has_now && line_then == line_now;
+    alike = alike && has_then && has_now && reader_then->line() == reader_now->line();
     if (alike) continue;
     if (has_then)
-      if (Status s = add(lines_then, line_then, &Stream::then, &Stream::now); !s) return s.error();
+      if (Status s = add(*reader_then, &Stream::then, &Stream::now); !s) return s.error();
     if (has_now)
-      if (Status s = add(lines_now, line_now, &Stream::now, &Stream::then); !s) return s.error();
+      if (Status s = add(*reader_now, &Stream::now, &Stream::then); !s) return s.error();
   }
   for (const auto& [name, stream] : streams) {
     if (!stream.then.empty()) out.push_back(difference(&stream.then.front(), nullptr));

@@ -30,7 +30,7 @@ Expected<std::optional<Difference>> difference_before(SimTime t, const std::file
                                                       const std::filesystem::path& now, bool then_whole);
 
 /// The first difference of each stream in journal.jsonl, in order of time. Numbers of records and what was planned
-/// (`cx::is_planned`) do not count.
+/// (`is_planned`) do not count.
 Expected<std::vector<Difference>> first_differences(const std::filesystem::path& then,
                                                     const std::filesystem::path& now);
 

@@ -14,7 +14,7 @@ constexpr const char* kAfterTheEnd = "after_the_end";
 
 }  // namespace
 
-Expected<std::unique_ptr<Moment>> Moment::open(const RecordedRun& run, const Host& host, Options options) {
+Expected<std::unique_ptr<Moment>> Moment::open(const Run& run, const Host& host, Options options) {
   std::unique_ptr<Moment> moment(new Moment(run, host, options));
   auto replay = RulesReplay::load(run, host, moment->replay_options());
   if (!replay) return replay.error();
@@ -50,7 +50,7 @@ void Moment::add_reach(Wall& wall) {
   wall.links.push_back(replay_.written());
 }
 
-Expected<Moment::Two> Moment::open_two(const RecordedRun& a, const RecordedRun& b, const Host& host) {
+Expected<Moment::Two> Moment::open_two(const Run& a, const Run& b, const Host& host) {
   auto first = open(a, host);
   if (!first) return first.error();
   auto second = open(b, host);
@@ -104,18 +104,19 @@ Status Moment::play(SimTime end) {
 SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
 
 inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines) {
-  return {environment.name_in_log(), environment.engine(),
+  return {environment.unique_name(), environment.engine(),
           timelines.of(episode.journal().stream_name(environment.engine().stream())),
           [&environment](const std::string& file) { return environment.files().journal_name(file); }};
 }
 
-Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& name) {
-  std::vector<inspect::Inspector> out;
+Expected<std::vector<cx::Environment*>> Moment::environments(const std::string& name) {
+  std::vector<cx::Environment*> out;
   std::vector<std::string> known;
   for (cx::Environment* environment : episode().environments()) {
-    known.push_back(environment->name_in_log());
-    if (name.empty() || name == environment->name_in_log() || name == environment->name())
-      out.push_back(inspector(*environment));
+    known.push_back(environment->unique_name());
+    if (name.empty() || name == environment->unique_name() || name == environment->name_in_log() ||
+        name == environment->name())
+      out.push_back(environment);
   }
   if (!out.empty()) return out;
   if (known.empty()) return input_error("the run has no environment at that time", run_.folder.string());
@@ -123,6 +124,14 @@ Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& 
   for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
   return input_error("the run has no environment '" + name + "'" + did_you_mean(name, known) + "; it has " + list,
                      run_.folder.string());
+}
+
+Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& name) {
+  auto found = environments(name);
+  if (!found) return found.error();
+  std::vector<inspect::Inspector> out;
+  for (cx::Environment* environment : *found) out.push_back(inspector(*environment));
+  return out;
 }
 
 Error about_option(Error error, const std::string& option) {

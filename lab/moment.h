@@ -14,7 +14,8 @@
 #include "cx/base/expected.h"
 #include "cx/inspect/inspector.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/rules_replay.h"
+#include "lab/run.h"
 
 namespace cxlab::lab {
 
@@ -29,13 +30,11 @@ class Moment {
     cx::RunControl* control = nullptr;  ///< stops it on the way; may be none
   };
   /// Reads the run; nothing is played yet. The run outlives it.
-  static Expected<std::unique_ptr<Moment>> open(const RecordedRun& run, const Host& host, Options options);
-  static Expected<std::unique_ptr<Moment>> open(const RecordedRun& run, const Host& host) {
-    return open(run, host, Options{});
-  }
+  static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host, Options options);
+  static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host) { return open(run, host, Options{}); }
   /// Two runs, to be played in this process, which gives up only what neither of them needs.
   using Two = std::pair<std::unique_ptr<Moment>, std::unique_ptr<Moment>>;
-  static Expected<Two> open_two(const RecordedRun& a, const RecordedRun& b, const Host& host);
+  static Expected<Two> open_two(const Run& a, const Run& b, const Host& host);
   ~Moment();
   Moment(const Moment&) = delete;
   Moment& operator=(const Moment&) = delete;
@@ -58,20 +57,22 @@ class Moment {
   inspect::Inspector inspector(cx::Environment& environment) {
     return inspector_of(environment, episode(), timelines_);
   }
-  /// Those called `name` in the run's log, or all; an error that lists them if there is none.
+  /// Those of that name, as streams, the log or their manager know it, or all; an error that lists them if there is
+  /// none.
+  Expected<std::vector<cx::Environment*>> environments(const std::string& name = {});
   Expected<std::vector<inspect::Inspector>> inspectors(const std::string& name = {});
 
   /// Is called when a tick is over.
   std::function<void()> after_tick = [] {};
 
  private:
-  Moment(const RecordedRun& run, const Host& host, Options options) : run_(run), host_(host), options_(options) {}
+  Moment(const Run& run, const Host& host, Options options) : run_(run), host_(host), options_(options) {}
   void listen();
   void add_reach(Wall& wall);
   RulesReplay::Options replay_options() const;
   Status play(SimTime end);
 
-  const RecordedRun& run_;
+  const Run& run_;
   Host host_;
   Options options_;
   inspect::Timelines timelines_;  // outlives the episode, whose journal tells it what happens

@@ -6,7 +6,7 @@
 
 namespace cxlab::lab {
 
-Expected<PhysicsOfRun> PhysicsOfRun::load(const RecordedRun& run) {
+Expected<PhysicsOfRun> PhysicsOfRun::load(const Run& run) {
   const Error none =
       input_error("the run has no physics: it was played in the timed tier or in an empty world", run.folder.string());
   if (run.finished && !run.physics_hash) return none;

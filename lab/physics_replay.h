@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 #include "scenarios/stage.h"
 
 namespace cxlab::lab {
@@ -12,7 +12,7 @@ namespace cxlab::lab {
 class PhysicsOfRun {
  public:
   /// The world at the start, from the run's own models. kInput if the run has no physics.
-  static Expected<PhysicsOfRun> load(const RecordedRun& run);
+  static Expected<PhysicsOfRun> load(const Run& run);
 
   /// How reading the log ended, and where.
   const Status& log_status() const { return log_status_; }

@@ -69,7 +69,7 @@ struct Shown {
   PhysicsOfRun physics;
   SimTime end{};
 };
-Expected<Shown> show(const RecordedRun& run, const std::string& option, std::optional<double> at) {
+Expected<Shown> show(const Run& run, const std::string& option, std::optional<double> at) {
   if (!run.physics_hash && run.finished && run.tier == Tier::kTimed)
     return input_error(
         "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics of cxlab "
@@ -104,7 +104,7 @@ Status check_span(double from, double to) {
 
 }  // namespace
 
-Status render_run(const RecordedRun& run, const RenderOptions& options) {
+Status render_run(const Run& run, const RenderOptions& options) {
   auto shown = show(run, "--at", options.at);
   if (!shown) return shown.error();
   if (Status s = shown->physics.advance_to(shown->end); !s) return s;
@@ -133,7 +133,7 @@ Status render_scenario(Scenario scenario, const RenderOptions& options, const Ho
   return drawn && result.reason ? Status(*result.reason) : drawn;
 }
 
-Status film_run(const RecordedRun& run, const FilmOptions& options, const Host& host) {
+Status film_run(const Run& run, const FilmOptions& options, const Host& host) {
   auto shown = show(run, "--to", options.to);
   if (!shown) return shown.error();
   const double end = to_seconds(shown->end);

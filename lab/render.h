@@ -7,7 +7,7 @@
 
 #include "cx/base/expected.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 #include "lab/video.h"
 
 namespace cxlab::lab {
@@ -19,7 +19,7 @@ struct RenderOptions {
   std::optional<double> at;  ///< s; of a run: default its end, or how far its log goes
 };
 
-Status render_run(const RecordedRun& run, const RenderOptions& options);
+Status render_run(const Run& run, const RenderOptions& options);
 /// Plays the scenario up to `at`, which must be given. Draws nothing after a stop by the host.
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host = {});
 
@@ -29,7 +29,7 @@ struct FilmOptions {
   double from = 0;
   std::optional<double> to;
 };
-Status film_run(const RecordedRun& run, const FilmOptions& options, const Host& host = {});
+Status film_run(const Run& run, const FilmOptions& options, const Host& host = {});
 /// Plays the scenario up to `to`.
 Status film_scenario(Scenario scenario, const FilmOptions& options, const Host& host = {});
 

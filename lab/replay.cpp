@@ -7,6 +7,7 @@
 #include "lab/confine.h"
 #include "lab/journal_difference.h"
 #include "lab/physics_replay.h"
+#include "lab/rules_replay.h"
 
 namespace cxlab::lab {
 
@@ -18,10 +19,9 @@ namespace fs = std::filesystem;
 Expected<std::map<std::uint64_t, JournalRecord>> records_of(const std::string& stream, const fs::path& journal) {
   std::map<std::uint64_t, JournalRecord> records;
   if (std::error_code ignored; !fs::exists(journal, ignored)) return records;
-  auto all = read_journal(journal);
+  auto all = read_journal(journal, {.stream = stream});
   if (!all) return all.error();
-  for (JournalRecord& record : *all)
-    if (record.stream == stream) records.emplace(record.n, std::move(record));
+  for (JournalRecord& record : *all) records.emplace(record.n, std::move(record));
   return records;
 }
 
@@ -29,7 +29,7 @@ bool same(const JournalRecord& a, const JournalRecord& b) {
   return a.t == b.t && a.kind == b.kind && a.data == b.data && a.causes == b.causes;
 }
 
-Status play_to_end(Episode& episode, const RecordedRun& run, SimTime end, const Host& host) {
+Status play_to_end(Episode& episode, const Run& run, SimTime end, const Host& host) {
   if (Status s = episode.start(); !s) return s;
   while (run.ticks > 0 && !episode.over() && !host.stopped()) {
     if (Status s = episode.tick(); !s) return s;
@@ -56,7 +56,7 @@ std::string first_difference(const std::string& stream, const fs::path& recorded
          "of cxlab run does)";
 }
 
-Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
+Expected<ReplayOutcome> replay_rules(const Run& run, const Host& host) {
   SimTime end = run.sim_time;
   auto replay = RulesReplay::load(run, host, {.end = end, .level = JournalLevel::kFull});
   if (!replay) return replay.error();
@@ -91,7 +91,7 @@ Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host) {
   return out;
 }
 
-Expected<ReplayOutcome> replay_physics(const RecordedRun& run, const Host& host) {
+Expected<ReplayOutcome> replay_physics(const Run& run, const Host& host) {
   if (!run.physics_hash)
     return input_error("the run has no physics: it was played in the timed tier or in an empty world",
                        run.folder.string());

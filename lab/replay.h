@@ -7,7 +7,7 @@
 
 #include "cx/base/expected.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 namespace cxlab::lab {
 
@@ -23,9 +23,9 @@ struct ReplayOutcome {
 };
 
 /// The run must have been finished. Reads nothing but its folder.
-Expected<ReplayOutcome> replay_rules(const RecordedRun& run, const Host& host = {});
+Expected<ReplayOutcome> replay_rules(const Run& run, const Host& host = {});
 /// kInput if the run has no physics.
-Expected<ReplayOutcome> replay_physics(const RecordedRun& run, const Host& host = {});
+Expected<ReplayOutcome> replay_physics(const Run& run, const Host& host = {});
 
 /// Where two journals of a stream part, as far as the recorded one was exported: "env/main:12 at 0.500 s: then ..., now
 /// ...".

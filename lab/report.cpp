@@ -73,8 +73,8 @@ void note_duty(Open& away, const RecordValue& data, double t, Json& out) {
 /// Adds what the journal says: decisions of agents, skills, pieces in grippers, points, robots off the field, faults,
 /// pauses.
 Status read_story(const std::filesystem::path& journal, double last, Json& report) {
-  const auto records =
-      read_journal(journal, {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kControl, RecordKind::kDecision});
+  const auto records = read_journal(
+      journal, {.kinds = {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kControl, RecordKind::kDecision}});
   if (!records) return records.error();
   Json skills = Json::array(), holds = Json::array(), scores = Json::array();
   Json off_field = Json::array(), faults = Json::array(), pauses = Json::array();

@@ -16,7 +16,7 @@ namespace cxlab::lab {
 namespace {
 
 /// Streams (and "physics") whose hashes differ, in order of names.
-std::vector<std::string> differences(const RecordedRun& then, const Result& now) {
+std::vector<std::string> differences(const Run& then, const Result& now) {
   std::map<std::string, std::string> hashes(now.stream_hashes.begin(), now.stream_hashes.end());
   std::vector<std::string> out;
   for (const auto& [stream, hash] : then.stream_hashes)
@@ -45,7 +45,7 @@ std::map<std::string, std::string> hashes_of_files(const std::filesystem::path& 
 }
 
 /// The first file or folder of the scenario that is not there any more.
-Status still_there(const RecordedRun& run, const Scenario& scenario) {
+Status still_there(const Run& run, const Scenario& scenario) {
   const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
     return input_error(what + " is not there any more: " + path.string() +
                            "; bring it back to rerun, or play the rules alone "
@@ -66,7 +66,7 @@ Status still_there(const RecordedRun& run, const Scenario& scenario) {
 
 /// The run may be that of a stranger: a package in a hidden folder, as that of keys, is none that its rules may read.
 /// The run itself may lie in one.
-Status no_hidden_packages(const RecordedRun& run, const Scenario& scenario) {
+Status no_hidden_packages(const Run& run, const Scenario& scenario) {
   namespace fs = std::filesystem;
   const fs::path here = fs::absolute(run.folder).lexically_normal();
   for (const AgentSpec& agent : scenario.agents)
@@ -94,7 +94,7 @@ bool read_outside(const StoredFiles& files) {
 
 /// Lets the scenario play from the run's copies, laid out below `root`: each agent's configuration, and its packages
 /// with what was read of them and their definitions.
-Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const std::filesystem::path& root,
+Status play_from_copies(const Run& run, const StoredFiles& files, const std::filesystem::path& root,
                         Scenario& scenario) {
   namespace fs = std::filesystem;
   if (run.manifest.agents.size() != scenario.agents.size())
@@ -121,7 +121,7 @@ Status play_from_copies(const RecordedRun& run, const StoredFiles& files, const 
 }
 
 /// Whether a person did something in the run, with cxlab attach. Nobody can attach to one that goes on otherwise.
-bool person_acted(const RecordedRun& run) {
+bool person_acted(const Run& run) {
   if (!run.manifest.spec.what_if.empty()) return false;
   auto log = InputLogReader::open(run.folder / "inputs.bin");
   if (!log) return false;
@@ -131,8 +131,7 @@ bool person_acted(const RecordedRun& run) {
 }
 
 /// The changes of the run in order of their time, with their files and the new one.
-Expected<std::vector<WhatIf>> changes_of(const RecordedRun& run, const std::optional<WhatIf>& more,
-                                         const Scenario& scenario) {
+Expected<std::vector<WhatIf>> changes_of(const Run& run, const std::optional<WhatIf>& more, const Scenario& scenario) {
   std::vector<WhatIf> changes = run.manifest.spec.what_if;
   if (!changes.empty()) {
     const auto files = StoredFiles::open(run.folder);
@@ -154,8 +153,8 @@ Expected<std::vector<WhatIf>> changes_of(const RecordedRun& run, const std::opti
 }
 
 /// What a run that went on otherwise has become.
-Status compare(const RecordedRun& run, SimTime since, const std::string& result_then, Rerun& again) {
-  again.results = compare_results(result_then, again.played.result.to_json());
+Status compare(const Run& run, SimTime since, Rerun& again) {
+  again.results = compare_results(run.result, again.played.result.to_json());
   if (again.played.folder.empty()) return {};
   auto before = difference_before(since, run.folder, again.played.folder, run.finished);
   if (!before) return before.error();
@@ -168,7 +167,7 @@ Status compare(const RecordedRun& run, SimTime since, const std::string& result_
 
 }  // namespace
 
-Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const Host& host) {
+Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& host) {
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
   std::unique_ptr<ScratchFolder> copies;
@@ -215,8 +214,6 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
   else if (run.status == "interrupted")
     options.spec.until = to_seconds(run.sim_time);
   const auto files_then = hashes_of_files(run.folder);
-  const auto result_then = read_file(run.folder / "result.json");
-  if (!result_then) return result_then.error();
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();
   if (played->failure)
@@ -225,7 +222,7 @@ Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& given, const H
   again.played = *std::move(played);
   if (given.what_if) {
     if (host.stopped() || again.played.result.stream_hashes.empty()) return again;
-    if (Status s = compare(run, from_seconds(given.what_if->at), *result_then, again); !s) return s.error();
+    if (Status s = compare(run, from_seconds(given.what_if->at), again); !s) return s.error();
     if (again.before) again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
     return again;
   }

@@ -8,7 +8,7 @@
 #include "cx/base/expected.h"
 #include "lab/host.h"
 #include "lab/journal_difference.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 #include "lab/session.h"
 
 namespace cxlab::lab {
@@ -39,6 +39,6 @@ struct Rerun {
 /// Where files of the scenario have gone, all are taken from the run's own copies; the host gets a note. Compares
 /// nothing if the new run did not come to an end (a stop by the host). The run must have been finished, unless it goes
 /// on otherwise.
-Expected<Rerun> rerun(const RecordedRun& run, const RerunOptions& options = {}, const Host& host = {});
+Expected<Rerun> rerun(const Run& run, const RerunOptions& options = {}, const Host& host = {});
 
 }  // namespace cxlab::lab

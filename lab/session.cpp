@@ -59,7 +59,7 @@ struct Control {
 };
 
 /// Everything of one run that outlives the loop.
-struct Run {
+struct Play {
   PlayOptions options;
   Scenario scenario;
   Host host;
@@ -73,10 +73,10 @@ struct Run {
 };
 
 /// The run that is being played, for `note_crash`.
-const Run* g_run = nullptr;
+const Play* g_run = nullptr;
 
 struct AtPlay {
-  explicit AtPlay(const Run& run) { g_run = &run; }
+  explicit AtPlay(const Play& run) { g_run = &run; }
   ~AtPlay() { g_run = nullptr; }
   AtPlay(const AtPlay&) = delete;
   AtPlay& operator=(const AtPlay&) = delete;
@@ -89,7 +89,7 @@ Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scen
   return std::filesystem::path(options.out);
 }
 
-Manifest manifest_of(const Run& run) {
+Manifest manifest_of(const Play& run) {
   namespace fs = std::filesystem;
   const Scenario& scenario = run.scenario;
   Manifest out;
@@ -110,11 +110,11 @@ Manifest manifest_of(const Run& run) {
   return out;
 }
 
-std::vector<cx::Environment*> environments_of(const Run& run) {
+std::vector<cx::Environment*> environments_of(const Play& run) {
   return run.episode ? run.episode->environments() : std::vector<cx::Environment*>();
 }
 
-Status open_control(Run& run) {
+Status open_control(Play& run) {
   const PlayOptions& options = run.options;
   if (!options.spec.what_if.empty()) {
     run.what_if = std::make_unique<WhatIfControl>(options.spec.what_if);
@@ -176,7 +176,7 @@ std::string folders_elsewhere(const Scenario& scenario) {
 }
 
 /// When the run ends at the latest, s.
-double end_of(const Run& run) {
+double end_of(const Play& run) {
   const double duration = to_seconds(run.scenario.duration);
   return std::min(run.options.spec.until.value_or(duration), duration);
 }
@@ -190,7 +190,7 @@ void wait_until(std::chrono::steady_clock::time_point then, const Host& host) {
 }
 
 /// A film from the episode's stage; none if none is asked for.
-Expected<std::unique_ptr<Video>> start_video(const Run& run) {
+Expected<std::unique_ptr<Video>> start_video(const Play& run) {
   const VideoOptions& options = run.options.video;
   if (options.file.empty()) return std::unique_ptr<Video>();
   auto view = view_of(run.episode->stage(), options.width, options.height);
@@ -198,7 +198,7 @@ Expected<std::unique_ptr<Video>> start_video(const Run& run) {
   return Video::create(options, *std::move(view), run.host);
 }
 
-Status play_ticks(Run& run, Pictures& pictures, Video* video) {
+Status play_ticks(Play& run, Pictures& pictures, Video* video) {
   Episode& episode = *run.episode;
   const double end = end_of(run);
   if (Status s = episode.start(); !s) return s;
@@ -223,7 +223,7 @@ Status play_ticks(Run& run, Pictures& pictures, Video* video) {
   return {};
 }
 
-Status play(Run& run) {
+Status play(Play& run) {
   auto pictures = Pictures::create(*run.episode, run.folder, run.snapshots);
   if (!pictures) return pictures.error();
   auto video = start_video(run);
@@ -240,7 +240,7 @@ Status play(Run& run) {
   return played ? finished : played;
 }
 
-RunStatus status_of(const Run& run, const Status& played) {
+RunStatus status_of(const Play& run, const Status& played) {
   if (!played) return RunStatus::kFailed;
   if (run.host.stopped()) return RunStatus::kInterrupted;
   return run.episode->completed() ? RunStatus::kCompleted : RunStatus::kStopped;
@@ -266,7 +266,7 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void finish(Run& run, const Status& played) {
+void finish(Play& run, const Status& played) {
   Result& result = run.played.result;
   std::optional<Error>& failure = run.played.failure;
   result = run.episode->close(status_of(run, played), played ? std::nullopt : std::optional<Error>(played.error()));
@@ -289,7 +289,7 @@ void finish(Run& run, const Status& played) {
 }
 
 /// The answer for a run that could not begin. It has a folder all the same.
-Expected<Played> refused(Run& run, const Error& error) {
+Expected<Played> refused(Play& run, const Error& error) {
   run.played.result = unfinished_result(run.scenario);
   run.played.result.reason = error;
   if (!run.folder.empty())
@@ -299,14 +299,14 @@ Expected<Played> refused(Run& run, const Error& error) {
   return std::move(run.played);
 }
 
-EpisodeOptions episode_options(const Run& run) {
+EpisodeOptions episode_options(const Play& run) {
   EpisodeOptions options = shared_episode_options(run.host, run.options.spec);
   options.log = run.host.log;
   return options;
 }
 
 /// A former run is replaced only by one that can begin.
-Status try_out(const Run& run) {
+Status try_out(const Play& run) {
   std::error_code error;
   const std::string& out = run.options.out;
   if (!run.options.force || out.empty() || !std::filesystem::is_directory(out, error) ||
@@ -336,7 +336,7 @@ EpisodeOptions shared_episode_options(const Host& host, RunSpec spec) {
 }
 
 void note_crash(const Error& error) {
-  const Run* run = std::exchange(g_run, nullptr);
+  const Play* run = std::exchange(g_run, nullptr);
   if (!run || run->folder.empty()) return;
   Result result = unfinished_result(run->scenario);
   result.reason = error;
@@ -346,7 +346,7 @@ void note_crash(const Error& error) {
 }
 
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host) {
-  Run run;
+  Play run;
   const AtPlay at_play(run);
   run.options = options;
   run.scenario = std::move(scenario);

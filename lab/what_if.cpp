@@ -13,7 +13,8 @@
 #include "cx/engine/form_reader.h"
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
+#include "scenarios/episode.h"
 
 namespace cxlab::lab {
 
@@ -53,7 +54,7 @@ std::vector<std::string> nodes_of(const Scenario& scenario) {
 }
 
 /// What a name stands for that is no global and no parameter of an agent's node: always an error.
-Error not_to_set(const std::string& name, const std::string& value, const RecordedRun& run, const Scenario& scenario) {
+Error not_to_set(const std::string& name, const std::string& value, const Run& run, const Scenario& scenario) {
   const std::string option = "--set " + name + '=' + value;
   const std::string node = name.substr(0, name.find('.'));
   for (const ServerSpec& server : scenario.servers)
@@ -79,7 +80,7 @@ Error not_to_set(const std::string& name, const std::string& value, const Record
                      option);
 }
 
-Status check_set(const std::string& assignment, const RecordedRun& run, const Scenario& scenario) {
+Status check_set(const std::string& assignment, const Run& run, const Scenario& scenario) {
   const auto [name, value] = split(assignment);
   if (name.empty() || name.size() == assignment.size())
     return usage_error("--set: found '" + assignment + "', expected NODE.NAME=VALUE or ?*GLOBAL*=VALUE");
@@ -115,7 +116,7 @@ Status check_fact(const std::string& fact) {
 }
 
 /// The environments that the run had, as its streams name them.
-std::vector<std::string> environments_of(const RecordedRun& run) {
+std::vector<std::string> environments_of(const Run& run) {
   std::vector<std::string> names;
   for (const auto& [stream, hash] : run.stream_hashes)
     if (stream.starts_with("env/")) names.push_back(stream.substr(4));
@@ -147,7 +148,7 @@ Error placed(Error error, const std::string& option, const cx::Environment& envi
 
 }  // namespace
 
-Status prepare(WhatIf& what_if, const RecordedRun& run, const Scenario& scenario) {
+Status prepare(WhatIf& what_if, const Run& run, const Scenario& scenario) {
   if (run.finished && run.ticks == 0) return usage_error("--at: the run ended before its first tick");
   if (run.finished && from_seconds(what_if.at) > run.sim_time)
     return usage_error("--at: the run ends at " + seconds(to_seconds(run.sim_time)));
@@ -160,7 +161,8 @@ Status prepare(WhatIf& what_if, const RecordedRun& run, const Scenario& scenario
     what_if.text = *std::move(text);
     const FormReading reading = read_forms(what_if.text, what_if.file);
     if (!reading.errors.empty()) return reading.errors.front();
-    if (reading.forms.empty()) return input_error("there is nothing in it; expected rules or calls", what_if.file);
+    if (std::ranges::none_of(reading.forms, &Form::list))
+      return input_error("found no rule and no call in it, which begin with a parenthesis", what_if.file);
   }
   for (const std::string& assignment : what_if.set)
     if (Status s = check_set(assignment, run, scenario); !s) return s;

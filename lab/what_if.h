@@ -18,11 +18,11 @@ struct Scenario;
 
 namespace cxlab::lab {
 
-struct RecordedRun;
+struct Run;
 
 /// Reads the file that is named, and finds what is wrong before anything is played: with the file's form, with names
 /// that the run does not have, with a time after its end.
-Status prepare(WhatIf& what_if, const RecordedRun& run, const Scenario& scenario);
+Status prepare(WhatIf& what_if, const Run& run, const Scenario& scenario);
 
 /// Something that was done: "replaces defrule go (rules.clp:12)".
 struct WhatIfAct {

@@ -61,7 +61,7 @@ class Witness final : public JournalListener {
   std::map<std::string, explain::AgendaWatch> watches_;
 };
 
-Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& rule) {
+Error unknown_rule(const Run& run, Episode& episode, const std::string& rule) {
   const std::string module = rule.substr(0, rule.size() - without_module(rule).size());  // "A::"
   const auto environments = episode.environments();
   const bool module_is_known =
@@ -82,7 +82,7 @@ Error unknown_rule(const RecordedRun& run, Episode& episode, const std::string& 
 
 }  // namespace
 
-Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host) {
+Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host) {
   auto moment = Moment::open(run, host);
   if (!moment) return moment.error();
   Episode& episode = (*moment)->episode();
@@ -94,7 +94,9 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
   answer.cut_off = (*moment)->cut_off();
   if ((answer.stopped = (*moment)->stopped())) return answer;
   std::optional<Error> refused;  // what is wanted of a rule that has no such variable
-  for (cx::Environment* environment : episode.environments()) {
+  auto environments = (*moment)->environments(question.environment);
+  if (!environments) return environments.error();
+  for (cx::Environment* environment : *environments) {
     RuleEngine& engine = environment->engine();
     const explain::History& history = witness.history(*environment);
     bool first = true;
@@ -110,7 +112,7 @@ Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& que
       found->file = environment->files().journal_name(found->file);
       std::optional<inspect::Makers> makers;
       if (found->unmet) makers = inspect::makers_of((*moment)->inspector(*environment), *found->unmet);
-      answer.environments.push_back({environment->name(), *std::move(found), std::move(makers)});
+      answer.environments.push_back({environment->unique_name(), *std::move(found), std::move(makers)});
     }
   }
   if (answer.environments.empty()) return refused ? *refused : unknown_rule(run, episode, question.rule);

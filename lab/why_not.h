@@ -10,7 +10,7 @@
 #include "cx/explain/why_not.h"
 #include "cx/inspect/makers.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 namespace cxlab::lab {
 
@@ -18,6 +18,7 @@ struct WhyNotQuestion {
   std::string rule;           ///< may have a module; without one, rules of this name in all modules
   std::optional<SimTime> at;  ///< none: the end of the run, or of what was recorded
   explain::Wanted wanted{};   ///< of which combinations; all by default
+  std::string environment{};  ///< only this one; empty: all
 };
 
 struct WhyNotAnswer {
@@ -33,6 +34,6 @@ struct WhyNotAnswer {
 };
 nlohmann::ordered_json to_json(const WhyNotAnswer& answer);
 
-Expected<WhyNotAnswer> why_not(const RecordedRun& run, const WhyNotQuestion& question, const Host& host = {});
+Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host = {});
 
 }  // namespace cxlab::lab

@@ -26,6 +26,13 @@ std::optional<std::int64_t> index_in(const std::string& what) {
   return read_number<std::int64_t>(what.substr(2));
 }
 
+/// The text that was evaluated, a file that was loaded, `NAME = VALUE` of what was set.
+std::string text_of_act(const JournalRecord& act) {
+  const std::string name(act.data.text("name"));
+  if (name.empty()) return std::string(act.data.text("text"));
+  return act.data.text("what") == "set" ? name + " = " + std::string(act.data.text("text")) : name;
+}
+
 bool is_template(const RuleEngine& engine, const std::string& name) {
   return engine.has("deftemplate", name) || !engine.facts(name).empty();
 }
@@ -37,6 +44,7 @@ std::string Doer::text() const {
     case Kind::kRule: return "rule " + name;
     case Kind::kInput: return name;
     case Kind::kPerson: return "a person: " + name;
+    case Kind::kWhatIf: return "what if: " + name;
     case Kind::kStart: return "the start of the environment";
     case Kind::kOutside: break;
   }
@@ -57,7 +65,7 @@ Doer Inspector::doer_of(std::uint64_t n) const {
       }
       case RecordKind::kControl: {
         const JournalRecord act = timeline_->read(cause.n);
-        return {Doer::Kind::kPerson, std::string(act.data.text("text")), cause.n};
+        return {is_planned(act) ? Doer::Kind::kWhatIf : Doer::Kind::kPerson, text_of_act(act), cause.n};
       }
       default: break;
     }
@@ -120,8 +128,7 @@ Expected<std::vector<FactHistory>> Inspector::matching(const std::string& what, 
     for (const FactCopy& fact : present)
       if (name.empty() || fact.template_name == name) numbers.insert(static_cast<std::int64_t>(fact.number));
   if (!template_is_known)
-    return input_error("there is no template '" + name + "'" +
-                       did_you_mean(name, explain::names_of(*engine_, "deftemplate")));
+    return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
   for (const std::int64_t fact : numbers) {
     if ((number && fact != *number) || timeline_->changes(fact).empty()) continue;
     const auto index = indices.find(fact);
@@ -132,6 +139,8 @@ Expected<std::vector<FactHistory>> Inspector::matching(const std::string& what, 
     if (pattern && !(past ? std::ranges::any_of(history.changes, matches) : pattern->matches(history.fact))) continue;
     found.push_back(std::move(history));
   }
+  if (pattern && found.empty())
+    if (Status s = explain::check_values(*pattern, *engine_, present); !s) return s.error();
   return found;
 }
 
@@ -367,10 +376,11 @@ Derivation Inspector::why(std::uint64_t record) const {
       step.line = fired.line;
       if (own.empty()) step.note = "its conditions need no fact";
     } else {
-      const RecordValue data = timeline_->read(n).data;
+      const JournalRecord cause = timeline_->read(n);
+      step.planned = is_planned(cause);
       step.text = step.kind == RecordKind::kControl
-                      ? std::string(data.text("text"))
-                      : std::string(data.text("what")) + ' ' + std::string(data.text("name"));
+                      ? text_of_act(cause)
+                      : std::string(cause.data.text("what")) + ' ' + std::string(cause.data.text("name"));
     }
     std::ranges::sort(own, std::greater());
     own.erase(std::ranges::unique(own).begin(), own.end());

@@ -28,7 +28,8 @@ struct Doer {
   enum class Kind {
     kRule,     ///< a rule that fired
     kInput,    ///< something came from outside, e.g. "topic /game_state"
-    kPerson,   ///< with cxlab attach, or by `rerun --then`
+    kPerson,   ///< with cxlab attach
+    kWhatIf,   ///< cxlab rerun --then, --set or --assert
     kStart,    ///< the environment when it started: deffacts, plugins
     kOutside,  ///< the executive or a plugin, for no reason that was recorded
   };
@@ -89,6 +90,7 @@ struct Derivation {
     std::vector<std::size_t> because;    ///< indices of steps; the latest first
     std::optional<std::string> outside;  ///< record of another stream, "node/robot1:17"
     std::string note;                    ///< of a step without a cause: why it has none
+    bool planned = false;                ///< of what was done from outside: `cxlab rerun` was to do it
   };
   std::vector<Step> steps;  ///< the first is what was asked for; each record once
 };

@@ -174,7 +174,9 @@ std::string line_of(const Derivation::Step& step) {
       text = "rule " + step.text + place(step.file, step.line) + " at " + seconds_text(step.t);
       if (const std::string values = values_text(step.values); !values.empty()) text += "  " + values;
       break;
-    case RecordKind::kControl: text = "a person at " + seconds_text(step.t) + ": " + step.text; break;
+    case RecordKind::kControl:
+      text = (step.planned ? "what if, at " : "a person at ") + seconds_text(step.t) + ": " + step.text;
+      break;
     default: text = "from outside: " + step.text + " at " + seconds_text(step.t);
   }
   if (step.outside) text += ", from " + *step.outside;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
@@ -113,6 +111,12 @@ std::string_view RecordValue::text(std::string_view key) const {
   return text ? std::string_view(*text) : std::string_view();
 }
 
+bool is_planned(const JournalRecord& record) {
+  if (record.kind != RecordKind::kControl || !record.stream.starts_with("env/")) return false;
+  const std::string_view what = record.data.text("what");
+  return what == "load" || what == "assert" || what == "set" || what == "fail";
+}
+
 Expected<RecordValue> decode_record_data(std::string_view bytes) {
   RecordValue value;
   const Json data = Json::from_msgpack(bytes, /*strict=*/true, /*allow_exceptions=*/false);
@@ -148,25 +152,59 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
 
 std::string to_json(const RecordValue& value) { return json_text(std::visit(Converter(), value.value)); }
 
-Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
-                                                  const std::vector<RecordKind>& kinds) {
+bool RecordFilter::takes(RecordKind kind) const {
+  return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end();
+}
+
+bool RecordFilter::takes(const JournalRecord& record) const {
+  return takes(record.kind) && (stream.empty() || record.stream == stream) && record.t >= from && record.t <= to;
+}
+
+Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return input_error("there is no such file", path.string());
   if (!std::filesystem::is_regular_file(path, ignored))
     return input_error("is no regular file, expected a journal", path.string());
-  std::ifstream file(path);
+  std::ifstream file(path, std::ios::binary);
   if (!file) return input_error("cannot be read: " + std::generic_category().message(errno), path.string());
-  const auto wanted = [&](RecordKind kind) { return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end(); };
-  std::vector<JournalRecord> records;
-  int number = 0;
-  for (std::string line; std::getline(file, line) && !file.eof();) {
-    ++number;
-    if (const auto kind = kind_in_head(line); kind && !wanted(*kind)) continue;
-    auto record = parse_journal_line(line);
-    if (!record) return input_error(record.error().message, path.string(), number);
-    if (wanted(record->kind)) records.push_back(*std::move(record));
+  return JournalReader(path, std::move(file));
+}
+
+bool JournalReader::next_line() {
+  ++number_;
+  return static_cast<bool>(std::getline(file_, line_)) && !file_.eof();
+}
+
+Expected<JournalRecord> JournalReader::record() const {
+  auto record = parse_journal_line(line_);
+  if (!record) return input_error(record.error().message, path_.string(), number_);
+  return record;
+}
+
+Expected<std::optional<JournalRecord>> JournalReader::next(const RecordFilter& filter) {
+  while (next_line()) {
+    if (const auto kind = kind_in_head(line_); kind && !filter.takes(*kind)) continue;
+    auto read = record();
+    if (!read) return read.error();
+    if (filter.takes(*read)) return std::optional(*std::move(read));
   }
-  return records;
+  return std::optional<JournalRecord>();
+}
+
+Expected<std::vector<JournalRecord>> JournalReader::all(const RecordFilter& filter) {
+  std::vector<JournalRecord> records;
+  while (true) {
+    auto record = next(filter);
+    if (!record) return record.error();
+    if (!*record) return records;
+    records.push_back(**std::move(record));
+  }
+}
+
+Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path, const RecordFilter& filter) {
+  auto reader = JournalReader::open(path);
+  if (!reader) return reader.error();
+  return reader->all(filter);
 }
 
 std::vector<std::string> slot_texts(const RecordValue& fact) {

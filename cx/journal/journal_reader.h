@@ -2,8 +2,11 @@
 // Reads journal.jsonl back.
 
 #include <filesystem>
+#include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -14,11 +17,45 @@ namespace cxlab {
 /// One line of the export. Errors say what is missing or wrong, without a line number.
 Expected<JournalRecord> parse_journal_line(std::string_view line);
 
-/// The records of a file in order of writing, only those of `kinds` (none: all): of others mostly no more is read than
-/// the head of the line. A malformed line is an error with file and line. A last line that was cut off, because the
-/// process was killed while writing, is left out.
-Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path,
-                                                  const std::vector<RecordKind>& kinds = {});
+/// Which records of a journal are read; what is empty takes all.
+struct RecordFilter {
+  std::vector<RecordKind> kinds{};
+  std::string stream{};
+  SimTime from = SimTime::min(), to = SimTime::max();
+
+  bool takes(RecordKind kind) const;
+  bool takes(const JournalRecord& record) const;
+};
+
+/// The records of a file, one after the other in order of writing. A last line that was cut off, because the process
+/// was killed while writing, is left out.
+class JournalReader {
+ public:
+  static Expected<JournalReader> open(const std::filesystem::path& path);
+
+  /// Goes to the next line; false at the end.
+  bool next_line();
+  const std::string& line() const { return line_; }
+  /// The record of the line; the error has file and line.
+  Expected<JournalRecord> record() const;
+
+  /// The next record that the filter takes; none at the end. Of records of other kinds mostly no more is read than the
+  /// head of the line.
+  Expected<std::optional<JournalRecord>> next(const RecordFilter& filter = {});
+  /// All that are left.
+  Expected<std::vector<JournalRecord>> all(const RecordFilter& filter = {});
+
+ private:
+  JournalReader(std::filesystem::path path, std::ifstream file) : path_(std::move(path)), file_(std::move(file)) {}
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::string line_;
+  int number_ = 0;
+};
+
+/// The records of a file.
+Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& path, const RecordFilter& filter = {});
 
 /// What the slots of a record of a fact hold, in their order: texts without their quotes.
 std::vector<std::string> slot_texts(const RecordValue& fact);

@@ -54,6 +54,9 @@ struct JournalRecord {
   std::vector<Cause> causes;
 };
 
+/// Whether it says what was planned to happen in the middle of the run (`cxlab rerun --at`).
+bool is_planned(const JournalRecord& record);
+
 class Journal;
 
 /// A record while it is written; what it points to is there only during the call.

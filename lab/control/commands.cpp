@@ -390,10 +390,16 @@ Status Debugger::check_rule(const std::string& rule) const {
 Expected<explain::Pattern> Debugger::pattern_of(const std::string& text) const {
   auto pattern = explain::Pattern::parse_plain(text, {}, 0);
   if (!pattern) return pattern;
-  Status names = input_error("there is no environment");
-  for (const cx::Environment* e : environments_())
-    if (!names) names = explain::check_names(*pattern, e->engine());
-  if (!names) return names.error();
+  Status possible = input_error("there is no environment");
+  for (const cx::Environment* e : environments_()) {
+    if (possible) break;
+    possible = explain::check_names(*pattern, e->engine());
+    const std::vector<FactCopy> facts = e->engine().facts(pattern->template_name());
+    const auto matches = [&](const FactCopy& fact) { return pattern->matches(fact); };
+    if (possible && std::ranges::none_of(facts, matches))
+      possible = explain::check_values(*pattern, e->engine(), facts);
+  }
+  if (!possible) return possible.error();
   return pattern;
 }
 

@@ -10,7 +10,7 @@ namespace cxlab::lab {
 
 namespace {
 
-Status serve(const RecordedRun& run, const ControlAddress& address, Host host) {
+Status serve(const Run& run, const ControlAddress& address, Host host) {
   auto server = ControlServer::open(address);
   if (!server) return server.error();
   Debugger::Options options;
@@ -36,7 +36,7 @@ Status serve(const RecordedRun& run, const ControlAddress& address, Host host) {
 
 }  // namespace
 
-Expected<std::unique_ptr<TimeTravel>> TimeTravel::start(const RecordedRun& run, const Host& host) {
+Expected<std::unique_ptr<TimeTravel>> TimeTravel::start(const Run& run, const Host& host) {
   auto folder = ScratchFolder::create();
   if (!folder) return folder.error();
   ControlAddress address{.path = ((*folder)->path() / "control.sock").string()};

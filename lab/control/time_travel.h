@@ -8,7 +8,7 @@
 #include "cx/base/scratch_folder.h"
 #include "lab/control/server.h"
 #include "lab/host.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 namespace cxlab::lab {
 
@@ -16,7 +16,7 @@ namespace cxlab::lab {
 class TimeTravel {
  public:
   /// Errors of the run are reported by that process, on standard error; see `ended`.
-  static Expected<std::unique_ptr<TimeTravel>> start(const RecordedRun& run, const Host& host);
+  static Expected<std::unique_ptr<TimeTravel>> start(const Run& run, const Host& host);
   const ControlAddress& address() const { return address_; }
   /// The exit code, if the process has ended.
   std::optional<int> ended() { return process_.wait_for(0); }

@@ -46,7 +46,7 @@ Board board_of(const Factory& game) {
 
 Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<Team> teams,
                                             const std::filesystem::path& journal) {
-  auto records = read_journal(journal, {RecordKind::kReferee});
+  auto records = read_journal(journal, {.kinds = {RecordKind::kReferee}});
   if (!records) return records.error();
   RecordedBoard board;
   board.clock_ = clock;

@@ -58,16 +58,17 @@ class Lab(unittest.TestCase):
     def answer(self, *arguments):
         return json.loads(self.cxlab(*arguments, "--json").stdout)["environments"][0]
 
-    def agent(self, rules=AGENT, until=6, out="run"):
+    def agent(self, rules=AGENT, until=6, out="run", name="main"):
         package = self.folder / "mine"
         (package / "params").mkdir(parents=True, exist_ok=True)
-        (package / "params/mine.yaml").write_text("""
+        names = name.split('", "')
+        (package / "params/mine.yaml").write_text(f"""
 clips_manager:
   ros__parameters:
-    environments: ["main"]
-    main: {plugins: ["executive", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 2}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["mine"], load: ["mine.clp"]}
+    environments: ["{name}"]
+{"".join(f'    {one}: {{plugins: ["executive", "files"]}}' + chr(10) for one in names)}
+    executive: {{plugin: "cx::ExecutivePlugin", refresh_rate: 2}}
+    files: {{plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["mine"], load: ["mine.clp"]}}
 """)
         (package / "mine.clp").write_text(rules)
         run = self.folder / out
@@ -168,6 +169,8 @@ class Questions(Lab):
         for arguments, said in ((["facts", run, "jop"], "there is no template 'jop', did you mean 'job'"),
                                 (["facts", run, "(job (stat OPEN))"], "has no slot 'stat', did you mean 'state'"),
                                 (["facts", run, "f-99"], "there is no fact f-99"),
+                                (["facts", run, "fre"], "there is no template 'fre', did you mean 'free'"),
+                                (["facts", run, '(job (state "DONE"))'], 'state holds DONE, which is not "DONE" to CLIPS'),
                                 (["facts", run, "(job"], "error:"),
                                 (["firings", run, "bigin"], "there is no rule 'bigin', did you mean 'begin'"),
                                 (["why", run, "bigin"], "there is neither a rule nor a template 'bigin', did you mean 'begin'"),
@@ -177,6 +180,7 @@ class Questions(Lab):
         for arguments, said in ((["facts", run, "--at", 7], "--at: the run ends at 6 s"),
                                 (["firings", run, "--to", "0:07"], "--to: the run ends at 6 s"),
                                 (["firings", run, "--from", 3, "--to", 2], "--from is after --to"),
+                                (["firings", run, "--from", 7], "--from: the run ends at 6.000 s"),
                                 (["facts", run, "--at", 1, "--to", 2], "--at excludes --to"),
                                 (["facts", run, "--at", "1:60"], "--at: found '1:60'"),
                                 (["why", run], "what is required")):
@@ -301,7 +305,22 @@ class TwoRuns(Lab):
     def test_the_same_runs_have_no_difference(self):
         a, b = self.agent(), self.agent(out="other")
         self.assertEqual(self.cxlab("diff", a, b).stdout, "all that rules did up to 6.000 s is the same\n")
-        self.assertEqual(self.cxlab("rules", a, "--against", b).stdout, "the same rules fired in both runs\n")
+        self.assertEqual(self.cxlab("rules", a, "--against", b).stdout, "up to 6.000 s, in both runs:\nthe same rules fired in both runs\n")
+
+    def test_what_comes_after_the_end_of_the_shorter_run_is_no_difference(self):
+        a, longer = self.agent(until=1.5), self.agent(out="longer")
+        for runs in ((a, "--against", longer), (longer, "--against", a)):
+            found = json.loads(self.cxlab("rules", *runs, "--json").stdout)
+            self.assertEqual((found["at_s"], found["environments"][0]["only_in_a"], found["environments"][0]["only_in_b"]), (1.5, [], []))
+
+    def test_runs_without_an_environment_in_common_cannot_be_compared(self):
+        a, b = self.agent(), self.agent(out="other", name="second")
+        self.assertIn("no environment in common", self.cxlab("diff", a, b, expect=3).stderr)
+        self.assertIn("a has main, b has second", self.cxlab("rules", a, "--against", b, expect=3).stderr)
+        both = self.agent(out="both", name='main", "second')
+        found = json.loads(self.cxlab("diff", a, both, "--json", expect=1).stdout)
+        self.assertEqual((found["only_in_a"], found["only_in_b"], found["first"]), ([], ["second"], None))
+        self.assertIn("environment second is only in b\n", self.cxlab("diff", a, both, expect=1).stdout)
 
     def test_diff_names_the_changed_rule_or_its_first_consequence(self):
         a = self.agent()

@@ -63,6 +63,9 @@ class WhatIf(Lab):
         self.assertTrue(answer["same_before"])
         self.assertEqual((answer["at"], answer["again"], answer["now"]["status"], answer["now"]["sim_time_s"]), (1, "again", "completed", 2))
         self.assertEqual(answer["first_differences"][0]["stream"], "env/main")
+        self.assertIn("what if, at 1.000 s: (order (id 2))", self.cxlab("why", "again", "(order (id 2))").stdout)
+        made = json.loads(self.cxlab("facts", "again", "(order (id 2))", "--json").stdout)["environments"][0]["facts"][0]["changes"][0]
+        self.assertEqual((made["by"]["kind"], made["by"]["name"]), ("what_if", "(order (id 2))"))
         manifest = json.loads((self.folder / "again/manifest.json").read_text())
         self.assertEqual(manifest["what_if"], [{"at": 1.0, "then": "repair.clp", "set": ["?*limit*=7"], "assert": ["(order (id 2))"],
                                                 "copy": "what_if/0/repair.clp"}])

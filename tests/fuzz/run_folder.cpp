@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string content = fuzz::text_of(data + 1, size - 1);
   if (const std::size_t rest = content.find("..."); rest != std::string::npos) content.replace(rest, 3, whole);
   fuzz::promise(write_file(file, content).ok(), "the file is written");
-  if (const auto run = lab::RecordedRun::open(recorded())) {
+  if (const auto run = lab::Run::open(recorded())) {
     const auto answer = lab::why_not(*run, {.rule = "tick", .at = std::chrono::seconds(1)});
     fuzz::promise(answer.ok() || !answer.error().message.empty(), "an error says what it is");
     if (run->finished) {

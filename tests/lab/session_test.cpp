@@ -139,7 +139,7 @@ TEST_F(SessionTest, TwoEpisodesInterleavedGiveTheirOwnHashes) {
 
 TEST_F(SessionTest, AReplayOfTheRulesAgrees) {
   scenario("game", "(defrule draw (time ?) => (assert (drawn (random))))\n");
-  const auto run = RecordedRun::open(play("game").folder);
+  const auto run = Run::open(play("game").folder);
   ASSERT_TRUE(run) << run.error().text();
   const auto outcome = replay_rules(*run);
   ASSERT_TRUE(outcome) << outcome.error().text();
@@ -152,7 +152,7 @@ TEST_F(SessionTest, AReplayOfTheRulesAgrees) {
 
 TEST_F(SessionTest, AReplayEndsAtAStopAndComparesNothing) {
   scenario("game", kQuietRules);
-  const auto run = RecordedRun::open(play("game").folder);
+  const auto run = Run::open(play("game").folder);
   Watch watch;
   watch.stop = true;
   const auto outcome = replay_rules(*run, watch.host());
@@ -164,7 +164,7 @@ TEST_F(SessionTest, AReplayEndsAtAStopAndComparesNothing) {
 
 TEST_F(SessionTest, ARerunAgreesUntilAFileChanges) {
   scenario("game", "(defrule draw (time ?) => (assert (drawn (random))))\n");
-  const auto run = RecordedRun::open(play("game").folder);
+  const auto run = Run::open(play("game").folder);
   auto again = rerun(*run, {path("again").string()});
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_THAT(again->differ, IsEmpty());
@@ -178,7 +178,7 @@ TEST_F(SessionTest, ARerunAgreesUntilAFileChanges) {
 
 TEST_F(SessionTest, ARerunPlaysFromTheCopiesIfFilesHaveGone) {
   scenario("game", "(defrule draw (time ?) => (assert (drawn (random))))\n");
-  const auto run = RecordedRun::open(play("game").folder);
+  const auto run = Run::open(play("game").folder);
   std::filesystem::remove_all(path("rules"));
   Watch watch;
   const auto again = rerun(*run, {path("again").string()}, watch.host());

@@ -60,8 +60,8 @@ class WhatIfTest : public FolderTest {
     ASSERT_TRUE(played) << played.error().text();
     ASSERT_FALSE(played->failure) << played->failure->text();
   }
-  RecordedRun run(const std::string& folder = "out") const {
-    auto run = RecordedRun::open(path(folder));
+  lab::Run run(const std::string& folder = "out") const {
+    auto run = Run::open(path(folder));
     EXPECT_TRUE(run) << (run ? "" : run.error().text());
     return *std::move(run);
   }
@@ -136,7 +136,7 @@ TEST_F(WhatIfTest, ChanceGoesOnAsItWouldHave) {
   what_if("again", {.at = 1, .facts = {"(order (id 1) (state done))"}});
   const auto drawn = [&](const std::string& folder) {
     std::vector<std::string> out;
-    const auto records = read_journal(path(folder + "/journal.jsonl"), {RecordKind::kAssert});
+    const auto records = read_journal(path(folder + "/journal.jsonl"), {.kinds = {RecordKind::kAssert}});
     for (const JournalRecord& record : *records)
       if (record.data.text("template") == "drawn") out.push_back(to_json(*record.data.find("slots")));
     return out;
@@ -240,7 +240,8 @@ TEST_F(WhatIfTest, WhatIsWrongIsFoundBeforeAnythingIsPlayed) {
       {{.at = 2.5}, ErrorKind::kUsage, "--at: the run ends at 2 s"},
       {{.at = 1, .file = path("missing.clp").string()}, ErrorKind::kInput, "missing.clp: there is no such file"},
       {{.at = 1, .file = path("rules").string()}, ErrorKind::kInput, "is no file"},
-      {{.at = 1, .file = write("empty.clp", "; nothing\n").string()}, ErrorKind::kInput, "there is nothing in it"},
+      {{.at = 1, .file = write("empty.clp", "; nothing\n").string()}, ErrorKind::kInput, "no rule and no call"},
+      {{.at = 1, .file = write("words.clp", "hello world\n").string()}, ErrorKind::kInput, "no rule and no call"},
       {{.at = 1, .file = broken}, ErrorKind::kInput, "broken.clp:2: "},
       {{.at = 1, .file = binary}, ErrorKind::kInput, "binary.clp:1: "},
       {{.at = 1, .set = {"limit"}}, ErrorKind::kUsage, "expected NODE.NAME=VALUE or ?*GLOBAL*=VALUE"},

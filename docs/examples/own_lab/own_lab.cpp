@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   if (!played) return fail(played.error());
   if (played->failure) return fail(*played->failure);
 
-  auto run = lab::RecordedRun::open(played->folder);
+  auto run = lab::Run::open(played->folder);
   if (!run) return fail(run.error());
   auto again = lab::replay_rules(*run, host);
   if (!again) return fail(again.error());

@@ -514,12 +514,34 @@ TEST(JournalReader, LeavesOutKindsThatNobodyAskedFor) {
                            tell(journal, journal.open_stream("env/{\"kind\":\"fire\""),
                                 journal.open_stream("node/robot1"));
                          }) + by_hand);
-  const auto records = read_journal(folder / "j", {RecordKind::kSkill, RecordKind::kDecision});
+  const auto records = read_journal(folder / "j", {.kinds = {RecordKind::kSkill, RecordKind::kDecision}});
   ASSERT_TRUE(records.ok()) << records.error().text();
   std::vector<std::string> found;
   for (const JournalRecord& record : *records)
     found.push_back(record.stream + ' ' + std::string(to_string(record.kind)));
   EXPECT_THAT(found, ElementsAre("node/robot1 skill", "env/{\"kind\":\"fire\" decision", "s decision"));
+}
+
+TEST(JournalReader, TakesOnlyWhatTheFilterAsksFor) {
+  TempFolder folder;
+  std::string lines;
+  for (const char* stream : {"a", "b"})
+    for (int t = 0; t < 4; ++t)
+      for (const char* kind : {"fire", "skill"})
+        lines += std::string(R"({"stream":")") + stream + R"(","n":0,"t":)" + std::to_string(t) + R"(,"kind":")" +
+                 kind + R"(","data":{},"cause":[]})" + "\n";
+  put_file(folder / "j", lines);
+  const auto taken = [&](const RecordFilter& filter) {
+    std::string out;
+    const auto records = read_journal(folder / "j", filter);
+    for (const JournalRecord& record : *records)
+      out += record.stream + std::to_string(record.t.count()) + (record.kind == RecordKind::kFire ? "f " : "s ");
+    return out;
+  };
+  EXPECT_EQ(taken({}), "a0f a0s a1f a1s a2f a2s a3f a3s b0f b0s b1f b1s b2f b2s b3f b3s ");
+  EXPECT_EQ(taken({.stream = "b", .from = SimTime{1}, .to = SimTime{2}}), "b1f b1s b2f b2s ");
+  EXPECT_EQ(taken({.kinds = {RecordKind::kSkill}, .from = SimTime{3}}), "a3s b3s ");
+  EXPECT_EQ(taken({.kinds = {RecordKind::kFire, RecordKind::kSkill}, .stream = "a", .to = SimTime{0}}), "a0f a0s ");
 }
 
 TEST(JournalReader, ReportsACauseThatIsNone) {

@@ -1,4 +1,4 @@
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-Status read_result(const Json& json, RecordedRun& run) {
+Status read_result(const Json& json, Run& run) {
   run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
   run.status = json.at("status").get<std::string>();
   const double end = json.at("sim_time_s").get<double>();
@@ -41,21 +41,13 @@ Status read_result(const Json& json, RecordedRun& run) {
   return {};
 }
 
-bool has_first_tick(const fs::path& inputs) {
-  auto log = InputLogReader::open(inputs);
-  if (!log) return false;
-  while (log->reached() < SimTime::zero())
-    if (!log->next()) break;
-  return log->reached() >= SimTime::zero();
-}
-
 }  // namespace
 
-Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue& catalogue, bool trust_programs) {
+Expected<Run> Run::open(const fs::path& folder, const Catalogue& catalogue, bool trust_programs) {
   if (!is_folder(folder)) return input_error("there is no folder of a run", folder.string());
   if (!path_exists(folder / "manifest.json"))
     return input_error("is not the folder of a run: there is no manifest.json in it", folder.string());
-  RecordedRun run;
+  Run run;
   run.folder = folder;
   run.catalogue = &catalogue;
   auto manifest = Manifest::read(folder);
@@ -64,6 +56,7 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
   run.manifest.spec.programs = trust_programs;
   auto result = read_json(folder / "result.json");
   if (!result) return result.error();
+  if (auto text = read_file(folder / "result.json")) run.result = *std::move(text);
   try {
     if (Status s = read_result(*result, run); !s)
       return input_error(s.error().message, (folder / "result.json").string());
@@ -73,7 +66,7 @@ Expected<RecordedRun> RecordedRun::open(const fs::path& folder, const Catalogue&
   return run;
 }
 
-std::vector<std::string> RecordedRun::changed_surroundings() const {
+std::vector<std::string> Run::changed_surroundings() const {
   std::vector<std::string> out;
   const auto compare = [&out](const std::map<std::string, std::string>& then, const auto& now) {
     for (const auto& [name, value] : now)
@@ -85,7 +78,7 @@ std::vector<std::string> RecordedRun::changed_surroundings() const {
   return out;
 }
 
-Expected<Scenario> RecordedRun::scenario() const {
+Expected<Scenario> Run::scenario() const {
   auto files = StoredFiles::open(folder);
   if (!files) return files.error();
   auto text = files->read("scenario.yaml");
@@ -98,7 +91,22 @@ Expected<Scenario> RecordedRun::scenario() const {
   return scenario;
 }
 
-Status RecordedRun::whole(SimTime reached) const {
+Expected<JournalReader> Run::journal() const {
+  if (manifest.spec.journal == JournalLevel::kNone)
+    return input_error("the run was recorded without a journal (--journal none), which this question reads",
+                       folder.string());
+  const fs::path file = folder / "journal.jsonl";
+  if (!is_file(file)) return input_error("there is no journal.jsonl in the folder of the run", folder.string());
+  return JournalReader::open(file);
+}
+
+Expected<std::vector<JournalRecord>> Run::records(const RecordFilter& filter) const {
+  auto reader = journal();
+  if (!reader) return reader.error();
+  return reader->all(filter);
+}
+
+Status Run::whole(SimTime reached) const {
   if (!finished || ticks == 0 || reached >= sim_time) return {};
   return input_error("cut off " +
                          (reached < SimTime::zero() ? "before the first tick"
@@ -108,50 +116,12 @@ Status RecordedRun::whole(SimTime reached) const {
                      (folder / "inputs.bin").string());
 }
 
-std::optional<Error> RecordedRun::untrusted(const Status& played) const {
+std::optional<Error> Run::untrusted(const Status& played) const {
   if (played || played.error().code != kUntrusted) return std::nullopt;
   Error error = played.error();
   error.file = folder.string();
   error.line = 0;
   return error;
-}
-
-Expected<RulesReplay> RulesReplay::load(const RecordedRun& run, const Host& host, const Options& given) {
-  RulesReplay replay;
-  if ((!run.finished || run.ticks > 0) && !has_first_tick(run.folder / "inputs.bin"))
-    return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
-                                    : "the run ended before the log of its inputs had the first tick",
-                       run.folder.string());
-  auto scratch = ScratchFolder::create(RemovedBy::kServant);
-  if (!scratch) return scratch.error();
-  replay.scratch = *std::move(scratch);
-  auto files = StoredFiles::open(run.folder);
-  if (!files) return files.error();
-  if (Status s = files->materialise(replay.scratch->path() / "copies"); !s) return s.error();
-  if (Status s = replay.load_again(run, host, given); !s) return s.error();
-  return replay;
-}
-
-Status RulesReplay::load_again(const RecordedRun& run, const Host& host, const Options& given) {
-  auto scenario = run.scenario();
-  if (!scenario) return scenario.error();
-  scenario->duration = given.end;
-  episode.reset();
-  const fs::path folder = written() / std::to_string(++plays);
-  if (Status s = make_folder(folder); !s) return s;
-  EpisodeOptions options = shared_episode_options(host, run.manifest.spec);
-  options.spec.journal = given.level;
-  options.spec.sockets = false;
-  options.run_folder = folder;
-  options.log = given.log;
-  options.control = given.control;
-  options.count_activations = given.count_activations;
-  options.replay =
-      ReplaySource{run.folder / "inputs.bin", scratch->path() / "copies", run.manifest.shares(), run.manifest.out};
-  auto loaded = Episode::load(*std::move(scenario), std::move(options));
-  if (!loaded) return loaded.error();
-  episode = *std::move(loaded);
-  return {};
 }
 
 }  // namespace cxlab::lab
