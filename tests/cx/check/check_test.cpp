@@ -168,6 +168,14 @@ INSTANTIATE_TEST_SUITE_P(
              "(door (name "
              "?n)) => (printout t ?n))",
              "2 never-set"},
+        Seed{"facts_whose_name_is_compared",
+             "(defrule r\n  (none ?x)\n  (job (robot ?who))\n  (test (or (eq ?who none) (neq none ?who)))\n  => "
+             "(printout t ?x))",
+             "2 never-asserted"},
+        Seed{"function_whose_name_is_compared",
+             "(deffunction none (?x) (* ?x 2))\n(defrule r (job (robot ?who)) (test (or (eq ?who none) (neq none "
+             "?who))) => (printout t a))",
+             "1 unused-function"},
         Seed{"rule_twice", "(defrule r (time ?) => (printout t a))\n(defrule r (time ?) => (printout t b))",
              "2 defined-twice"},
         Seed{"rule_of_another_file", "\n(defrule begin (wanted ?) => (printout t a))", "2 defined-twice"},
@@ -296,6 +304,14 @@ INSTANTIATE_TEST_SUITE_P(
                   "(deffunction enough (?n) (if (> ?n 3) then (halt)))\n(deffacts c (count 0))\n(defrule r ?c <- "
                   "(count ?n) => "
                   "(enough ?n) (retract ?c) (assert (count (+ ?n 1))))"),
+        std::pair(
+            "a_loop_that_a_value_of_another_fact_ends",
+            "(deftemplate c (slot n (default 0)) (slot is (default ON)))\n(deffacts d (c) (next OFF))\n(defrule r "
+            "(next ?x) ?c <- (c (n ?n) (is ~OFF)) => (modify ?c (n (+ ?n 1)) (is ?x)))"),
+        std::pair(
+            "a_loop_of_facts_that_a_value_of_another_fact_ends",
+            "(deffacts d (c 0 ON) (next OFF))\n(defrule r (next ?x) ?c <- (c ?n ~OFF) => (retract ?c) (assert (c (+ "
+            "?n 1) ?x)))"),
         std::pair(
             "a_loop_that_shrinks",
             "(deffacts c (count 9))\n(defrule r ?c <- (count ?n&:(> ?n 0)) => (retract ?c) (assert (count (- ?n 1))))"),
