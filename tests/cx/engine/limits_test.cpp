@@ -258,6 +258,22 @@ TEST_F(LimitsTest, ARoundIsTheSameAtEachTime) {
   EXPECT_EQ(said[0], said[1]);
 }
 
+/// A look walks along all firings of a tick, so there is work of rules between two of them.
+TEST_F(LimitsTest, RulesAreLookedAtNowAndThenOnly) {
+  limits.memory = 0;
+  given(
+      "(deffacts start (load 1) (load 2) (load 3) (load 4) (load 5) (load 6) (load 7) (load 8) (load 9) (n 0))\n"
+      "(defrule work (declare (salience 1)) (load ?) =>"
+      " (bind ?i 0) (loop-for-count 600000 (bind ?i (+ ?i 1))))\n"
+      "(defrule again ?f <- (n ?n) => (retract ?f) (assert (n (+ ?n 1))))");
+  engine().reset();
+  const std::int64_t turns = engine().run().fired - 9;
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_THAT(limits.exceeded->text(), AllOf(HasSubstr("rules go round in a loop"), HasSubstr("again (")));
+  EXPECT_GE(turns, 1000) << "the first look comes before there is a round, the second one long after it";
+  EXPECT_LE(turns, 10000) << "and soon enough";
+}
+
 TEST_F(LimitsTest, ARoundThatEndsIsNone) {
   limits.memory = 0;
   given(
