@@ -232,6 +232,17 @@ class Machines(unittest.TestCase):
         self.assertAlmostEqual(machine["down"] * result_of("rules")["sim_time_s"], down, places=3)
 
 
+    def test_what_happens_at_the_ends_of_the_stretch_counts(self):
+        step = 0.001
+        for event, column in (("mounted", "works"), ("cap_retrieved", "works"), ("broken", "breaks")):
+            times = [(t, d["machine"]) for t, d in referee("faults", event)]
+            self.assertTrue(times, event)
+            t, machine = times[0]
+            count = lambda begin, end: ask("machines", "faults", machine, "--from", f"{begin:.6f}", "--to", f"{end:.6f}")["machines"][0][column]
+            self.assertEqual([count(t, t + step), count(t - step, t), count(t + step, t + 2 * step), count(t - 2 * step, t - step)],
+                             [1, 1, 0, 0], (event, t, machine))
+
+
 class Pieces(unittest.TestCase):
     def test_every_piece_and_its_end(self):
         for game in GAMES:
@@ -254,6 +265,33 @@ class Pieces(unittest.TestCase):
         life = ask("pieces", "rules", 13)["life"]
         self.assertEqual([e["t_s"] for e in life], sorted(e["t_s"] for e in life))
         self.assertLessEqual({round(t, 6) for t in times}, {round(e["t_s"], 6) for e in life})
+
+
+    def test_each_move_and_work_is_told_with_its_place_and_its_robot(self):
+        # From where, to where (None: anywhere), and what is said of it: the first line that fits.
+        words = [("dispenser", None, "came out"), (None, "gripper", "taken"), ("gripper", "floor", "dropped"),
+                 (None, "floor", "fell"), (None, "crew", "taken away"), (None, "slide", "payment"),
+                 (None, "gate", "through the gate"), ("gripper", None, "put down")]
+        for game in ("faults", "plans"):
+            lives, kinds = collections.defaultdict(list), {}
+            for t, d in referee(game, "piece"):
+                what = next(said for begin, end, said in words if begin in (None, d["from"]) and end in (None, d["to"]))
+                robot = d["to_name"] if d["to"] == "gripper" else d["from_name"] if d["from"] == "gripper" else ""
+                place = d["from_name"] if d["to"] == "gripper" else d.get("to_name") or d["to"]
+                lives[d["piece"]].append((round(t, 6), what, place, robot))
+                kinds.setdefault((d["from"], d["to"]), d["piece"])
+            for t, d in referee(game, "mounted"):
+                lives[d["piece"]].append((round(t, 6), d["product"].split()[-1] + " mounted", d["machine"], ""))
+                kinds.setdefault(("mounted", d["machine"][:4]), d["piece"])
+            for t, d in referee(game, "cap_retrieved"):
+                lives[d["piece"]].append((round(t, 6), "cap taken off", d["machine"], ""))
+                kinds.setdefault("cap_retrieved", d["piece"])
+            self.assertGreater(len(kinds), 6)
+            for piece in sorted(set(kinds.values())):
+                with self.subTest(f"{game}, piece {piece}"):
+                    told = [(round(e["t_s"], 6), e["what"], e["where"], e["who"]) for e in ask("pieces", game, piece)["life"]
+                            if e["where"]]  # the others are judgements: delivered, refused, thrown away
+                    self.assertEqual(sorted(told), sorted(lives[piece]))
 
 
 class Asking(unittest.TestCase):
