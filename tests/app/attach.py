@@ -169,7 +169,9 @@ class Attach(Lab):
                 ("retract (order (id 99))", "no fact matches"), ("break fact (", "fact"), ("facts (", "("),
                 ("why nothing", "there is neither a rule nor a template 'nothing'"), ("why-not nothing", "there is no rule 'nothing'"), ("back", "cxlab attach RUN"), ("at 3", "does not go back"), ("back-until begin", "does not go back"), ("why begin", "has not fired up to then"), ("e", "'e' may be envs or eval"),
                 ("(undefined-function 1)", "undefined-function"), ("until fact (ordr (id 1))", "ordr"),
-                ("break 1e99", "1e99"), ("build (+ 1 2)", "build")]:
+                ("build (+ 1 2)", "build"),
+                *((f"break {no_time}", f"there is no rule '{no_time}'") for no_time in
+                  ("1e99", "1000000000", "-1", "-0.5", "1:60", "1:-1", "-1:0", "10000001:0", ":5", "5:", "1:2:3", "x:5", "5:x"))]:
             with self.subTest(command):
                 said = self.attach(command, code=1)
                 self.assertIn(text, said)
