@@ -36,6 +36,7 @@ struct Manifest {
   std::string out;                   ///< its folder when it was played, absolute
   RunSpec spec;
   std::vector<Agent> agents;
+  std::vector<std::string> seats;                  ///< names of programs that took part (scenarios/seat.h)
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
   std::string repeat;                              ///< the command that plays the run again
 
@@ -56,6 +57,7 @@ struct Manifest {
     keys.unless_empty("out", out);
     spec.fields(keys);
     keys.required("agents", agents);
+    keys.unless_empty("seats", seats);
     keys("world_files", world_files);
     keys("repeat", repeat);
   }

@@ -202,7 +202,14 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
     return usage_error("--out: found the folder of the run itself, expected another one, to compare them", given.out);
   auto changes = changes_of(run, given.what_if, *scenario);
   if (!changes) return changes.error();
+  if (given.what_if && !run.manifest.seats.empty())
+    return usage_error("the program at seat " + run.manifest.seats.front() +
+                           " took part in this run; it sends what it sent then, and would not answer to another course",
+                       run.folder.string());
+  auto seats = run.seats();
+  if (!seats) return seats.error();
   PlayOptions options{.spec = run.manifest.spec};
+  options.seats = *std::move(seats);
   options.spec.what_if = *std::move(changes);
   options.also_read = {run.folder};
   if (copies) options.spec.prefixes.clear();

@@ -14,6 +14,7 @@
 #include "lab/json_fields.h"
 #include "lab/session.h"
 #include "lab/versions.h"
+#include "scenarios/seated_agent.h"
 
 namespace cxlab::lab {
 
@@ -104,6 +105,11 @@ Expected<std::vector<JournalRecord>> Run::records(const RecordFilter& filter) co
   auto reader = journal();
   if (!reader) return reader.error();
   return reader->all(filter);
+}
+
+Expected<std::vector<Seat>> Run::seats() const {
+  if (manifest.seats.empty()) return std::vector<Seat>();
+  return recorded_seats(folder / "inputs.bin");
 }
 
 Status Run::whole(SimTime reached) const {

@@ -11,6 +11,7 @@
 #include "cx/journal/journal_reader.h"
 #include "lab/manifest.h"
 #include "scenarios/scenario.h"
+#include "scenarios/seat.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
@@ -47,6 +48,8 @@ struct Run {
   Expected<std::vector<JournalRecord>> records(const RecordFilter& filter = {}) const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.
   Status whole(SimTime reached) const;
+  /// Those of the run, which send what they sent then.
+  Expected<std::vector<Seat>> seats() const;
   /// The error where it would start a program or open a native plugin, and nobody has said that it may.
   std::optional<Error> untrusted(const Status& played) const;
 };

@@ -58,8 +58,10 @@ struct Control {
   std::chrono::steady_clock::duration waited{};  ///< in all
 };
 
+}  // namespace
+
 /// Everything of one run that outlives the loop.
-struct Play {
+struct RunAtPlay {
   PlayOptions options;
   Scenario scenario;
   Host host;
@@ -68,15 +70,23 @@ struct Play {
   Control control;                         // outlives the episode
   std::unique_ptr<WhatIfControl> what_if;  // as this one
   std::unique_ptr<Episode> episode;
+  std::unique_ptr<Pictures> pictures;
+  std::unique_ptr<Video> video;  // none if none is asked for
+  std::chrono::steady_clock::time_point wall_start;
   Meter game, physics;
   Played played;
+  bool refused = false;    // could not begin; its result says why
+  Status so_far;           // of a session; an error has ended it
+  std::int64_t ticks = 0;  // that its steps have played
 };
 
+namespace {
+
 /// The run that is being played, for `note_crash`.
-const Play* g_run = nullptr;
+const RunAtPlay* g_run = nullptr;
 
 struct AtPlay {
-  explicit AtPlay(const Play& run) { g_run = &run; }
+  explicit AtPlay(const RunAtPlay& run) { g_run = &run; }
   ~AtPlay() { g_run = nullptr; }
   AtPlay(const AtPlay&) = delete;
   AtPlay& operator=(const AtPlay&) = delete;
@@ -89,7 +99,7 @@ Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scen
   return std::filesystem::path(options.out);
 }
 
-Manifest manifest_of(const Play& run) {
+Manifest manifest_of(const RunAtPlay& run) {
   namespace fs = std::filesystem;
   const Scenario& scenario = run.scenario;
   Manifest out;
@@ -104,17 +114,18 @@ Manifest manifest_of(const Play& run) {
   out.folder = fs::current_path().string();
   out.out = fs::absolute(run.folder).lexically_normal().string();
   out.spec = run.options.spec;
+  for (const Seat& seat : run.options.seats) out.seats.push_back(seat.name);
   for (const AgentSpec& agent : scenario.agents) out.agents.push_back({agent.config, scenario.shares(agent)});
   for (const auto& [key, file] : scenario.world_files) out.world_files[key] = fs::absolute(file.path).string();
   out.repeat = "cxlab rerun " + run.folder.string();
   return out;
 }
 
-std::vector<cx::Environment*> environments_of(const Play& run) {
+std::vector<cx::Environment*> environments_of(const RunAtPlay& run) {
   return run.episode ? run.episode->environments() : std::vector<cx::Environment*>();
 }
 
-Status open_control(Play& run) {
+Status open_control(RunAtPlay& run) {
   const PlayOptions& options = run.options;
   if (!options.spec.what_if.empty()) {
     run.what_if = std::make_unique<WhatIfControl>(options.spec.what_if);
@@ -176,7 +187,7 @@ std::string folders_elsewhere(const Scenario& scenario) {
 }
 
 /// When the run ends at the latest, s.
-double end_of(const Play& run) {
+double end_of(const RunAtPlay& run) {
   const double duration = to_seconds(run.scenario.duration);
   return std::min(run.options.spec.until.value_or(duration), duration);
 }
@@ -190,7 +201,7 @@ void wait_until(std::chrono::steady_clock::time_point then, const Host& host) {
 }
 
 /// A film from the episode's stage; none if none is asked for.
-Expected<std::unique_ptr<Video>> start_video(const Play& run) {
+Expected<std::unique_ptr<Video>> start_video(const RunAtPlay& run) {
   const VideoOptions& options = run.options.video;
   if (options.file.empty()) return std::unique_ptr<Video>();
   auto view = view_of(run.episode->stage(), options.width, options.height);
@@ -198,49 +209,62 @@ Expected<std::unique_ptr<Video>> start_video(const Play& run) {
   return Video::create(options, *std::move(view), run.host);
 }
 
-Status play_ticks(Play& run, Pictures& pictures, Video* video) {
-  Episode& episode = *run.episode;
-  const double end = end_of(run);
-  if (Status s = episode.start(); !s) return s;
-  run.control.timelines.start_is_over();
-  const auto wall_start = std::chrono::steady_clock::now();
-  while (!episode.over() && !run.host.stopped() &&
-         !(run.options.spec.until && to_seconds(episode.now()) >= *run.options.spec.until)) {
-    run.game.begin();
-    const Status ticked = episode.tick();
-    run.game.end();
-    if (!ticked) return ticked;
-    if (Status s = pictures.look(episode); !s) return s;
-    if (video)
-      if (Status s = video->look(to_seconds(episode.now())); !s) return s;
-    run.host.show(to_seconds(episode.now()), end);
-    if (!run.options.realtime && !run.options.spec.sockets) continue;
-    run.game.begin();
-    wait_until(wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
-               run.host);
-    run.game.end();
-  }
-  return {};
-}
-
-Status play(Play& run) {
+/// What is drawn, and what the process gives up before it reads the first rule.
+Status prepare_pictures(RunAtPlay& run) {
   auto pictures = Pictures::create(*run.episode, run.folder, run.snapshots);
   if (!pictures) return pictures.error();
   auto video = start_video(run);
   if (!video) return video.error();
+  run.pictures = *std::move(pictures);
+  run.video = *std::move(video);
   Wall drawn;
   drawn.read = run.options.also_read;
-  drawn.pictures = !run.snapshots.empty() || *video;
+  drawn.pictures = !run.snapshots.empty() || run.video;
   confine(*run.episode, run.host, drawn);
-  const Status played = play_ticks(run, **pictures, video->get());
-  run.played.pictures = (*pictures)->taken();
-  if (!*video) return played;
-  const Status finished = run.host.complete([&] { return (*video)->finish(); });  // of a run that failed as well
+  return {};
+}
+
+Status start_agents(RunAtPlay& run) {
+  if (Status s = run.episode->start(); !s) return s;
+  run.control.timelines.start_is_over();
+  run.wall_start = std::chrono::steady_clock::now();
+  return {};
+}
+
+bool has_ended(const RunAtPlay& run) {
+  const std::optional<double>& until = run.options.spec.until;
+  return run.episode->over() || run.host.stopped() || (until && to_seconds(run.episode->now()) >= *until);
+}
+
+Status play_tick(RunAtPlay& run) {
+  Episode& episode = *run.episode;
+  run.game.begin();
+  const Status ticked = episode.tick();
+  run.game.end();
+  if (!ticked) return ticked;
+  if (Status s = run.pictures->look(episode); !s) return s;
+  if (run.video)
+    if (Status s = run.video->look(to_seconds(episode.now())); !s) return s;
+  run.host.show(to_seconds(episode.now()), end_of(run));
+  if (!run.options.realtime && !run.options.spec.sockets) return {};
+  run.game.begin();
+  wait_until(run.wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
+             run.host);
+  run.game.end();
+  return {};
+}
+
+/// Completes what was drawn of a run that was played so, of one that failed as well.
+Status complete_pictures(RunAtPlay& run, const Status& played) {
+  if (run.pictures) run.played.pictures = run.pictures->taken();
+  if (!run.video) return played;
+  const Status finished = run.host.complete([&] { return run.video->finish(); });
   if (finished) run.played.film = run.options.video.file;
+  run.video.reset();
   return played ? finished : played;
 }
 
-RunStatus status_of(const Play& run, const Status& played) {
+RunStatus status_of(const RunAtPlay& run, const Status& played) {
   if (!played) return RunStatus::kFailed;
   if (run.host.stopped()) return RunStatus::kInterrupted;
   return run.episode->completed() ? RunStatus::kCompleted : RunStatus::kStopped;
@@ -266,7 +290,7 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void finish(Play& run, const Status& played) {
+void finish(RunAtPlay& run, const Status& played) {
   Result& result = run.played.result;
   std::optional<Error>& failure = run.played.failure;
   result = run.episode->close(status_of(run, played), played ? std::nullopt : std::optional<Error>(played.error()));
@@ -289,7 +313,7 @@ void finish(Play& run, const Status& played) {
 }
 
 /// The answer for a run that could not begin. It has a folder all the same.
-Expected<Played> refused(Play& run, const Error& error) {
+Expected<Played> refused(RunAtPlay& run, const Error& error) {
   run.played.result = unfinished_result(run.scenario);
   run.played.result.reason = error;
   if (!run.folder.empty())
@@ -299,14 +323,14 @@ Expected<Played> refused(Play& run, const Error& error) {
   return std::move(run.played);
 }
 
-EpisodeOptions episode_options(const Play& run) {
+EpisodeOptions episode_options(const RunAtPlay& run) {
   EpisodeOptions options = shared_episode_options(run.host, run.options.spec);
   options.log = run.host.log;
   return options;
 }
 
 /// A former run is replaced only by one that can begin.
-Status try_out(const Play& run) {
+Status try_out(const RunAtPlay& run) {
   std::error_code error;
   const std::string& out = run.options.out;
   if (!run.options.force || out.empty() || !std::filesystem::is_directory(out, error) ||
@@ -323,6 +347,65 @@ Status try_out(const Play& run) {
   return video.file.empty() ? Status() : Video::check(video, **view);
 }
 
+/// The run that could not begin, or what is wrong with what was asked for.
+Status refuse(RunAtPlay& run, Error error) {
+  run.refused = true;
+  return error;
+}
+
+/// Everything before the start.
+Status set_up(RunAtPlay& run) {
+  const PlayOptions& options = run.options;
+  for (std::string& prefix : run.options.spec.prefixes)
+    prefix = std::filesystem::absolute(prefix).lexically_normal().string();
+  name_copies(run.options.spec.what_if);
+  if (const std::string folders = folders_elsewhere(run.scenario); !folders.empty() && !run.scenario.trust_rules)
+    run.host.note("rules may read " + folders);
+  auto installed = installed_packages(options.spec.prefixes);
+  if (!installed) return installed.error();
+  for (const auto& [name, package_folder] : *installed)
+    run.scenario.packages.try_emplace(name, PackageSpec{package_folder});
+  auto snapshots = snapshot_times(options.snapshot, end_of(run));
+  if (!snapshots) return snapshots.error();
+  run.snapshots = *std::move(snapshots);
+  if (Status s = try_out(run); !s) return refuse(run, s.error());
+  auto folder = folder_of(options, run.scenario);
+  if (!folder) return folder.error();
+  run.folder = *std::move(folder);
+  if (!run.folder.empty()) {
+    Status written = replace_file(run.folder / "result.json", unfinished_result(run.scenario).to_json());
+    if (written) written = replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
+    if (!written) return written.error();
+    run.played.folder = run.folder;
+    run.host.note("run: " + run.folder.string());
+  }
+  if (Status s = open_control(run); !s) return refuse(run, s.error());
+
+  EpisodeOptions for_episode = episode_options(run);
+  for_episode.seats = options.seats;
+  for_episode.run_folder = run.folder;
+  for_episode.control = run.control.debugger.get();
+  if (run.what_if) for_episode.control = run.what_if.get();
+  for_episode.meters = options.meters;
+  for_episode.meters.physics = &run.physics;
+  for_episode.file_read = options.file_read;
+  auto episode = Episode::load(run.scenario, for_episode);
+  if (!episode) return refuse(run, episode.error());
+  run.episode = *std::move(episode);
+  if (run.control.debugger) run.episode->journal().observe(run.control.timelines);
+  return {};
+}
+
+/// Ends a run that could begin.
+Played conclude(RunAtPlay& run, const Status& played) {
+  finish(run, complete_pictures(run, played));
+  if (run.what_if) run.played.changed = run.what_if->done();
+  if (run.control.debugger)
+    run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +
+                              fixed_text(to_seconds(run.played.result.sim_time), 3) + " s");
+  return std::move(run.played);
+}
+
 }  // namespace
 
 EpisodeOptions shared_episode_options(const Host& host, RunSpec spec) {
@@ -336,7 +419,7 @@ EpisodeOptions shared_episode_options(const Host& host, RunSpec spec) {
 }
 
 void note_crash(const Error& error) {
-  const Play* run = std::exchange(g_run, nullptr);
+  const RunAtPlay* run = std::exchange(g_run, nullptr);
   if (!run || run->folder.empty()) return;
   Result result = unfinished_result(run->scenario);
   result.reason = error;
@@ -346,54 +429,56 @@ void note_crash(const Error& error) {
 }
 
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host) {
-  Play run;
-  const AtPlay at_play(run);
+  RunAtPlay run;
   run.options = options;
   run.scenario = std::move(scenario);
   run.host = host;
-  for (std::string& prefix : run.options.spec.prefixes)
-    prefix = std::filesystem::absolute(prefix).lexically_normal().string();
-  name_copies(run.options.spec.what_if);
-  if (const std::string folders = folders_elsewhere(run.scenario); !folders.empty() && !run.scenario.trust_rules)
-    host.note("rules may read " + folders);
-  auto installed = installed_packages(run.options.spec.prefixes);
-  if (!installed) return installed.error();
-  for (const auto& [name, package_folder] : *installed)
-    run.scenario.packages.try_emplace(name, PackageSpec{package_folder});
-  auto snapshots = snapshot_times(options.snapshot, end_of(run));
-  if (!snapshots) return snapshots.error();
-  run.snapshots = *std::move(snapshots);
-  if (Status s = try_out(run); !s) return refused(run, s.error());
-  auto folder = folder_of(options, run.scenario);
-  if (!folder) return folder.error();
-  run.folder = *std::move(folder);
-  if (!run.folder.empty()) {
-    Status written = replace_file(run.folder / "result.json", unfinished_result(run.scenario).to_json());
-    if (written) written = replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
-    if (!written) return written.error();
-    run.played.folder = run.folder;
-    host.note("run: " + run.folder.string());
+  const AtPlay at_play(run);
+  if (Status s = set_up(run); !s) return run.refused ? refused(run, s.error()) : s.error();
+  Status played = prepare_pictures(run);
+  if (played) played = start_agents(run);
+  while (played && !has_ended(run)) played = play_tick(run);
+  return conclude(run, played);
+}
+
+Session::Session() : run_(std::make_unique<RunAtPlay>()) { g_run = run_.get(); }
+Session::~Session() { g_run = nullptr; }
+
+Expected<std::unique_ptr<Session>> Session::load(const PlayOptions& options, Scenario scenario, const Host& host) {
+  std::unique_ptr<Session> session(new Session);
+  RunAtPlay& run = *session->run_;
+  run.options = options;
+  run.scenario = std::move(scenario);
+  run.host = host;
+  if (Status s = set_up(run); !s) {
+    if (run.refused) (void)refused(run, s.error());
+    return s.error();
   }
+  Status started = prepare_pictures(run);
+  if (started) started = start_agents(run);
+  if (started) return session;
+  const Played played = conclude(run, started);
+  return played.failure ? *played.failure : started.error();
+}
 
-  if (Status s = open_control(run); !s) return refused(run, s.error());
+Expected<StepReport> Session::step(SimTime until) {
+  RunAtPlay& run = *run_;
+  const std::int64_t before = run.ticks;
+  for (; run.so_far && !has_ended(run) && run.episode->next_tick() <= until; ++run.ticks) run.so_far = play_tick(run);
+  if (!run.so_far) return run.so_far.error();
+  return StepReport{run.episode->now(), run.ticks - before, has_ended(run)};
+}
 
-  EpisodeOptions for_episode = episode_options(run);
-  for_episode.run_folder = run.folder;
-  for_episode.control = run.control.debugger.get();
-  if (run.what_if) for_episode.control = run.what_if.get();
-  for_episode.meters = options.meters;
-  for_episode.meters.physics = &run.physics;
-  for_episode.file_read = options.file_read;
-  auto episode = Episode::load(run.scenario, for_episode);
-  if (!episode) return refused(run, episode.error());
-  run.episode = *std::move(episode);
-  if (run.control.debugger) run.episode->journal().observe(run.control.timelines);
-  finish(run, play(run));
-  if (run.what_if) run.played.changed = run.what_if->done();
-  if (run.control.debugger)
-    run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +
-                              fixed_text(to_seconds(run.played.result.sim_time), 3) + " s");
-  return std::move(run.played);
+Episode& Session::episode() { return *run_->episode; }
+
+Played Session::close() {
+  RunAtPlay& run = *run_;
+  // The caller ends it here: who plays it again does so, too.
+  if (run.so_far && !has_ended(run)) {
+    run.options.spec.until = to_seconds(std::max(run.episode->now(), SimTime::zero()));
+    if (!run.folder.empty()) run.so_far = replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
+  }
+  return conclude(run, run.so_far);
 }
 
 }  // namespace cxlab::lab

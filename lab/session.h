@@ -4,6 +4,13 @@
 //   auto scenario = Scenario::load("game.yaml", shipped());
 //   auto played = lab::play_scenario({.out = "runs/first"}, *std::move(scenario));
 //   if (played && !played->failure) ... played->result.score_board ...
+//
+// or step by step, with agents that are programs (scenarios/seat.h):
+//
+//   options.seats = {seat_of<Pilot>("pilot")};
+//   auto session = lab::Session::load(options, *std::move(scenario));
+//   while (auto step = (*session)->step(t += 1s)) if (look((*session)->episode()); step->over) break;
+//   lab::Played played = (*session)->close();
 
 #include <filesystem>
 #include <functional>
@@ -22,6 +29,7 @@ namespace cxlab::lab {
 
 struct PlayOptions {
   RunSpec spec = {};
+  std::vector<Seat> seats = {};           ///< agents that are programs, after those of the scenario
   std::string out = {};                   ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
   bool force = false;                     ///< `out` may be a folder in use
   bool realtime = false;                  ///< sleeps between ticks, as a run with sockets does
@@ -51,6 +59,32 @@ struct Played {
 /// Until the scenario's end, `until` or a stop by the host. An error is one before there was a folder; later ones are
 /// in `Played`, as in result.json.
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host = {});
+
+struct RunAtPlay;
+
+/// The same, which the caller plays step by step. One at a time in a process.
+class Session {
+ public:
+  /// Reads everything that the scenario names and starts the agents, before tick 0. An error that comes when the run
+  /// has its folder is in result.json, too.
+  static Expected<std::unique_ptr<Session>> load(const PlayOptions& options, Scenario scenario, const Host& host = {});
+  /// A run that was not closed is left as one that was killed.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Plays the ticks up to that time, one at it included; none after the end of the run, a stop by the host or an
+  /// error. In steps a run is byte for byte the one that `play_scenario` plays.
+  Expected<StepReport> step(SimTime until);
+  Episode& episode();
+  /// Deactivates the agents and completes the files. A run that has not come to its end is one with `until` here.
+  /// Nothing is called after it.
+  Played close();
+
+ private:
+  Session();
+  std::unique_ptr<RunAtPlay> run_;
+};
 
 /// For the handler of a fault: the result of the run that is being played, if there is one, says that it failed so.
 void note_crash(const Error& error);

@@ -65,6 +65,13 @@ Status Episode::tick() {
   return write_out();
 }
 
+Expected<StepReport> Episode::step(SimTime until) {
+  const std::int64_t before = loop_->ticks();
+  while (!over() && next_tick() <= until)
+    if (Status s = tick(); !s) return s.error();
+  return StepReport{now(), loop_->ticks() - before, over()};
+}
+
 Status Episode::write_out() {
   // A log that names a tick has all definitions that the tick read.
   if (inputs_->writes_at(now()))
@@ -123,7 +130,7 @@ Result Episode::result() const {
   out.ticks = loop_->ticks();
   stage_->report(out);
   for (const auto& report : stage_->reports) report(out);
-  out.deterministic = out.deterministic && !options_.spec.sockets;
+  out.deterministic = out.deterministic && !options_.spec.sockets && seats_.empty();
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())

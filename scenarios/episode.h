@@ -3,7 +3,7 @@
 //
 //   auto episode = Episode::load(scenario, options);
 //   (*episode)->start();
-//   while (!(*episode)->over()) if (Status s = (*episode)->tick(); !s) ...
+//   while (!(*episode)->over()) if (auto step = (*episode)->step(t += 1s); !step) ...
 //   Result result = (*episode)->close(...);
 
 #include <filesystem>
@@ -26,6 +26,7 @@
 #include "scenarios/result.h"
 #include "scenarios/run_spec.h"
 #include "scenarios/scenario.h"
+#include "scenarios/seat.h"
 #include "scenarios/stage.h"
 
 namespace cxlab {
@@ -57,6 +58,7 @@ struct EpisodeOptions {
   /// Exists; empty = nothing is written. A replay writes its journal there, and what rules write.
   std::filesystem::path run_folder;
   RunSpec spec;
+  std::vector<Seat> seats = {};       ///< agents that are programs, after those of the scenario
   cx::RunControl* control = nullptr;  ///< of a person, or of what is planned; may be none
   cx::LogSink* log = nullptr;         ///< lines of environments and nodes; may be none
   WallMeters meters;
@@ -65,6 +67,13 @@ struct EpisodeOptions {
   std::optional<ReplaySource> replay;
   bool count_activations = false;  ///< engines count how often each rule is put on the agenda
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
+};
+
+/// What a step was.
+struct StepReport {
+  SimTime now{};           ///< time of the last tick; before the first: less than 0
+  std::int64_t ticks = 0;  ///< that it played
+  bool over = false;       ///< another step plays none
 };
 
 class Episode {
@@ -81,6 +90,8 @@ class Episode {
   Status start();
   /// One tick (cx/run/loop.h).
   Status tick();
+  /// Plays the ticks up to that time, one at it included. In steps an episode is byte for byte the one in ticks.
+  Expected<StepReport> step(SimTime until);
   /// Whether the duration has passed, the referee has ended the game, or rules asked for the end.
   bool over() const;
   /// Whether it has ended by itself: duration or game.
@@ -120,6 +131,7 @@ class Episode {
   Status build_stimuli();
   Status open_sockets();
   Status build_agents();
+  Status build_seats();
   Status check_stimuli();
   cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
@@ -140,6 +152,7 @@ class Episode {
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
+  std::vector<std::unique_ptr<Agent>> seats_;
   std::vector<std::unique_ptr<Agent>> measured_;  ///< around the agents, where they are measured
   std::optional<Loop> loop_;
 };

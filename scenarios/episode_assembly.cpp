@@ -10,6 +10,7 @@
 #include "cx/yaml/yaml.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/episode.h"
+#include "scenarios/seated_agent.h"
 #include "scenarios/share.h"
 #include "scenarios/stimuli.h"
 
@@ -78,7 +79,7 @@ class MeasuredAgent final : public Agent {
 Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptions options) {
   std::unique_ptr<Episode> episode(new Episode(std::move(scenario), std::move(options)));
   for (const auto build : {&Episode::open_files, &Episode::build_bus, &Episode::build_stage, &Episode::build_agents,
-                           &Episode::check_stimuli})
+                           &Episode::build_seats, &Episode::check_stimuli})
     if (Status s = ((*episode).*build)(); !s) return s.error();
   episode->build_loop();
   return episode;
@@ -282,6 +283,15 @@ Status Episode::build_agents() {
   return {};
 }
 
+Status Episode::build_seats() {
+  for (const Seat& seat : options_.seats) {
+    auto agent = seated_agent(seat, *bus_, journal_, *inputs_);
+    if (!agent) return agent.error();
+    seats_.push_back(*std::move(agent));
+  }
+  return {};
+}
+
 Status Episode::check_stimuli() {
   if (options_.replay) return {};
   for (const Stimulus& stimulus : scenario_.stimuli) {
@@ -317,6 +327,7 @@ void Episode::build_loop() {
     measured_.push_back(std::make_unique<MeasuredAgent>(*agent, *options_.meters.rules));
     parts.agents.back() = measured_.back().get();
   }
+  for (auto& seat : seats_) parts.agents.push_back(seat.get());
   loop_.emplace(*bus_, scenario_.tick, std::move(parts));
   loop_->set_end(scenario_.duration);
 }

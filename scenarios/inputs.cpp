@@ -131,6 +131,9 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
   void watch(bus::ParticipantId participant) override { tap_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(bus_, log_, stream); }
   cx::ControlLog* control_log() override { return this; }
+  void add_seat(const std::string& stream, const std::string& bytes) override {
+    log_.add(LoggedResult{bus_.now(), stream, kSeatKey, bytes});
+  }
   bool writes_at(SimTime t) const override { return log_.writes_at(t); }
   Status ticked(SimTime t, const std::string& world) override {
     if (!world.empty()) log_.add(LoggedWorld{bus_.now(), "world", world});

@@ -26,6 +26,8 @@ class Inputs {
   virtual bus::Feed* feed() { return nullptr; }
   /// What a person does in environments; none: nobody does.
   virtual cx::ControlLog* control_log() { return nullptr; }
+  /// What the seat of that stream sends at this tick, as bytes of its own.
+  virtual void add_seat(const std::string& /*stream*/, const std::string& /*bytes*/) {}
   /// Whether `ticked` writes into the log's file at that time.
   virtual bool writes_at(SimTime /*t*/) const { return false; }
   /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.

@@ -50,6 +50,9 @@ struct LoggedResult {
 
 /// The `key` of a `LoggedResult` that is no result but what a person did (`environment` is its stream).
 inline constexpr std::string_view kControlKey = "control";
+/// The same for what a seat sent (scenarios/seat.h): `environment` is the stream of the seat, "seat/NAME".
+inline constexpr std::string_view kSeatKey = "seat";
+inline constexpr std::string_view kSeatStream = "seat/";
 
 /// Controls, model writes or state writes of a world, in the world's own format.
 struct LoggedWorld {

@@ -53,6 +53,7 @@ Replayer::Replayer(InputLogReader log, bus::Bus& bus, Journal& journal)
     if (auto* take = std::get_if<LoggedTake>(&*entry)) {
       inputs_[std::string(take->to)].takes.push_back(std::move(*take));
     } else if (const auto* result = std::get_if<LoggedResult>(&*entry)) {
+      if (result->key == kSeatKey) continue;  // what it did to environments is among their takes
       Inputs& inputs = inputs_[std::string(result->environment)];
       (result->key == kControlKey ? inputs.controls : inputs.results).push_back(*result);
     }

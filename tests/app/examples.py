@@ -33,7 +33,7 @@ SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_abs
 # Another planner's program has to be installed.
 NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
 # Needs a library or a program that is built first: tests/app/own_plugins.py, tests of the template.
-BUILT_FIRST = ("docs/examples/own_plugins/", "docs/examples/own_world/", "docs/templates/plugin/")
+BUILT_FIRST = ("docs/examples/own_plugins/", "docs/examples/own_seat/", "docs/examples/own_world/", "docs/templates/plugin/")
 
 
 def on_pages():

@@ -108,6 +108,24 @@ class OwnPackages(Installed):
         self.assertRegex(done.stdout, r"(?m)^game +one +2/2 ")
         self.assertIn("[4/4] game one seed 2: completed, exit 0", done.stderr)
 
+    def test_program_takes_a_seat_and_its_run_replays_without_it(self):
+        example, run = self.prefix / "share/cxlab/docs/examples/own_seat", self.folder / "seat_run"
+        build(example, self.folder / "own_seat", self.prefix)
+        said = call(self.folder / "own_seat/own_seat", example / "canvas.yaml", run).stdout
+        self.assertRegex(said, r"(?m)^ 1\.0 s: 0\.0 m driven, 0 times home$")
+        driven, home = re.search(r"(?m)^29\.\d s: (\S+) m driven, (\d+) times home$", said).groups()
+        self.assertGreater(float(driven), 10)
+        self.assertGreaterEqual(int(home), 2)
+        self.assertEqual(call(self.folder / "own_seat/own_seat", example / "canvas.yaml", self.folder / "seat_again").stdout, said)
+        for file in ("journal.jsonl", "inputs.bin"):
+            self.assertEqual((run / file).read_bytes(), (self.folder / "seat_again" / file).read_bytes())
+        replayed = call(self.cxlab, "replay", run).stdout
+        self.assertIn("rules: the same", replayed)
+        self.assertIn("physics: the same", replayed)
+        call(self.cxlab, "rerun", run, "--out", self.folder / "seat_rerun")
+        self.assertIn("turtle1/pose", call(self.cxlab, "why", run, "turtle-teleport-request").stdout)
+        self.assertIn("seat pilot", call(self.cxlab, "rerun", run, "--at", 5, "--assert", "(turtle-out-of-bounds)", expect=2).stderr)
+
     def test_world_of_ones_own_has_all_commands(self):
         example = self.prefix / "share/cxlab/docs/examples/own_world"
         build(example, self.folder / "own_world", self.prefix)

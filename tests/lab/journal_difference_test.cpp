@@ -72,17 +72,17 @@ TEST_F(JournalDifference, WhatWasPlannedIsNone) {
 }
 
 TEST_F(JournalDifference, ALineThatIsNoRecordHasItsPlace) {
-    const auto then = run("then", {{"a", 1, "{}"}}), now = run("now", {{"a", 1, "{}"}});
-    write("now/journal.jsonl", "{\n");
-    const auto found = first_differences(then, now);
-    ASSERT_FALSE(found.ok());
-    EXPECT_THAT(found.error().text(), testing::StartsWith((now / "journal.jsonl").string() + ":1: "));
+  const auto then = run("then", {{"a", 1, "{}"}}), now = run("now", {{"a", 1, "{}"}});
+  write("now/journal.jsonl", "{\n");
+  const auto found = first_differences(then, now);
+  ASSERT_FALSE(found.ok());
+  EXPECT_THAT(found.error().text(), testing::StartsWith((now / "journal.jsonl").string() + ":1: "));
 }
 
 TEST_F(JournalDifference, ARunWithoutAJournalHasNoRecords) {
-    const auto then = run("then", {{"a", 1, "{}"}});
-    std::filesystem::create_directories(path("none"));
-    EXPECT_EQ(first_differences(then, path("none"))->size(), 1u);
+  const auto then = run("then", {{"a", 1, "{}"}});
+  std::filesystem::create_directories(path("none"));
+  EXPECT_EQ(first_differences(then, path("none"))->size(), 1u);
 }
 
 }  // namespace
