@@ -36,7 +36,7 @@ int bench(const BenchOptions& options) {
   if (const int code = interrupted(std::to_string(rows->size()) + " of " + std::to_string(suite->cells().size()) +
                                    " episodes are finished and kept; the same command plays the others"))
     return code;
-  const std::vector<lab::TableLine> table = lab::table_of(*rows);
+  const std::vector<lab::TableLine> table = lab::table_of(*rows, catalogue());
   if (options.json)
     std::fputs(lab::to_json(table).c_str(), stdout);
   else

@@ -9,6 +9,7 @@
 #include "app/command.h"
 #include "lab/interfaces.h"
 #include "lab/reference.h"
+#include "scenarios/metric.h"
 #include "scenarios/share.h"
 #include "sim/faults/fault.h"
 
@@ -36,6 +37,19 @@ template <class Kind>
 int list_kinds(const std::vector<const Kind*>& kinds) {
   for (const Kind* kind : kinds)
     std::printf("%-15s %s\n", std::string(kind->name).c_str(), std::string(kind->what).c_str());
+  return 0;
+}
+
+/// What `bench` compares in each world; the first of a world before all others.
+int list_metrics() {
+  const auto print = [](std::string_view world, std::span<const Metric> metrics) {
+    for (const Metric& metric : metrics)
+      std::printf("%-10s %-18s %-5s %-7s %s: %s\n", std::string(world).c_str(), std::string(metric.name).c_str(),
+                  std::string(metric.unit).c_str(), metric.more_is_better ? "more" : "less",
+                  std::string(metric.what).c_str(), formula_of(metric).c_str());
+  };
+  for (const WorldKind* world : catalogue().worlds) print(world->name, world->metrics);
+  print("all", common_metrics());
   return 0;
 }
 
@@ -115,12 +129,12 @@ void add_list(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "list",
       "Lists what there is: scenarios, worlds, nodes beside a world, skills, interfaces, plugin classes, functions "
-      "that rules can call, templates of the plugins, faults of a scenario");
+      "that rules can call, templates of the plugins, faults of a scenario, metrics of the worlds");
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "What to list")
       ->required()
-      ->check(one_of(
-          {"scenarios", "worlds", "nodes", "skills", "interfaces", "plugins", "functions", "templates", "faults"}));
+      ->check(one_of({"scenarios", "worlds", "nodes", "skills", "interfaces", "plugins", "functions", "templates",
+                      "faults", "metrics"}));
   auto packages = std::make_shared<lab::PackageOptions>();
   add_package_options(*command, *packages);
   command->callback([what, packages, &action] {
@@ -129,6 +143,7 @@ void add_list(CLI::App& app, Action& action) {
       if (*what == "worlds") return list_kinds(catalogue().worlds);
       if (*what == "nodes") return list_kinds(catalogue().nodes);
       if (*what == "faults") return list_faults();
+      if (*what == "metrics") return list_metrics();
       if (*what == "interfaces") return list_interfaces(*packages);
       return *what == "skills" ? list_skills() : list_reference(*what, *packages);
     };

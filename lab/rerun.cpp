@@ -153,8 +153,8 @@ Expected<std::vector<WhatIf>> changes_of(const Run& run, const std::optional<Wha
 }
 
 /// What a run that went on otherwise has become.
-Status compare(const Run& run, SimTime since, Rerun& again) {
-  again.results = compare_results(run.result, again.played.result.to_json());
+Status compare(const Run& run, const WorldKind& world, SimTime since, Rerun& again) {
+  again.results = compare_results(world, run.result, again.played.result.to_json());
   if (again.played.folder.empty()) return {};
   auto before = difference_before(since, run.folder, again.played.folder, run.finished);
   if (!before) return before.error();
@@ -221,6 +221,7 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
   else if (run.status == "interrupted")
     options.spec.until = to_seconds(run.sim_time);
   const auto files_then = hashes_of_files(run.folder);
+  const WorldKind& world = *scenario->world.kind;
   auto played = play_scenario(options, *std::move(scenario), host);
   if (!played) return played.error();
   if (played->failure)
@@ -229,7 +230,7 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
   again.played = *std::move(played);
   if (given.what_if) {
     if (host.stopped() || again.played.result.stream_hashes.empty()) return again;
-    if (Status s = compare(run, from_seconds(given.what_if->at), again); !s) return s.error();
+    if (Status s = compare(run, world, from_seconds(given.what_if->at), again); !s) return s.error();
     if (again.before) again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
     return again;
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "cx/base/file.h"
@@ -15,6 +16,8 @@
 #include "cx/explain/pattern.h"
 #include "lab/run.h"
 #include "scenarios/episode.h"
+#include "scenarios/catalogue.h"
+#include "scenarios/metric.h"
 
 namespace cxlab::lab {
 
@@ -339,17 +342,10 @@ std::string text_of(const Json& value) {
 
 std::string size_of(const Json& value) { return value.is_array() ? std::to_string(value.size()) : "-"; }
 
-std::set<std::string> keys_of(const Json& a, const Json& b) {
-  std::set<std::string> keys;
-  for (const Json* json : {&a, &b})
-    if (json->is_object())
-      for (const auto& item : json->items()) keys.insert(item.key());
-  return keys;
-}
-
 }  // namespace
 
-std::vector<ResultChange> compare_results(const std::string& then_json, const std::string& now_json) {
+std::vector<ResultChange> compare_results(const WorldKind& world, const std::string& then_json,
+                                          const std::string& now_json) {
   const Json then = Json::parse(then_json, nullptr, false), now = Json::parse(now_json, nullptr, false);
   std::vector<ResultChange> out;
   const auto add = [&](const std::string& what, std::string before, std::string after, bool always) {
@@ -358,15 +354,24 @@ std::vector<ResultChange> compare_results(const std::string& then_json, const st
   add("status", text_of(at(then, {"status"})), text_of(at(now, {"status"})), true);
   add("reason", text_of(at(then, {"reason", "message"})), text_of(at(now, {"reason", "message"})), false);
   add("sim_time_s", text_of(at(then, {"sim_time_s"})), text_of(at(now, {"sim_time_s"})), true);
-  const Json &teams_then = at(then, {"teams"}), &teams_now = at(now, {"teams"});
-  for (const std::string& team : keys_of(teams_then, teams_now)) {
-    const Json &before = at(teams_then, {team.c_str()}), &after = at(teams_now, {team.c_str()});
-    add(team + ".points", text_of(at(before, {"points"})), text_of(at(after, {"points"})), true);
-    const Json &kinds_then = at(before, {"by_kind"}), &kinds_now = at(after, {"by_kind"});
-    for (const std::string& kind : keys_of(kinds_then, kinds_now))
-      add(team + '.' + kind, text_of(at(kinds_then, {kind.c_str()})), text_of(at(kinds_now, {kind.c_str()})), false);
+  for (const Metric& metric : world.metrics) {
+    using Values = std::map<std::string, double>;
+    const auto values = [&metric](const std::string& json) {
+      const auto all = measure_apart(metric, json);
+      return Values(all.begin(), all.end());
+    };
+    const Values before = values(then_json), after = values(now_json);
+    std::set<std::string> names;
+    for (const Values* one : {&before, &after})
+      for (const auto& [name, value] : *one) names.insert(name);
+    const auto text = [](const Values& of, const std::string& name) {
+      const auto found = of.find(name);
+      return found == of.end() ? "-" : general_text(found->second, 6);
+    };
+    for (const std::string& name : names)
+      add(name, text(before, name), text(after, name), &metric == &world.metrics.front());
   }
-  for (const char* list : {"deliveries", "rule_errors", "warnings"})
+  for (const char* list : {"rule_errors", "warnings"})
     add(list, size_of(at(then, {list})), size_of(at(now, {list})), false);
   return out;
 }

@@ -14,7 +14,8 @@
 
 namespace cxlab {
 struct Scenario;
-}
+struct WorldKind;
+}  // namespace cxlab
 
 namespace cxlab::lab {
 
@@ -71,7 +72,8 @@ class WhatIfControl final : public cx::RunControl {
 struct ResultChange {
   std::string what, then, now;
 };
-/// How the run ended and what it was worth, then and now; further figures where they differ.
-std::vector<ResultChange> compare_results(const std::string& then_json, const std::string& now_json);
+/// How the run ended and what it was worth, then and now; further metrics of the world where they differ.
+std::vector<ResultChange> compare_results(const WorldKind& world, const std::string& then_json,
+                                          const std::string& now_json);
 
 }  // namespace cxlab::lab

@@ -4,6 +4,10 @@ namespace cxlab {
 
 constinit const WorldKind kEmptyWorld{.name = "none", .what = "nothing: agents and nodes on the bus alone"};
 
+std::string games_path(const WorldKind& world) {
+  return world.games_key.empty() ? std::string() : "world." + std::string(world.games_key);
+}
+
 const WorldKind* Catalogue::find_world(std::string_view name) const {
   for (const WorldKind* kind : worlds)
     if (kind->name == name) return kind;

@@ -19,6 +19,7 @@
 #include "cx/node/log.h"
 #include "cx/yaml/writer.h"
 #include "cx/yaml/yaml.h"
+#include "scenarios/metric.h"
 #include "scenarios/question.h"
 #include "scenarios/result.h"
 #include "scenarios/scenario.h"
@@ -54,6 +55,15 @@ struct Settings {
   yaml::Writer (*write)(const std::any& config) = nullptr;    ///< the keys that are not the defaults
 };
 
+/// A part of result.json that a kind of world or node adds: the value of a key (Result::set).
+struct ResultSection {
+  std::string_view key;
+  std::string_view what;     ///< one line for people
+  std::string_view initial;  ///< the value of a run that has only begun, as JSON: "[]", "{}"
+  /// The value with one of everything, as JSON: what metrics and the paths of `expect:` may name. None: `initial`.
+  std::string (*sample)() = nullptr;
+};
+
 /// A kind of world: `world: {kind: NAME, ...}`.
 struct WorldKind {
   std::string_view name;
@@ -61,6 +71,8 @@ struct WorldKind {
   Settings settings{};
   /// Keys of the settings that name a file (Scenario::world_files).
   std::span<const std::string_view> files{};
+  /// The one of these whose file says all that chance decides otherwise; `games:` of a suite sets it. Empty: none does.
+  std::string_view games_key{};
 
   SimTime duration = std::chrono::seconds(60);  ///< default, as tick and step
   SimTime tick = std::chrono::milliseconds(20);
@@ -74,8 +86,10 @@ struct WorldKind {
   Expected<std::unique_ptr<Stage>> (*make_stage)(const StageSetup& setup) = nullptr;
   /// The physics of a recorded run at its start; none: this world cannot be replayed.
   Expected<std::unique_ptr<WorldReplay>> (*replay)(const ReplaySetup& setup) = nullptr;
-  /// Sets the sections that the world can add to a result, with one of everything: what `expect:` may name.
-  void (*add_sample)(Result& sample) = nullptr;
+  /// What the stage adds to result.json; a run that fails early has these as well.
+  std::span<const ResultSection> sections{};
+  /// By which runs are compared, the first one before all others.
+  std::span<const Metric> metrics{};
   /// What can be asked about a recorded run of this world, each a command of `cxlab`.
   std::span<const WorldQuestion> questions{};
 };
@@ -87,7 +101,7 @@ struct NodeKind {
   Settings settings{};
   /// Puts the node on the stage.
   Status (*add)(const ServerSpec& spec, const StageSetup& setup, Stage& stage) = nullptr;
-  void (*add_sample)(Result& sample) = nullptr;  ///< as that of a world
+  std::span<const ResultSection> sections{};  ///< that it adds to result.json
 };
 
 struct Catalogue {
@@ -98,6 +112,9 @@ struct Catalogue {
   const WorldKind* find_world(std::string_view name) const;
   const NodeKind* find_node(std::string_view name) const;
 };
+
+/// As `games_key`, the path for `--set` and suites: "world.game"; empty where the world has none.
+std::string games_path(const WorldKind& world);
 
 /// The settings are that struct, read and written by the keys that it lists (yaml::Keyed).
 template <yaml::Keyed Config>

@@ -122,10 +122,7 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
 }
 
 Result Episode::result() const {
-  Result out;
-  out.scenario = scenario_.name;
-  out.seed = scenario_.seed;
-  out.tier = scenario_.tier_name();
+  Result out = initial_result(scenario_);
   out.sim_time = std::max(now(), SimTime::zero());
   out.ticks = loop_->ticks();
   stage_->report(out);

@@ -80,6 +80,14 @@ Json result_json(const Result& r) {
   return out;
 }
 
+/// Those of the world, then those of the nodes.
+std::vector<ResultSection> sections_of(const Scenario& scenario) {
+  std::vector<ResultSection> out(scenario.world.kind->sections.begin(), scenario.world.kind->sections.end());
+  for (const ServerSpec& server : scenario.servers)
+    out.insert(out.end(), server.kind->sections.begin(), server.kind->sections.end());
+  return out;
+}
+
 /// The value at "teams.CYAN.points" or "orders[0].points"; null if there is none.
 Json value_at(const Json& root, const std::string& path) {
   std::string pointer = "/";
@@ -114,28 +122,33 @@ void Result::set(const std::string& key, std::string json) {
 
 std::string Result::to_json() const { return json_text(result_json(*this), 2) + '\n'; }
 
-Result unfinished_result(const Scenario& scenario) {
+Result initial_result(const Scenario& scenario) {
   Result result;
   result.scenario = scenario.name;
   result.seed = scenario.seed;
   result.tier = scenario.tier_name();
+  for (const ResultSection& section : sections_of(scenario))
+    result.set(std::string(section.key), std::string(section.initial));
+  return result;
+}
+
+Result unfinished_result(const Scenario& scenario) {
+  Result result = initial_result(scenario);
   result.reason = run_error("the run has not ended").with_code("unfinished");
   return result;
 }
 
-namespace {
-
-/// A result with one of everything that the scenario's world and nodes can add.
-Json sample_result(const Scenario& scenario) {
-  Result sample;
+Result sample_result(const Scenario& scenario) {
+  Result sample = initial_result(scenario);
   sample.reason = run_error("message", "file", 1).with_code("code");
   sample.rule_errors.emplace_back();
   sample.warnings.emplace_back();
-  if (scenario.world.kind->add_sample) scenario.world.kind->add_sample(sample);
-  for (const ServerSpec& server : scenario.servers)
-    if (server.kind->add_sample) server.kind->add_sample(sample);
-  return result_json(sample);
+  for (const ResultSection& section : sections_of(scenario))
+    if (section.sample) sample.set(std::string(section.key), section.sample());
+  return sample;
 }
+
+namespace {
 
 /// The next step of "a.b[0].c": "a", "b", "[0]", "c".
 std::string take_step(std::string& path) {
@@ -155,7 +168,7 @@ bool is_index(const std::string& step) {
 }  // namespace
 
 Status check_result_path(const std::string& path, const Scenario& scenario) {
-  Json at = sample_result(scenario);
+  Json at = result_json(sample_result(scenario));
   std::string rest = path, before;
   while (!rest.empty()) {
     if (before == "stream_hashes") return {};  // then the name of a stream
@@ -180,7 +193,7 @@ Status check_result_path(const std::string& path, const Scenario& scenario) {
     }
     before += (before.empty() || step.starts_with('[') ? "" : ".") + step;
   }
-  return before.empty() ? Status(input_error("expected a path into result.json, for example teams.CYAN.points"))
+  return before.empty() ? Status(input_error("expected a path into result.json, for example rule_errors[0].rule"))
                         : Status();
 }
 

@@ -36,9 +36,8 @@ struct Result {
   SimTime sim_time{};
   double wall_time_s = 0, physics_wall_s = 0, real_time_factor = 0, peak_rss_mb = 0;  ///< measured by the caller
   std::int64_t ticks = 0, steps = 0, plans = 0, replans = 0;
-  /// Every result has these four; a world fills those that it knows.
-  std::vector<Section> sections{{"teams", "{}"}, {"orders", "[]"}, {"deliveries", "[]"}, {"robots", "[]"}};
-  std::string score_board;  ///< lines for a terminal; a world adds its own
+  std::vector<Section> sections;  ///< that world and nodes declare (catalogue.h), and what else they set
+  std::string score_board;        ///< lines for a terminal; a world adds its own
   std::vector<RuleErrorResult> rule_errors;
   std::vector<std::string> warnings;  ///< given parameters that nobody asked for, errors that rules printed
   std::string journal_hash, physics_hash;
@@ -53,8 +52,13 @@ struct Result {
 
 /// "completed", "stopped", ...
 const char* to_string(RunStatus status);
+/// What a result has before anything is played: the scenario's name, seed and tier, and the sections of its world and
+/// nodes with their initial values.
+Result initial_result(const Scenario& scenario);
 /// The result of a run that has only begun: status failed, reason unfinished.
 Result unfinished_result(const Scenario& scenario);
+/// A result with one of everything that it can have.
+Result sample_result(const Scenario& scenario);
 /// Whether the scenario's result can have something at that path ("teams.CYAN.points", "orders[0].points"); else what
 /// is wrong.
 Status check_result_path(const std::string& path, const Scenario& scenario);

@@ -8,6 +8,8 @@
 #include "cx/base/number_text.h"
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
+#include "lab/sweep/row.h"
+#include "scenarios/metric.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -94,6 +96,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
   if (const yaml::Value scenarios = map.require("scenarios")) {
     std::vector<fs::path> files;
     std::vector<Origin> origins;
+    std::vector<std::string> names;
     const auto own = own_scenarios();
     for (const yaml::Value& item : scenarios.as_list()) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
@@ -103,10 +106,14 @@ Expected<Suite> Suite::load(const fs::path& file) {
       } else {
         files.push_back(path);
         origins.push_back(item.origin());
+        names.push_back(item.text());
       }
     }
     suite.scenarios = named(files);
-    for (std::size_t i = 0; i < files.size(); ++i) suite.scenarios[i].origin = origins[i];
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      suite.scenarios[i].origin = origins[i];
+      suite.scenarios[i].named = names[i];
+    }
   }
   if (const yaml::Value strategies = map.require("strategies")) {
     yaml::Map names = strategies.as_map();
@@ -125,7 +132,10 @@ Expected<Suite> Suite::load(const fs::path& file) {
     }
   }
   const yaml::Value games = map.get("games");
-  if (games) suite.games = read_games(games, file.parent_path());
+  if (games) {
+    suite.games = read_games(games, file.parent_path());
+    suite.games_origin = games.origin();
+  }
   if (games && !map.has("seeds"))
     suite.seeds = {1};
   else if (const yaml::Value seeds = map.require("seeds"))
@@ -138,20 +148,54 @@ Expected<Suite> Suite::load(const fs::path& file) {
   return suite;
 }
 
+namespace {
+
+Expected<Scenario> load_scenario(const Suite& suite, const fs::path& file, const std::vector<std::string>& overrides) {
+  std::vector<Override> all;
+  for (const std::string& set : overrides) all.emplace_back(set, set);
+  return Scenario::load(file, *suite.catalogue, all);
+}
+
+}  // namespace
+
 std::vector<Cell> Suite::cells() const {
   std::vector<Cell> out;
   for (const SuiteScenario& scenario : scenarios)
-    for (const Strategy& strategy : strategies)
+    for (const Strategy& strategy : strategies) {
+      std::string path_of_game;
+      if (!games.empty())
+        if (const auto read = load_scenario(*this, scenario.file, strategy.overrides))
+          path_of_game = games_path(*read->world.kind);
       for (const SuiteGame& game : games.empty() ? std::vector<SuiteGame>(1) : games)
         for (const std::uint64_t seed : seeds) {
           Cell& cell =
               out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides, game.name});
           if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
-          if (!games.empty()) cell.overrides.push_back("world.game=" + in_quotes(game.file.string()));
+          if (!path_of_game.empty())
+            cell.overrides.push_back(cell.game_override = path_of_game + '=' + in_quotes(game.file.string()));
           cell.overrides.push_back("seed=" + std::to_string(seed));
+          cell.named = scenario.named;
         }
+    }
   return out;
 }
+
+namespace {
+
+Status check_world(const Scenario& scenario, const Suite& suite) {
+  const WorldKind& world = *scenario.world.kind;
+  if (!suite.games.empty() && world.games_key.empty())
+    return input_error("games: the world of " + scenario.file.string() + ", " + std::string(world.name) +
+                           ", is not made from files of games; expected seeds alone",
+                       suite.games_origin);
+  for (const Metric* metric : metrics_of(world))
+    if (is_key_of_row(metric->name))
+      return bug_error("the world " + std::string(world.name) + " declares a metric '" + std::string(metric->name) +
+                       "', which is the name of another key of a row");
+  return check_metrics(scenario);
+}
+
+}  // namespace
 
 Status Suite::check() const {
   for (const SuiteScenario& scenario : scenarios)
@@ -166,10 +210,9 @@ Status Suite::check() const {
         if (error.text().starts_with(used->overrides[i] + ':')) return input_error(what, used->origins[i]);
       return input_error(what);
     };
-    std::vector<Override> overrides;
-    for (const std::string& set : cell.overrides) overrides.emplace_back(set, set);
-    auto scenario = Scenario::load(cell.file, *catalogue, overrides);
+    auto scenario = load_scenario(*this, cell.file, cell.overrides);
     if (!scenario) return wrong(scenario.error());
+    if (Status s = check_world(*scenario, *this); !s) return s;
     auto episode = Episode::load(*std::move(scenario), shared_episode_options());
     if (!episode) return wrong(episode.error());
   }

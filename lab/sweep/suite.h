@@ -22,9 +22,10 @@ struct SuiteScenario {
   std::string name;  ///< the file's name without extension, after as many of its folders as make it the only one
   std::filesystem::path file;
   Origin origin{};
+  std::string named{};  ///< as the suite names it
 };
 
-/// A game that is played instead of one drawn from the seed (docs/rcll.md, Game files).
+/// A file that says what chance would decide otherwise (WorldKind::games_key).
 struct SuiteGame {
   std::string name;  ///< the file's name without extension
   std::filesystem::path file;
@@ -37,18 +38,21 @@ struct Cell {
   std::filesystem::path file;
   std::vector<std::string> overrides;  ///< all: of the strategy, then tier, game and seed
   std::string game{};                  ///< by name; empty = as the scenario says
+  std::string game_override{};         ///< the one of the overrides that names the file of the game
+  std::string named{};                 ///< the scenario as the suite names it
 };
 
 struct Suite {
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
   std::vector<Strategy> strategies;
   std::vector<std::uint64_t> seeds;
-  std::vector<SuiteGame> games;             ///< in order of names; none: as the scenarios say
+  std::vector<SuiteGame> games;  ///< in order of names; none: as the scenarios say
+  Origin games_origin{};
   std::string tier;                         ///< instead of the scenarios'; empty = theirs
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
   static Expected<Suite> load(const std::filesystem::path& file);
-  /// By scenario, strategy, game and seed.
+  /// By scenario, strategy, game and seed. Reads the scenarios where the suite has games.
   std::vector<Cell> cells() const;
   /// Loads every scenario with every strategy, and with every game, so that a misspelt override or a missing file does
   /// not cost a night of failed episodes.

@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <list>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -58,7 +59,8 @@ std::set<std::string> libraries() {
 }
 
 /// Plays one episode; in a process of its own.
-Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program, const Host& host) {
+Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program, const FileNames& names,
+         const Host& host) {
   const std::set<std::string> before = libraries();
   Row row;
   row.cell = cell;
@@ -69,12 +71,13 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
     row.exit_code = static_cast<int>(error.kind);
     return row;
   };
-  const auto note = [&row](const fs::path& file) {
-    if (auto& hash = row.files[fs::absolute(file).lexically_normal().string()]; hash.empty()) hash = hash_of(file);
+  const auto note = [&row, &names](const fs::path& file) {
+    if (auto& hash = row.files[names.name_of(file)]; hash.empty()) hash = hash_of(file);
   };
   note(cell.file);
   auto scenario = Scenario::load(cell.file, catalogue, {cell.overrides.begin(), cell.overrides.end()});
   if (!scenario) return refused(scenario.error());
+  const WorldKind& world = *scenario->world.kind;
   PlayOptions options;
   options.out = "none";
   options.file_read = note;
@@ -87,7 +90,7 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   for (const Error& error : played->errors) row.errors.push_back(error.text());
   for (const std::string& warning : played->result.warnings)
     if (!warning.starts_with("skills failed: ")) row.errors.push_back(warning);  // of robots by name: no two are alike
-  row.figures = figures_of(played->result.to_json());
+  row.measure(world, played->result.to_json());
   row.journal_hash = played->result.journal_hash;
   return row;
 }
@@ -122,9 +125,20 @@ struct Running {
 std::string line_of(const Row& row) {
   std::string errors;
   for (const std::string& error : row.errors) errors += "; " + error;
+  const auto value = row.journal_hash.empty() ? std::nullopt : row.figure(row.compared);
+  const std::string figure =
+      row.compared.empty() ? "" : ", " + row.compared + ' ' + (value ? general_text(*value, 6) : "-");
   return row.cell.scenario + ' ' + row.cell.strategy + (row.cell.game.empty() ? "" : " game " + row.cell.game) +
          " seed " + std::to_string(row.cell.seed) + ": " + row.status + ", exit " + std::to_string(row.exit_code) +
-         ", points " + (row.journal_hash.empty() ? "-" : general_text(row.figures.points, 6)) + errors;
+         figure + errors;
+}
+
+/// How the files of a cell are called. A scenario that cannot be read has no packages.
+FileNames names_of(const Cell& cell, const Catalogue& catalogue) {
+  FileNames names(cell.file);
+  if (const auto scenario = Scenario::load(cell.file, catalogue, {cell.overrides.begin(), cell.overrides.end()}))
+    names.use_packages(*scenario);
+  return names;
 }
 
 }  // namespace
@@ -150,9 +164,15 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
   const std::vector<Cell> cells = suite.cells();
   std::vector<std::optional<Row>> found(cells.size());
   std::vector<std::size_t> open;
+  std::map<std::pair<std::string, std::string>, FileNames> names;  // by scenario and strategy
+  const auto names_for = [&](const Cell& cell) -> const FileNames& {
+    const auto known = names.find({cell.scenario, cell.strategy});
+    if (known != names.end()) return known->second;
+    return names.emplace(std::pair(cell.scenario, cell.strategy), names_of(cell, *suite.catalogue)).first->second;
+  };
   for (std::size_t i = 0; i < cells.size(); ++i) {
     auto row = read_row(rows / (row_name(cells[i]) + ".json"));
-    if (row && row->is_current(cells[i], program))
+    if (row && row->is_current(cells[i], program, names_for(cells[i])))
       found[i] = std::move(row);
     else
       open.push_back(i);
@@ -173,11 +193,12 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
       fs::remove(part, error);
       ProcessOptions process;
       process.out = process.err = Stream::file(fs::path(file).replace_extension(".log"));
+      const FileNames& of_cell = names_for(cells[i]);
       auto started = Process::fork(process, [&] {
         (*lock)->release();
         auto out = AppendFile::create(part);  // the process opens no file of the sweep once rules have run
         if (!out) return static_cast<int>(ErrorKind::kResource);
-        const Row row = play(cells[i], *suite.catalogue, program, host);
+        const Row row = play(cells[i], *suite.catalogue, program, of_cell, host);
         return out->append(row.to_json()) && out->close() ? 0 : static_cast<int>(ErrorKind::kResource);
       });
       if (!started) return started.error();
@@ -192,7 +213,12 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
       }
       std::optional<Row>& row = found[it->cell];
       row = take_row(it->file, cells[it->cell], program);
-      if (!row) row = Row{cells[it->cell], program, {}, "crashed", *code, {}, {}, {}};
+      if (!row) {
+        row.emplace().cell = cells[it->cell];
+        row->program = program;
+        row->status = "crashed";
+        row->exit_code = *code;
+      }
       host.note('[' + std::to_string(++done) + '/' + std::to_string(cells.size()) + "] " + line_of(*row));
       it = running.erase(it);
     }

@@ -1,5 +1,4 @@
 #include "lab/sweep/table.h"
-#include "cx/base/json_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,18 +8,21 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cx/base/json_text.h"
+#include "cx/base/number_text.h"
+#include "scenarios/catalogue.h"
+
 namespace cxlab::lab {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text(const Summary& s, const char* mean_format, const char* half_format) {
+/// "12.5 +- 3.1"; with the sign of the mean where it is a difference.
+std::string text(const Summary& s, int digits, bool difference = false) {
   if (s.n == 0) return "-";
-  char mean[32], half[32];
-  std::snprintf(mean, sizeof mean, mean_format, s.mean);
-  std::snprintf(half, sizeof half, half_format, s.half);
-  return std::isnan(s.half) ? mean : std::string(mean) + " +- " + half;
+  const std::string mean = (difference && s.mean >= 0 ? "+" : "") + fixed_text(s.mean, digits);
+  return std::isnan(s.half) ? mean : mean + " +- " + fixed_text(s.half, digits);
 }
 
 std::string extreme(const Summary& s, double value) {
@@ -61,10 +63,11 @@ std::string errors_text(const TableLine& line) {
   return out;
 }
 
-/// Column `figure` of the rows.
-Summary summary_of(const std::vector<const Row*>& rows, double Figures::* figure) {
+/// Of the rows that have a value of the metric.
+Summary summary_of(const std::vector<const Row*>& rows, std::string_view metric) {
   std::vector<double> values;
-  for (const Row* row : rows) values.push_back(row->figures.*figure);
+  for (const Row* row : rows)
+    if (const auto value = row->figure(metric)) values.push_back(*value);
   return summarize(values);
 }
 
@@ -94,12 +97,16 @@ Summary summarize(const std::vector<double>& values) {
   return s;
 }
 
-std::vector<TableLine> table_of(const std::vector<Row>& rows) {
+std::vector<TableLine> table_of(const std::vector<Row>& rows, const Catalogue& catalogue) {
+  struct Counted {
+    std::vector<const Row*> rows;
+    std::vector<double> differences;
+  };
   std::vector<TableLine> out;
-  std::vector<std::vector<const Row*>> counted;            // by line
-  using Played = std::pair<std::string, std::uint64_t>;    // game and seed
-  std::map<std::string, std::map<Played, double>> firsts;  // by scenario: points of its first strategy
-  std::vector<std::vector<double>> differences;
+  std::vector<Counted> counted;                          // by line
+  using Played = std::pair<std::string, std::uint64_t>;  // game and seed
+  using Compared = std::pair<std::string, std::string>;  // scenario and metric
+  std::map<Compared, std::map<Played, double>> firsts;   // of the first strategy
   for (const Row& row : rows) {
     const auto same = [&](const TableLine& l) {
       return l.scenario == row.cell.scenario && l.strategy == row.cell.strategy;
@@ -108,46 +115,90 @@ std::vector<TableLine> table_of(const std::vector<Row>& rows) {
     const bool first =
         std::none_of(out.begin(), line, [&](const TableLine& l) { return l.scenario == row.cell.scenario; });
     if (line == out.end()) {
-      line = out.insert(out.end(), TableLine{row.cell.scenario, row.cell.strategy, 0, {}, {}, {}, {}, {}, {}});
+      line = out.insert(out.end(), TableLine());
+      line->scenario = row.cell.scenario;
+      line->strategy = row.cell.strategy;
       counted.emplace_back();
-      differences.emplace_back();
     }
-    const auto at = static_cast<std::size_t>(line - out.begin());
+    Counted& of_line = counted[static_cast<std::size_t>(line - out.begin())];
     ++line->episodes;
+    if (!line->world) line->world = catalogue.find_world(row.world);
     add_errors(row, *line);
     if (!row.counts()) continue;
-    counted[at].push_back(&row);
-    auto& points = firsts[row.cell.scenario];
+    of_line.rows.push_back(&row);
+    const std::optional<double> value = row.figure(row.compared);
+    if (!value) continue;
+    auto& of_first = firsts[{row.cell.scenario, row.compared}];
     const Played played{row.cell.game, row.cell.seed};
     if (first)
-      points[played] = row.figures.points;
-    else if (const auto other = points.find(played); other != points.end())
-      differences[at].push_back(row.figures.points - other->second);
+      of_first[played] = *value;
+    else if (const auto other = of_first.find(played); other != of_first.end())
+      of_line.differences.push_back(*value - other->second);
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].points = summary_of(counted[i], &Figures::points);
-    out[i].deliveries = summary_of(counted[i], &Figures::deliveries);
-    out[i].busy = summary_of(counted[i], &Figures::busy);
-    out[i].real_time_factor = summary_of(counted[i], &Figures::real_time_factor);
-    out[i].against_first = summarize(differences[i]);
+    out[i].completed = counted[i].rows.size();
+    if (out[i].world)
+      for (const Metric* metric : metrics_of(*out[i].world))
+        out[i].metrics.push_back({metric, summary_of(counted[i].rows, metric->name)});
+    out[i].against_first = summarize(counted[i].differences);
     std::ranges::stable_sort(out[i].errors, std::ranges::greater(), [](const auto& error) { return error.second; });
   }
   return out;
 }
 
+namespace {
+
+/// The metric that is compared in a world; nullptr if it declares none.
+const Metric* compared_in(const WorldKind* world) {
+  return world && !world->metrics.empty() ? &world->metrics.front() : nullptr;
+}
+
+std::string cell(const std::string& text, std::size_t width) {
+  return text.size() >= width ? text + ' ' : text + std::string(width + 1 - text.size(), ' ');
+}
+
+std::size_t width_of(const Metric& metric) { return std::max<std::size_t>(14, metric.title.size()); }
+
+std::string header_of(const TableLine& line) {
+  const Metric* compared = compared_in(line.world);
+  std::string out = cell("scenario", 20) + cell("strategy", 20) + cell("   done", 8);
+  if (compared) out += cell(std::string(compared->title), 18) + "   min    max  ";
+  for (const auto& [metric, summary] : line.metrics)
+    if (metric != compared && !metric->title.empty()) out += cell(std::string(metric->title), width_of(*metric));
+  if (compared)
+    out += std::string(compared->title) + " against the first strategy" +
+           (compared->more_is_better ? "" : " (less is better)");
+  return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
+}
+
+std::string text_of(const TableLine& line) {
+  const Metric* compared = compared_in(line.world);
+  char done[32];
+  std::snprintf(done, sizeof done, "%3zu/%-3zu ", line.completed, line.episodes);
+  std::string out = cell(line.scenario, 20) + cell(line.strategy, 20) + cell(done, 8);
+  for (const auto& [metric, s] : line.metrics) {
+    if (metric == compared) {
+      char extremes[64];
+      std::snprintf(extremes, sizeof extremes, "%6s %6s  ", extreme(s, s.min).c_str(), extreme(s, s.max).c_str());
+      out += cell(text(s, metric->digits), 18) + extremes;
+    } else if (!metric->title.empty()) {
+      out += cell(text(s, metric->digits), width_of(*metric));
+    }
+  }
+  if (compared) out += text(line.against_first, compared->digits, true);
+  return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
+}
+
+}  // namespace
+
 std::string to_text(const std::vector<TableLine>& table) {
-  char line[512];
-  std::snprintf(line, sizeof line, "%-20s %-20s %7s  %-18s %6s %6s  %-14s %-14s %-14s %s\n", "scenario", "strategy",
-                "done", "points", "min", "max", "deliveries", "busy", "real time", "points against the first strategy");
-  std::string out = line;
-  for (const TableLine& l : table) {
-    std::snprintf(line, sizeof line, "%-20s %-20s %3zu/%-3zu  %-18s %6s %6s  %-14s %-14s %-14s %s\n",
-                  l.scenario.c_str(), l.strategy.c_str(), l.points.n, l.episodes,
-                  text(l.points, "%.1f", "%.1f").c_str(), extreme(l.points, l.points.min).c_str(),
-                  extreme(l.points, l.points.max).c_str(), text(l.deliveries, "%.1f", "%.1f").c_str(),
-                  text(l.busy, "%.3f", "%.3f").c_str(), text(l.real_time_factor, "%.0f", "%.0f").c_str(),
-                  text(l.against_first, "%+.1f", "%.1f").c_str());
-    out += line;
+  std::string out, header;
+  for (const TableLine& line : table) {
+    if (std::string own = header_of(line); own != header && (line.world || header.empty())) {
+      if (!header.empty()) out += '\n';
+      out += header = std::move(own);
+    }
+    out += text_of(line);
   }
   std::string errors;
   for (const TableLine& l : table) errors += errors_text(l);
@@ -157,17 +208,16 @@ std::string to_text(const std::vector<TableLine>& table) {
 std::string to_json(const std::vector<TableLine>& table) {
   Json out = Json::array();
   for (const TableLine& l : table) {
-    Json errors = Json::array();
-    for (const auto& [text, episodes] : l.errors) errors.push_back({{"text", text}, {"episodes", episodes}});
-    out.push_back({{"scenario", l.scenario},
-                   {"strategy", l.strategy},
-                   {"episodes", l.episodes},
-                   {"points", summary_json(l.points)},
-                   {"deliveries", summary_json(l.deliveries)},
-                   {"busy", summary_json(l.busy)},
-                   {"real_time_factor", summary_json(l.real_time_factor)},
-                   {"points_against_first", summary_json(l.against_first)},
-                   {"errors", std::move(errors)}});
+    Json line{{"scenario", l.scenario}, {"strategy", l.strategy}, {"episodes", l.episodes}, {"completed", l.completed}};
+    for (const auto& [metric, summary] : l.metrics) line[std::string(metric->name)] = summary_json(summary);
+    if (const Metric* compared = compared_in(l.world)) {
+      line["compared"] = compared->name;
+      line["more_is_better"] = compared->more_is_better;
+      line[std::string(compared->name) + "_against_first"] = summary_json(l.against_first);
+    }
+    line["errors"] = Json::array();
+    for (const auto& [text, episodes] : l.errors) line["errors"].push_back({{"text", text}, {"episodes", episodes}});
+    out.push_back(std::move(line));
   }
   return json_text(out, 2) + '\n';
 }

@@ -1,11 +1,13 @@
 #pragma once
-// Rows of a sweep compared: mean and 95 % interval of each strategy, and the paired difference from the first one.
+// Rows of a sweep compared: mean and 95 % interval of each metric and strategy, and the paired difference from the
+// first strategy.
 
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "lab/sweep/row.h"
+#include "scenarios/metric.h"
 
 namespace cxlab::lab {
 
@@ -22,17 +24,23 @@ double t_quantile(std::size_t freedom);
 /// One strategy in one scenario; summaries are over the episodes that count.
 struct TableLine {
   std::string scenario, strategy;
-  std::size_t episodes = 0;
-  Summary points, deliveries, busy, real_time_factor;
-  Summary against_first;  ///< points minus those of the first strategy with the same game and seed; of others than the
-                          ///< first
+  std::size_t episodes = 0, completed = 0;
+  const WorldKind* world = nullptr;  ///< of its episodes; none: they have not come so far
+  struct OfMetric {
+    const Metric* metric;
+    Summary summary;
+  };
+  std::vector<OfMetric> metrics;  ///< of the world, in their order
+  /// Of the world's first metric, the values minus those of the first strategy with the same game and seed; of others
+  /// than the first.
+  Summary against_first;
   std::vector<std::pair<std::string, std::size_t>> errors;  ///< errors and warnings of its episodes, the most frequent
                                                             ///< first, and in how many episodes each is
 };
-/// In the order in which scenarios and strategies come in the rows.
-std::vector<TableLine> table_of(const std::vector<Row>& rows);
+/// In the order in which scenarios and strategies come in the rows. The catalogue has their worlds.
+std::vector<TableLine> table_of(const std::vector<Row>& rows, const Catalogue& catalogue = shipped());
 
-/// The lines, and below them the errors and warnings of each.
+/// The lines, under a header for each world in turn, and below them the errors and warnings of each.
 std::string to_text(const std::vector<TableLine>& table);
 std::string to_json(const std::vector<TableLine>& table);
 

@@ -126,13 +126,14 @@ void report_robots(std::span<const sim::RobotStats> robots, std::span<const Main
   result.set("robots", json_text(list));
 }
 
-void add_sample(Result& sample) {
+std::string sample_teams() {
   Json teams = Json::object();
   for (const Team team : kTeams) teams[std::string(to_string(team))] = team_json({});
-  sample.set("teams", json_text(teams));
-  sample.set("orders", json_text(Json::array({order_json({}, {}, {}, Team::kCyan)})));
-  sample.set("deliveries", json_text(Json::array({delivery_json({}, {})})));
-  sample.set("robots", json_text(Json::array({robot_json({}, {}, 0)})));
+  return json_text(teams);
 }
+
+std::string sample_orders() { return json_text(Json::array({order_json({}, {}, {}, Team::kCyan)})); }
+std::string sample_deliveries() { return json_text(Json::array({delivery_json({}, {})})); }
+std::string sample_robots() { return json_text(Json::array({robot_json({}, {}, 0)})); }
 
 }  // namespace cxlab::rcll

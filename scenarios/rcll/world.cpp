@@ -10,6 +10,7 @@
 #include "scenarios/rcll/factory.h"
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/metrics.h"
 #include "scenarios/rcll/questions/questions.h"
 #include "scenarios/rcll/refbox/refbox_server.h"
 #include "scenarios/rcll/result.h"
@@ -241,6 +242,7 @@ constinit const WorldKind kWorld{
     .what = "a game of the Logistics League (docs/rcll.md)",
     .settings = settings_of<WorldConfig>(),
     .files = kFiles,
+    .games_key = kFiles[0],
     .set_defaults =
         [](Scenario& scenario) {
           const WorldConfig& config = scenario.world.get<WorldConfig>();
@@ -253,7 +255,8 @@ constinit const WorldKind kWorld{
     .takes_faults = true,
     .make_stage = make_stage,
     .replay = replay,
-    .add_sample = add_sample,
+    .sections = kSections,
+    .metrics = kMetrics,
     .questions = kQuestions,
 };
 

@@ -89,7 +89,7 @@ class TurtleStage final : public Stage {
   void report(Result& result) const override {
     Json turtles = Json::array();
     for (const TurtleStory& story : node_->stories()) turtles.push_back(turtle_json(story));
-    if (!turtles.empty()) result.set("turtles", json_text(turtles));
+    result.set("turtles", json_text(turtles));
     result.steps = node_->world().steps();
     result.physics_hash = hash_text(node_->world().hash());
   }
@@ -117,7 +117,24 @@ Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
       world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, setup.log));
 }
 
-void add_sample(Result& sample) { sample.set("turtles", json_text(Json::array({turtle_json({})}))); }
+constexpr ResultSection kSections[]{{.key = "turtles",
+                                     .what = "what each turtle did",
+                                     .initial = "[]",
+                                     .sample = [] { return json_text(Json::array({turtle_json({})})); }}};
+constexpr Metric kMetrics[]{
+    {.name = "walls",
+     .what = "how often turtles came to a wall",
+     .from = "turtles.*.walls",
+     .more_is_better = false,
+     .title = "walls"},
+    {.name = "touches",
+     .what = "how often turtles began to touch another",
+     .from = "turtles.*.touches",
+     .more_is_better = false,
+     .title = "touches"},
+    {.name = "driven_m", .what = "how far turtles drove, in all", .from = "turtles.*.driven_m", .unit = "m", .title = "driven"},
+    {.name = "teleports", .what = "how often turtles were teleported", .from = "turtles.*.teleports"},
+};
 
 constexpr Tier kTiers[]{Tier::kPhysics};
 constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/turtlesim.md)";
@@ -134,7 +151,8 @@ constinit const WorldKind kWorld{
     .any_tick = true,
     .make_stage = make_stage,
     .replay = replay,
-    .add_sample = add_sample,
+    .sections = kSections,
+    .metrics = kMetrics,
 };
 
 constinit const NodeKind kNode{.name = kName, .what = kWhat, .settings = settings_of<Config>(), .add = add_node};

@@ -215,7 +215,7 @@ class Testing(unittest.TestCase):
         self.assertEqual(kept, "5 rows are current and kept")
         self.assertEqual([line.split(":")[:2] for line in failed], [["kept", f" empty broken seed {seed}"] for seed in (1, 2)])
         self.assertTrue(played.startswith("[6/6] empty long seed 2: completed, exit 0"), played)
-        self.assertEqual([s["points"]["n"] for s in json.loads(again.stdout)], [2, 2, 0])
+        self.assertEqual([s["completed"] for s in json.loads(again.stdout)], [2, 2, 0])
         # As pandas reads them: one header, as many fields in each row, numbers where there are some, JSON without NaN.
         with open(self.folder / "o/rows.csv", newline="") as rows:
             header, *body = list(csv.reader(rows, strict=True))

@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "folder.h"
+#include "scenarios/catalogue.h"
+#include "scenarios/share.h"
 
 namespace cxlab::lab {
 namespace {
@@ -13,10 +17,12 @@ class RowTest : public FolderTest {
     Row out;
     out.cell = {"game", "fast", 7, "game.yaml", {"world.robots=2", "seed=7"}};
     out.program = "1234";
-    out.files = {{path("rules.clp").string(), hash_of(path("rules.clp"))}};
+    out.files = {{"rules.clp", hash_of(path("rules.clp"))}};
     out.status = "completed";
     out.errors = {"something \"quoted\"\nand more"};
-    out.figures = {237, 5, 0.25, 151.5};
+    out.world = "rcll";
+    out.compared = "points";
+    out.figures = {{"points", 237.0}, {"busy", 0.25}, {"late_s", std::nullopt}};
     out.journal_hash = "abcd";
     return out;
   }
@@ -39,17 +45,75 @@ TEST_F(RowTest, IsAnErrorIfTheTextIsNoRow) {
 TEST_F(RowTest, IsCurrentWhileProgramOverridesAndFilesAreTheSame) {
   write("rules.clp", "(defrule a =>)");
   const Row then = row();
-  EXPECT_TRUE(then.is_current(then.cell, "1234"));
-  EXPECT_FALSE(then.is_current(then.cell, "another program"));
+  const FileNames names(path("game.yaml"));
+  EXPECT_TRUE(then.is_current(then.cell, "1234", names));
+  EXPECT_FALSE(then.is_current(then.cell, "another program", names));
   Cell other = then.cell;
   other.overrides = {"world.robots=3", "seed=7"};
-  EXPECT_FALSE(then.is_current(other, "1234"));
+  EXPECT_FALSE(then.is_current(other, "1234", names));
+  other.overrides = {"world.robots=2"};
+  EXPECT_FALSE(then.is_current(other, "1234", names));
   write("rules.clp", "(defrule b =>)");
-  EXPECT_FALSE(then.is_current(then.cell, "1234"));
+  EXPECT_FALSE(then.is_current(then.cell, "1234", names));
   write("rules.clp", "(defrule a =>)");
-  EXPECT_TRUE(then.is_current(then.cell, "1234"));
+  EXPECT_TRUE(then.is_current(then.cell, "1234", names));
   std::filesystem::remove(path("rules.clp"));
-  EXPECT_FALSE(then.is_current(then.cell, "1234"));
+  EXPECT_FALSE(then.is_current(then.cell, "1234", names));
+}
+
+TEST_F(RowTest, IsCurrentWhereTheSameFilesLieInAnotherFolder) {
+  for (const char* folder : {"here", "there"}) write(std::string(folder) + "/rules.clp", "(defrule a =>)");
+  Row then = row();
+  then.cell.file = path("here/game.yaml");
+  then.cell.game = "g1";
+  then.cell.overrides = {"world.game='" + path("here/g1.yaml").string() + "'", "seed=7"};
+  then.files = {{"rules.clp", hash_of(path("here/rules.clp"))}};
+  Cell now = then.cell;
+  now.file = path("there/game.yaml");
+  now.overrides[0] = now.game_override = "world.game='" + path("there/g1.yaml").string() + "'";
+  const FileNames names(now.file);
+  EXPECT_TRUE(then.is_current(now, "1234", names));
+  now.game = "g2";
+  EXPECT_FALSE(then.is_current(now, "1234", names));
+  now.game = "g1";
+  now.overrides[1] = "seed=8";
+  EXPECT_FALSE(then.is_current(now, "1234", names));
+  now.overrides[1] = "seed=7";
+  write("there/rules.clp", "(defrule b =>)");
+  EXPECT_FALSE(then.is_current(now, "1234", names));
+}
+
+TEST_F(RowTest, ARowWithoutFilesIsPlayedAgain) {
+  Row then = row();
+  then.files.clear();
+  EXPECT_FALSE(then.is_current(then.cell, "1234", FileNames(path("game.yaml"))));
+}
+
+TEST_F(RowTest, FilesAreNamedFromTheirPackageOrTheScenario) {
+  const auto names_in = [this](const std::string& folder) {
+    FileNames names(path(folder + "/games/game.yaml"));
+    Scenario scenario;
+    scenario.file = path(folder + "/games/game.yaml");
+    scenario.agents.emplace_back().packages["mine"] = {"../mine"};
+    scenario.agents.back().packages["inner"] = {"../mine/inner"};
+    names.use_packages(scenario);
+    return names;
+  };
+  const FileNames here = names_in("here"), there = names_in("there");
+  for (const auto& [file, name] : {std::pair("mine/clips/a.clp", "package://mine/clips/a.clp"),
+                                   {"mine/inner/b.clp", "package://inner/b.clp"},
+                                   {"mine2/c.clp", "../mine2/c.clp"},
+                                   {"games/game.yaml", "game.yaml"}}) {
+    EXPECT_EQ(here.name_of(path("here") / file), name);
+    EXPECT_EQ(here.path_of(name), path("here") / file);
+    EXPECT_EQ(there.path_of(name), path("there") / file);
+  }
+  EXPECT_EQ(here.name_of(find_share().models / "field.xml"), "cxlab://models/field.xml");
+  EXPECT_EQ(here.path_of("cxlab://models/field.xml"), find_share().models / "field.xml");
+  EXPECT_EQ(here.name_of("/usr/lib/x.so"), "/usr/lib/x.so");
+  EXPECT_EQ(here.path_of("/usr/lib/x.so"), "/usr/lib/x.so");
+  EXPECT_EQ(here.path_of("package://unknown/a.clp"), "");
+  EXPECT_EQ(here.path_of("package://mine"), "");
 }
 
 TEST_F(RowTest, NamesOfCellsDiffer) {
@@ -60,12 +124,26 @@ TEST_F(RowTest, NamesOfCellsDiffer) {
   other = {"game-a", "1", 1, "x/game.yaml", {}};
   EXPECT_NE(row_name(cell), row_name(other));
   other = cell;
-  other.file = "y/game.yaml";
+  other.named = "../game.yaml";
+  EXPECT_NE(row_name(cell), row_name(other));
+  other = cell;
+  other.overrides = {"seed=1"};
   EXPECT_NE(row_name(cell), row_name(other));
   EXPECT_EQ(row_name(cell), row_name(cell));
   other.strategy = "../../etc/" + std::string(300, 'x');
   EXPECT_EQ(row_name(other).find('/'), std::string::npos);
   EXPECT_LT(row_name(other).size(), 200u);
+}
+
+TEST_F(RowTest, NamesOfCellsAreTheSameInAnotherFolder) {
+  Cell cell{"game", "a", 1, "/x/game.yaml", {"world.game='/x/g.yaml'", "seed=1"}, "g", "world.game='/x/g.yaml'"};
+  cell.named = "../game.yaml";
+  Cell other = cell;
+  other.file = "/y/game.yaml";
+  other.overrides[0] = other.game_override = "world.game='/y/g.yaml'";
+  EXPECT_EQ(row_name(cell), row_name(other));
+  other.game = "h";
+  EXPECT_NE(row_name(cell), row_name(other));
 }
 
 TEST_F(RowTest, CsvQuotesWhatNeedsIt) {
@@ -75,9 +153,18 @@ TEST_F(RowTest, CsvQuotesWhatNeedsIt) {
   of_game.cell.game = "g1";
   const std::string csv = to_csv({of_game, odd});
   EXPECT_EQ(csv,
-            "scenario,strategy,game,seed,status,exit,points,deliveries,busy,real_time_factor,journal_hash\n"
-            "game,fast,g1,7,completed,0,237.0,5.0,0.25,151.5,abcd\n"
-            "game,\"two, \"\"three\"\"\",,7,completed,0,237.0,5.0,0.25,151.5,abcd\n");
+            "scenario,strategy,game,seed,status,exit,points,busy,late_s,journal_hash\n"
+            "game,fast,g1,7,completed,0,237.0,0.25,,abcd\n"
+            "game,\"two, \"\"three\"\"\",,7,completed,0,237.0,0.25,,abcd\n");
+}
+
+TEST_F(RowTest, CsvHasAColumnForEachMetricOfAnyWorld) {
+  Row other = row();
+  other.figures = {{"steps", 3.0}, {"busy", 1.0}};
+  EXPECT_EQ(to_csv({row(), other}),
+            "scenario,strategy,game,seed,status,exit,points,busy,late_s,steps,journal_hash\n"
+            "game,fast,,7,completed,0,237.0,0.25,,,abcd\n"
+            "game,fast,,7,completed,0,,1.0,,3.0,abcd\n");
 }
 
 TEST_F(RowTest, CsvHasNoFiguresOfAnEpisodeWithoutResult) {
@@ -85,17 +172,46 @@ TEST_F(RowTest, CsvHasNoFiguresOfAnEpisodeWithoutResult) {
   crashed.cell = row().cell;
   crashed.status = "crashed";
   crashed.exit_code = 139;
-  EXPECT_THAT(to_csv({crashed}), testing::HasSubstr("game,fast,,7,crashed,139,,,,,\n"));
+  EXPECT_THAT(to_csv({crashed, row()}), testing::HasSubstr("game,fast,,7,crashed,139,,,,\n"));
+  Row unfinished = row();
+  unfinished.journal_hash.clear();
+  EXPECT_THAT(to_csv({unfinished}), testing::HasSubstr("completed,0,,,,\n"));
 }
 
-TEST(FiguresOf, AddsUpTeamsDeliveriesAndRobots) {
-  const Figures f = figures_of(R"({"teams": {"CYAN": {"points": 30}, "MAGENTA": {"points": 12}},
-    "deliveries": [{"correct": true}, {"correct": false}, {"correct": true}],
-    "robots": [{"busy_s": 50}, {"busy_s": 100}], "sim_time_s": 100, "real_time_factor": 8})");
-  EXPECT_EQ(f.points, 42);
-  EXPECT_EQ(f.deliveries, 2);
-  EXPECT_EQ(f.busy, 0.75);
-  EXPECT_EQ(f.real_time_factor, 8);
+TEST_F(RowTest, MeasuresWhatTheWorldDeclares) {
+  Row game;
+  game.measure(*shipped().find_world("rcll"), R"({"teams": {"CYAN": {"points": 30, "by_kind": {"ring": 5}},
+    "MAGENTA": {"points": 12, "by_kind": {"ring": 10}}},
+    "deliveries": [{"correct": true, "late_s": 2}, {"correct": false, "late_s": 0.5}, {"correct": true, "late_s": 0}],
+    "robots": [{"busy_s": 50, "wait_s": 3, "failures": 1}, {"busy_s": 100, "wait_s": 4, "failures": 2}],
+    "sim_time_s": 100, "real_time_factor": 8})");
+  EXPECT_EQ(game.world, "rcll");
+  EXPECT_EQ(game.compared, "points");
+  for (const auto& [metric, value] : {std::pair("points", 42.0),
+                                      {"deliveries", 2},
+                                      {"busy", 0.75},
+                                      {"points_ring", 15},
+                                      {"late_s", 2.5},
+                                      {"wait_s", 7},
+                                      {"failures", 3},
+                                      {"real_time_factor", 8}})
+    EXPECT_EQ(game.figure(metric), value) << metric;
+  EXPECT_EQ(game.figure("points_cap"), std::nullopt) << "this result does not say";
+  EXPECT_EQ(game.figure("nothing"), std::nullopt);
+  const auto again = Row::parse(game.to_json());
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(again->figure("busy"), 0.75);
+  EXPECT_EQ(again->figures.size(), game.figures.size());
+  Row plain;
+  plain.measure(kEmptyWorld, R"({"sim_time_s": 100, "real_time_factor": 8})");
+  EXPECT_EQ(plain.compared, "");
+  EXPECT_EQ(plain.figure("sim_time_s"), 100);
+}
+
+TEST(KeysOfRow, AreThoseThatARowWithoutFiguresHas) {
+  const auto json = nlohmann::json::parse(Row().to_json());
+  for (const auto& [key, value] : json.items()) EXPECT_TRUE(is_key_of_row(key)) << key;
+  EXPECT_FALSE(is_key_of_row("points"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include "folder.h"
 #include "lab/sweep/row.h"
+#include "scenarios/catalogue.h"
+#include "scenarios/metric.h"
 
 namespace cxlab::lab {
 namespace {
@@ -39,6 +41,7 @@ TEST_F(SuiteTest, PlaysEachGameOfAFolderOnceUnlessSeedsAreNamed) {
   write("games/b.yaml", "down: []\n");
   write("games/a.yaml", "down: []\n");
   write("games/notes.txt", "");
+  write("s.yaml", "schema: 1\nworld: {kind: rcll}\n");
   auto suite = load("scenarios: [s.yaml]\ngames: games\nstrategies: {s: []}\n");
   ASSERT_TRUE(suite) << suite.error().text();
   std::vector<Cell> cells = suite->cells();
@@ -51,6 +54,37 @@ TEST_F(SuiteTest, PlaysEachGameOfAFolderOnceUnlessSeedsAreNamed) {
   ASSERT_EQ(cells.size(), 4u);
   EXPECT_EQ(cells[2].game, "b");
   EXPECT_EQ(cells[2].seed, 4u);
+}
+
+TEST_F(SuiteTest, GamesAreForAWorldThatIsMadeFromThem) {
+  write("games/a.yaml", "down: []\n");
+  write("s.yaml", "schema: 1\nworld: {kind: turtlesim}\n");
+  const auto suite = load("scenarios: [s.yaml]\ngames: games\nstrategies: {s: []}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  EXPECT_THAT(suite->cells().front().overrides, ElementsAre("seed=1"));
+  const Status checked = suite->check();
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().text(), HasSubstr("suite.yaml:2: games: the world of "));
+  EXPECT_THAT(checked.error().text(), HasSubstr("turtlesim, is not made from files of games"));
+}
+
+TEST_F(SuiteTest, AMetricMustNotHaveTheNameOfAnotherKeyOfARow) {
+  static constexpr Metric kSeed[]{{.name = "seed", .what = "x", .from = "seed"}};
+  static constexpr Metric kLost[]{{.name = "lost", .what = "x", .from = "score.lost"}};
+  for (const auto& [metrics, said] :
+       {std::pair(std::span<const Metric>(kSeed), "metric 'seed', which is the name of another key of a row"),
+        {std::span<const Metric>(kLost), "metric 'lost' from 'score.lost', but its sample"}}) {
+    WorldKind own{.name = "own", .what = "nothing", .metrics = metrics};
+    Catalogue catalogue = shipped();
+    catalogue.worlds.push_back(&own);
+    write("s.yaml", "schema: 1\nworld: {kind: own}\n");
+    auto suite = load("scenarios: [s.yaml]\nseeds: [1]\nstrategies: {s: []}\n");
+    suite->catalogue = &catalogue;
+    const Status checked = suite->check();
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().kind, ErrorKind::kBug);
+    EXPECT_THAT(checked.error().message, HasSubstr(said));
+  }
 }
 
 TEST_F(SuiteTest, GamesAreAFolderThatHasSome) {

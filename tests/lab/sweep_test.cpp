@@ -126,11 +126,38 @@ TEST_F(SweepTest, ARowOfAnotherProgramIsPlayedAgain) {
   ASSERT_TRUE(rows);
   Row old = rows->front();
   old.program = "another";
-  old.figures.points = 1000;
+  for (Figure& figure : old.figures) figure.value = 1000;
   const std::string file = "out/rows/" + row_name(old.cell) + ".json";
   ASSERT_TRUE(std::filesystem::exists(path(file)));
   write(file, old.to_json());
-  EXPECT_EQ(play(suite("[1]"))->front().figures.points, 0);
+  EXPECT_EQ(play(suite("[1]"))->front().figure("sim_time_s"), 1);
+}
+
+TEST_F(SweepTest, RowsOfAnotherFolderCountWhereTheFilesAreTheSame) {
+  scenario("game", kRules);
+  const auto make = [this](const std::string& folder) {
+    for (const char* file : {"game.yaml", "agent.yaml", "rules/rules.clp"}) write(folder + '/' + file, read(file));
+    return *Suite::load(write(folder + "/suite.yaml", "scenarios: [game.yaml]\nseeds: [1, 2]\nstrategies: {a: []}\n"));
+  };
+  const Suite here = make("here"), there = make("there");
+  const auto rows = play(here);
+  ASSERT_TRUE(rows);
+  Notes notes;
+  EXPECT_EQ(games(*play(there, notes.host())), games(*rows));
+  EXPECT_THAT(notes.notes, ElementsAre("2 rows are current and kept"));
+  write("there/rules/rules.clp", kRules + "(defrule more (time ?) => (assert (more (random))))\n");
+  Notes again;
+  EXPECT_NE(games(*play(there, again.host())), games(*rows));
+  EXPECT_EQ(again.notes.size(), 2u);
+}
+
+TEST_F(SweepTest, AnEpisodeThatCouldNotBeginIsPlayedAgain) {
+  scenario("game", kRules);
+  const std::string rules = read("agent.yaml");
+  std::filesystem::remove(path("agent.yaml"));
+  EXPECT_EQ(play(suite("[1]"))->front().exit_code, 3);
+  write("agent.yaml", rules);
+  EXPECT_TRUE(play(suite("[1]"))->front().counts());
 }
 
 TEST_F(SweepTest, ABrokenRowIsPlayedAgain) {
@@ -172,7 +199,7 @@ TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {
     ASSERT_TRUE(rows);
     EXPECT_TRUE(rows->front().counts());
     EXPECT_EQ(notes.notes.back(), std::string(where) +
-                                      "game a seed 1: completed, exit 0, points 0; environment 'main' printed as "
+                                      "game a seed 1: completed, exit 0; environment 'main' printed as "
                                       "error: found 'grops'; environment 'main' printed as error: found 'x'");
   }
 }

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -12,6 +15,12 @@ using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+const Summary& of(const TableLine& line, std::string_view metric) {
+  static const Summary kNone;
+  const auto found = std::ranges::find(line.metrics, metric, [](const auto& one) { return one.metric->name; });
+  return found == line.metrics.end() ? kNone : found->summary;
+}
+
 Row row(const std::string& strategy, std::uint64_t seed, double points, const std::string& status = "completed",
         const std::string& scenario = "game") {
   Row out;
@@ -19,7 +28,9 @@ Row row(const std::string& strategy, std::uint64_t seed, double points, const st
   out.cell.strategy = strategy;
   out.cell.seed = seed;
   out.status = status;
-  out.figures.points = points;
+  out.world = "rcll";
+  out.compared = "points";
+  out.figures = {{"points", points}, {"deliveries", 1.0}, {"busy", std::nullopt}, {"real_time_factor", 100.4}};
   return out;
 }
 
@@ -85,22 +96,70 @@ TEST(TableOf, LeavesOutEpisodesThatDidNotComplete) {
   const auto table = table_of(
       {row("first", 1, 100, "failed"), row("first", 2, 200), unexpected, row("second", 1, 103), row("second", 2, 205)});
   EXPECT_EQ(table[0].episodes, 3u);
-  EXPECT_EQ(table[0].points.n, 1u);
-  EXPECT_EQ(table[0].points.mean, 200);
+  EXPECT_EQ(table[0].completed, 1u);
+  EXPECT_EQ(of(table[0], "points").n, 1u);
+  EXPECT_EQ(of(table[0], "points").mean, 200);
+  EXPECT_EQ(of(table[0], "busy").n, 0u) << "it has no value";
   EXPECT_EQ(table[1].against_first.n, 1u) << "seed 1 has no partner";
 }
 
 TEST(TableText, ShowsAStrategyOnALine) {
   const std::string text = to_text(table_of({row("first", 1, 100), row("first", 2, 102), row("second", 1, 90)}));
   EXPECT_THAT(text, HasSubstr("game                 first                  2/2    101.0 +- 12.7         100    102"));
-  EXPECT_THAT(text, HasSubstr("-10.0"));
+  EXPECT_THAT(text, HasSubstr("deliveries     busy           real time      points against the first strategy\n"));
+  EXPECT_THAT(text, HasSubstr("100    102  1.0 +- 0.0     -              100 +- 0       -\n"));
+  EXPECT_THAT(text, HasSubstr(" 90     90  1.0            -              100            -10.0\n"));
+}
+
+/// A world with one metric, of which less is better, and one without any.
+constexpr Metric kCost[]{
+    {.name = "cost", .what = "what it cost", .from = "cost", .more_is_better = false, .title = "cost", .digits = 0}};
+constexpr WorldKind kShop{.name = "shop", .what = "a shop", .metrics = kCost};
+
+Row shop(const std::string& strategy, std::uint64_t seed, double cost) {
+  Row out = row(strategy, seed, 0, "completed", "shop");
+  out.world = "shop";
+  out.compared = "cost";
+  out.figures = {{"cost", cost}, {"real_time_factor", 5.0}};
+  return out;
+}
+
+TEST(TableOf, ComparesWhatTheWorldDeclaresFirst) {
+  Catalogue catalogue = shipped();
+  catalogue.worlds.push_back(&kShop);
+  Row plain = row("first", 1, 0, "completed", "plain");
+  plain.world = "none";
+  plain.compared = "";
+  plain.figures = {{"real_time_factor", 7.0}};
+  const auto table = table_of({row("first", 1, 100), shop("first", 1, 30), shop("second", 1, 26), plain}, catalogue);
+  ASSERT_EQ(table.size(), 4u);
+  EXPECT_EQ(of(table[2], "cost").mean, 26);
+  EXPECT_EQ(of(table[2], "points").n, 0u);
+  EXPECT_EQ(table[2].against_first.mean, -4);
+  EXPECT_THAT(to_text(table),
+              testing::AllOf(HasSubstr("cost                  min    max  real time      cost against the first "
+                                       "strategy (less is better)\n"),
+                             HasSubstr("26                     26     26  5              -4\n"),
+                             HasSubstr("\n\nscenario             strategy                done  real time\n"
+                                       "plain                first                  1/1    7\n")));
+  EXPECT_THAT(to_json(table),
+              testing::AllOf(HasSubstr("\"cost_against_first\": {\n      \"n\": 1"),
+                             HasSubstr("\"more_is_better\": false"), HasSubstr("\"points_against_first\"")));
+}
+
+TEST(TableOf, ALineOfCrashedEpisodesStandsUnderTheHeaderOfTheOthers) {
+  Row crashed = row("second", 1, 0, "crashed");
+  crashed.world = crashed.compared = "";
+  crashed.figures.clear();
+  EXPECT_THAT(to_text(table_of({row("first", 1, 100), crashed})),
+              testing::EndsWith("game                 second                 0/1\n"));
 }
 
 TEST(TableText, HasNoFiguresOfAStrategyWithoutACompleteEpisode) {
   Row broken = row("broken", 1, 100);
   broken.status = "failed";
   const auto table = table_of({broken});
-  EXPECT_THAT(to_text(table), testing::ContainsRegex("broken +0/1 +- +- +- +- +- +- +"));
+  EXPECT_THAT(to_text(table), testing::ContainsRegex("broken +0/1 +- +- +- +- +- +- +-\n"));
   EXPECT_THAT(to_json(table), testing::AllOf(HasSubstr("\"min\": null"), HasSubstr("\"mean\": null")));
 }
 

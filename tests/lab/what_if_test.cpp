@@ -8,6 +8,7 @@
 #include "folder.h"
 #include "lab/replay.h"
 #include "lab/rerun.h"
+#include "scenarios/catalogue.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
@@ -341,12 +342,13 @@ TEST_F(TwoEnvironments, FactsAreForOne) {
 
 TEST(CompareResults, NamesWhatIsWorthReading) {
   const auto rows = compare_results(
-      R"({"status":"completed","sim_time_s":9.5,"reason":null,"teams":{"CYAN":{"points":5,"by_kind":{"ring":5,"cap":0}}},"deliveries":[1]})",
-      R"({"status":"failed","sim_time_s":9.5,"reason":{"message":"x"},"teams":{"CYAN":{"points":7,"by_kind":{"ring":7,"cap":0}}},"deliveries":[1]})");
+      *shipped().find_world("rcll"),
+      R"({"status":"completed","sim_time_s":9.5,"reason":null,"teams":{"CYAN":{"points":5,"by_kind":{"ring":5,"cap":0}}},"deliveries":[{"correct":true}]})",
+      R"({"status":"failed","sim_time_s":9.5,"reason":{"message":"x"},"teams":{"CYAN":{"points":7,"by_kind":{"ring":7,"cap":0}}},"deliveries":[{"correct":false}]})");
   std::vector<std::string> texts;
   for (const ResultChange& row : rows) texts.push_back(row.what + ' ' + row.then + ' ' + row.now);
   EXPECT_THAT(texts, ElementsAre("status completed failed", "reason - x", "sim_time_s 9.5 9.5", "CYAN.points 5 7",
-                                 "CYAN.ring 5 7"));
+                                 "deliveries 1 0", "CYAN.ring 5 7"));
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST_F(OwnWorldExample, StepsAndBumpsAreCounted) {
   const Result result = played({"world.map=['#####', '#S.G#', '#####']"});
   EXPECT_EQ(result.at("grid.steps"), "2");
   EXPECT_LE(std::stoi(result.at("grid.bumps")), 5) << "at most the walls around the two cells before the goal";
-  EXPECT_EQ(result.at("teams.explorer.points"), std::to_string(-2 - std::stoi(result.at("grid.bumps"))));
+  EXPECT_EQ(result.at("grid.points"), std::to_string(-2 - std::stoi(result.at("grid.bumps"))));
   EXPECT_EQ(result.score_board, "at the goal after 2 steps and " + result.at("grid.bumps") + " bumps\n");
 }
 

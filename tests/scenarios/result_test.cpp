@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenarios/metric.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/shipped/catalogue.h"
 #include "scenarios/turtlesim/world.h"
@@ -44,10 +45,6 @@ TEST(Result, HasItsKeysInTheirOrder) {
   "ticks": 0,
   "steps": 0,
   "peak_rss_mb": 0.0,
-  "teams": {},
-  "orders": [],
-  "deliveries": [],
-  "robots": [],
   "plans": 0,
   "replans": 0,
   "rule_errors": [
@@ -74,7 +71,7 @@ TEST(Result, HasItsKeysInTheirOrder) {
 }
 
 TEST(Result, SectionsOfAWorldComeBeforeThePlans) {
-  Result result;
+  Result result = initial_result(in(rcll::kWorld));
   result.set("turtles", R"([{"x": 0.1, "n": 5.0}])");
   result.set("robots", "[1]");
   result.set("note", "not JSON");
@@ -90,6 +87,65 @@ TEST(Result, SectionsOfAWorldComeBeforeThePlans) {
   EXPECT_EQ(result.at("note"), "\"not JSON\"");
   EXPECT_EQ(result.at("turtles[1].x"), "");
   EXPECT_EQ(result.at("turtles[x"), "");
+}
+
+TEST(Result, ARunThatHasOnlyBegunHasTheSectionsOfItsWorld) {
+  const Result game = unfinished_result(in(rcll::kWorld)), turtles = unfinished_result(in(turtlesim::kWorld));
+  for (const auto& [key, value] :
+       {std::pair("teams", "{}"), {"orders", "[]"}, {"deliveries", "[]"}, {"robots", "[]"}}) {
+    EXPECT_EQ(game.at(key), value);
+    EXPECT_EQ(turtles.at(key), "") << key;
+  }
+  EXPECT_EQ(turtles.at("turtles"), "[]");
+}
+
+/// What `measure` gives of one metric.
+std::optional<double> value(const Metric& metric, const std::string& json) { return measure({&metric}, json).front(); }
+
+TEST(Metric, IsComputedFromTheResult) {
+  const std::string json = R"({"n": 3, "yes": true, "t": 10, "text": "x", "nil": null, "zero": 0,
+    "list": [{"a": 1, "ok": true}, {"a": 2.5, "ok": false}], "map": {"x": {"a": 7}, "y": {"a": -1}}, "none": []})";
+  const Metric mean{.name = "m", .what = "", .from = "list.*.a", .fold = Metric::Fold::kMean};
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "n"}, json), 3);
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "yes"}, json), 1);
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "list.*.a"}, json), 3.5);
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "list.*.ok"}, json), 1);
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "map.*.a"}, json), 6);
+  EXPECT_EQ(value(mean, json), 1.75);
+  Metric rate = mean;
+  rate.per = "t";
+  EXPECT_EQ(value(rate, json), 0.175);
+  EXPECT_EQ(formula_of(rate), "mean of list.*.a / t");
+  rate.per = "zero";
+  EXPECT_EQ(value(rate, json), std::nullopt);
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "none.*.a"}, json), 0) << "nothing adds up to nothing";
+  EXPECT_EQ(value({.name = "m", .what = "", .from = "none.*.a", .fold = Metric::Fold::kMean}, json), std::nullopt);
+  for (const char* path : {"missing", "n.a", "text", "nil", "list", "list.*.b", "map.*", "*"})
+    EXPECT_EQ(value({.name = "m", .what = "", .from = path}, json), std::nullopt) << path;
+  EXPECT_EQ(value(mean, "no JSON"), std::nullopt);
+}
+
+TEST(Metric, IsTakenApartByTheKeysOfAMap) {
+  using Values = std::vector<std::pair<std::string, double>>;
+  const std::string json = R"({"teams": {"A": {"points": 3, "by": {"ring": 1}}, "B": {"points": 4, "by": {"ring": 2}}},
+    "list": [{"n": 1}, {"n": 2}]})";
+  EXPECT_EQ(measure_apart({.name = "points", .what = "", .from = "teams.*.points"}, json),
+            (Values{{"A.points", 3}, {"B.points", 4}}));
+  EXPECT_EQ(measure_apart({.name = "r", .what = "", .from = "teams.*.by.ring"}, json),
+            (Values{{"A.ring", 1}, {"B.ring", 2}}));
+  EXPECT_EQ(measure_apart({.name = "all", .what = "", .from = "list.*.n"}, json), (Values{{"all", 3}}));
+  EXPECT_EQ(measure_apart({.name = "all", .what = "", .from = "missing.*.n"}, json), Values{});
+}
+
+TEST(Metric, OfEachShippedWorldHasAPlaceInItsResult) {
+  for (const WorldKind* world : shipped().worlds) {
+    const Status s = check_metrics(in(*world));
+    EXPECT_TRUE(s.ok()) << s.error().text();
+  }
+  static constexpr Metric kTwice[]{{.name = "a", .what = "", .from = "seed"},
+                                   {.name = "a", .what = "", .from = "ticks"}};
+  const WorldKind twice{.name = "own", .what = "", .metrics = kTwice};
+  EXPECT_EQ(check_metrics(in(twice)).error().message, "the world own declares a metric 'a' twice");
 }
 
 TEST(Result, AReasonHasACodeAndAPlace) {
@@ -125,15 +181,14 @@ TEST(Result, PathsAreCheckedAgainstWhatTheWorldAdds) {
     EXPECT_EQ(check(path, rcll::kWorld), "") << path;
   EXPECT_EQ(check("turtles[1].walls", turtlesim::kWorld), "");
   EXPECT_EQ(check("turtles[0].walls", rcll::kWorld).find("result.json has no 'turtles'; known are: schema, "), 0u);
-  EXPECT_EQ(check("teams.CYAN.points", turtlesim::kWorld), "result.json has no 'CYAN' in 'teams'");
-  EXPECT_EQ(check("robots[0].busy_s", turtlesim::kWorld), "in a world of kind turtlesim, 'robots' is empty");
+  EXPECT_EQ(check("teams.CYAN.points", turtlesim::kWorld).find("result.json has no 'teams'; known are: schema, "), 0u);
   EXPECT_EQ(check("teams.CYAN.pionts", rcll::kWorld),
             "result.json has no 'pionts' in 'teams.CYAN', did you mean 'points'?");
   EXPECT_EQ(check("orders.points", rcll::kWorld), "found 'orders.points', expected an index like orders[0]");
   EXPECT_EQ(check("orders[].points", rcll::kWorld), "found 'orders[].points', expected an index like orders[0]");
   EXPECT_EQ(check("orders[x].points", rcll::kWorld), "found 'orders[x].points', expected an index like orders[0]");
   EXPECT_EQ(check("status.x", rcll::kWorld), "result.json has no 'x' in 'status'");
-  EXPECT_EQ(check("", rcll::kWorld), "expected a path into result.json, for example teams.CYAN.points");
+  EXPECT_EQ(check("", rcll::kWorld), "expected a path into result.json, for example rule_errors[0].rule");
 }
 
 TEST(Result, ExpectationsHoldUpToTheirLimits) {

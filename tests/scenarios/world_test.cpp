@@ -94,6 +94,11 @@ class BellStage final : public Stage {
   const Bell* bell_ = nullptr;
 };
 
+constexpr ResultSection kBellSections[]{{.key = "bell",
+                                         .what = "how often the bell rang",
+                                         .initial = R"({"rung": 0})"}};
+constexpr Metric kBellMetrics[]{
+    {.name = "rung", .what = "how often the bell rang", .from = "bell.rung", .title = "rung"}};
 constexpr WorldKind kBell{
     .name = "bell",
     .what = "a bell that rings",
@@ -102,9 +107,11 @@ constexpr WorldKind kBell{
     .make_stage = [](const StageSetup& setup) -> Expected<std::unique_ptr<Stage>> {
       return std::unique_ptr<Stage>(std::make_unique<BellStage>(setup));
     },
-    .add_sample = [](Result& sample) { sample.set("bell", R"({"rung": 0})"); },
+    .sections = kBellSections,
+    .metrics = kBellMetrics,
 };
 
+constexpr ResultSection kChimeSections[]{{.key = "chime", .what = "how often it may ring", .initial = "0"}};
 constexpr NodeKind kChime{
     .name = "chime",
     .what = "a second bell",
@@ -115,7 +122,7 @@ constexpr NodeKind kChime{
       stage.reports.push_back([most](Result& result) { result.set("chime", std::to_string(most)); });
       return {};
     },
-    .add_sample = [](Result& sample) { sample.set("chime", "0"); }};
+    .sections = kChimeSections};
 
 Catalogue bells() {
   Catalogue catalogue = shipped();

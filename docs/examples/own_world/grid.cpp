@@ -164,12 +164,27 @@ class GridView final : public View {
   sim::Picture picture_;
 };
 
-/// Each step and each bump costs a point: `bench` compares the points of teams.
-void set_sections(Result& result, int steps, int bumps, bool reached) {
-  result.set("grid", R"({"steps": )" + std::to_string(steps) + R"(, "bumps": )" + std::to_string(bumps) +
-                         R"(, "reached": )" + (reached ? "true}" : "false}"));
-  result.set("teams", R"({"explorer": {"points": )" + std::to_string(-steps - bumps) + R"(, "by_kind": {}}})");
+/// Each step and each bump costs a point.
+std::string section_of(int steps, int bumps, bool reached) {
+  return R"({"steps": )" + std::to_string(steps) + R"(, "bumps": )" + std::to_string(bumps) + R"(, "reached": )" +
+         (reached ? "true" : "false") + R"(, "points": )" + std::to_string(-steps - bumps) + '}';
 }
+
+/// What a run adds to result.json, and what `bench` compares: points first.
+constexpr ResultSection kSections[]{
+    {.key = "grid", .what = "how the robot came to the goal", .initial = "{}", .sample = [] {
+       return section_of(0, 0, false);
+     }}};
+constexpr Metric kMetrics[]{
+    {.name = "points", .what = "what steps and bumps cost", .from = "grid.points", .title = "points"},
+    {.name = "reached",
+     .what = "whether the robot found the goal",
+     .from = "grid.reached",
+     .title = "reached",
+     .digits = 2},
+    {.name = "steps", .what = "steps to another cell", .from = "grid.steps", .more_is_better = false, .title = "steps"},
+    {.name = "bumps", .what = "steps into a wall", .from = "grid.bumps", .more_is_better = false, .title = "bumps"},
+};
 
 class GridStage final : public Stage {
  public:
@@ -182,7 +197,7 @@ class GridStage final : public Stage {
   }
   void report(Result& result) const override {
     const int steps = static_cast<int>(robot_.way().size()) - 1;
-    set_sections(result, steps, robot_.bumps(), robot_.over());
+    result.set("grid", section_of(steps, robot_.bumps(), robot_.over()));
     result.score_board += (robot_.over() ? "at the goal after " : "not at the goal after ") + std::to_string(steps) +
                           " steps and " + std::to_string(robot_.bumps()) + " bumps\n";
   }
@@ -203,7 +218,8 @@ constinit const WorldKind kWorld{
       if (!robot) return robot.error();
       return std::unique_ptr<Stage>(std::make_unique<GridStage>(*std::move(robot)));
     },
-    .add_sample = [](Result& sample) { set_sections(sample, 0, 0, false); },
+    .sections = kSections,
+    .metrics = kMetrics,
 };
 
 }  // namespace grid
