@@ -173,8 +173,7 @@ struct Recorded {
 };
 
 Expected<Recorded> read_records(const lab::Run& run, const WorldAsk& ask) {
-  auto records = run.records({.kinds = {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kDecision,
-                                        RecordKind::kControl, RecordKind::kError}});
+  auto records = run.records({.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
   Recorded out;
   SimTime last{};

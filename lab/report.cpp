@@ -1,16 +1,15 @@
 #include "lab/report.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <utility>
 
 #include "cx/base/file.h"
 #include "cx/base/json_text.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "lab/page.h"
+#include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
 
@@ -44,93 +43,89 @@ Json readable_files(const std::filesystem::path& folder) {
   return out;
 }
 
-/// What has begun and not ended yet, by robot.
-using Open = std::map<std::string, Json, std::less<>>;
-
-void end(Open& open, std::string_view robot, double t, const char* state, Json& out) {
-  const auto found = open.find(robot);
-  if (found == open.end()) return;
-  found->second["end"] = t;
-  if (state) found->second["state"] = state;
-  out.push_back(std::move(found->second));
-  open.erase(found);
+/// The decisions of agents.
+Json decisions_of(const std::vector<JournalRecord>& records) {
+  Json out = Json::array();
+  for (const JournalRecord& record : records)
+    if (record.kind == RecordKind::kDecision && record.stream.starts_with("env/"))
+      out.push_back({{"t", to_seconds(record.t)}, {"by", record.stream.substr(4)}, {"slots", slot_texts(record.data)}});
+  return out;
 }
 
-/// How a robot left the field, came back, or did not.
-void note_duty(Open& away, const RecordValue& data, double t, Json& out) {
-  const std::string robot(data.text("robot"));
-  const std::string_view state = data.text("state");
-  if (state == "begin")
-    away[robot] = {{"robot", robot}, {"cause", data.text("cause")}, {"state", "maintenance"}, {"begin", t}};
-  else if (state == "end")
-    end(away, robot, t, nullptr, out);
-  else if (state == "disqualified") {
-    end(away, robot, t, nullptr, out);
-    away[robot] = {{"robot", robot}, {"cause", data.text("cause")}, {"state", "disqualified"}, {"begin", t}};
-  }
+// --- What the world shows
+
+/// A whole number as one, so that it is shown without a fraction.
+Json number(double value) {
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<std::int64_t>(value);
+  return value;
 }
 
-/// Adds what the journal says: decisions of agents, skills, pieces in grippers, points, robots off the field, faults,
-/// pauses.
-Status read_story(const std::filesystem::path& journal, double last, Json& report) {
-  const auto records = read_journal(
-      journal, {.kinds = {RecordKind::kSkill, RecordKind::kReferee, RecordKind::kControl, RecordKind::kDecision}});
-  if (!records) return records.error();
-  Json skills = Json::array(), holds = Json::array(), scores = Json::array();
-  Json off_field = Json::array(), faults = Json::array(), pauses = Json::array();
-  Json decisions = Json::array();
-  std::optional<double> paused;
-  Open working, holding, away;
-  for (const JournalRecord& record : *records) {
-    const std::string_view event = record.data.text("event");
-    const std::string robot(record.data.text("robot"));
-    const double t = to_seconds(record.t);
-    if (record.kind == RecordKind::kDecision) {
-      if (record.stream.starts_with("env/"))
-        decisions.push_back({{"t", t}, {"by", record.stream.substr(4)}, {"slots", slot_texts(record.data)}});
-    } else if (record.kind == RecordKind::kControl) {
-      if (!record.data.text("fault").empty())
-        faults.push_back({{"t", t},
-                          {"kind", record.data.text("fault")},
-                          {"at", robot.empty() ? record.data.text("machine") : std::string_view(robot)}});
-    } else if (record.kind == RecordKind::kSkill) {
-      if (event == "start")
-        working[robot] = {{"robot", robot},
-                          {"skill", record.data.text("skill")},
-                          {"target", record.data.text("target")},
-                          {"begin", t}};
-      else if (event == "end")
-        end(working, robot, t, record.data.integer("code") == 0 ? "succeeded" : "failed", skills);
-    } else if (event == "maintenance") {
-      note_duty(away, record.data, t, off_field);
-    } else if (event == "state") {
-      if (record.data.text("state") == "PAUSED")
-        paused = t;
-      else if (paused)
-        pauses.push_back({{"begin", *std::exchange(paused, std::nullopt)}, {"end", t}});
-    } else if (event == "score") {
-      scores.push_back({{"team", record.data.text("team")},
-                        {"kind", record.data.text("kind")},
-                        {"t", t},
-                        {"points", record.data.integer("points")}});
-    } else if (event == "piece") {
-      if (record.data.text("from") == "gripper") end(holding, record.data.text("from_name"), t, nullptr, holds);
-      const std::string to(record.data.text("to_name"));
-      if (record.data.text("to") == "gripper") holding[to] = {{"robot", to}, {"begin", t}};
-    }
+std::string_view to_string(PageBar::Shape shape) {
+  switch (shape) {
+    case PageBar::Shape::kAlert: return "alert";
+    case PageBar::Shape::kInset: return "inset";
+    case PageBar::Shape::kStrip: return "strip";
+    case PageBar::Shape::kBar: break;
   }
-  while (!working.empty()) end(working, std::string(working.begin()->first), last, "running", skills);
-  while (!holding.empty()) end(holding, std::string(holding.begin()->first), last, nullptr, holds);
-  while (!away.empty()) end(away, std::string(away.begin()->first), last, nullptr, off_field);
-  if (paused) pauses.push_back({{"begin", *paused}, {"end", last}});
-  report["skills"] = std::move(skills);
-  report["holds"] = std::move(holds);
-  report["scores"] = std::move(scores);
-  report["off_field"] = std::move(off_field);
-  report["faults"] = std::move(faults);
-  report["pauses"] = std::move(pauses);
-  report["decisions"] = std::move(decisions);
-  return {};
+  return "bar";
+}
+
+Json json_of(const PageTable& table) {
+  Json rows = Json::array();
+  for (const auto& row : table.rows) {
+    Json cells = Json::array();
+    for (const PageCell& cell : row) cells.push_back({{"text", cell.text}, {"bold", cell.bold}, {"kind", cell.kind}});
+    rows.push_back(std::move(cells));
+  }
+  return {{"title", table.title}, {"columns", table.columns}, {"rows", std::move(rows)}, {"note", table.note}};
+}
+
+Json json_of(const PageChart& chart) {
+  Json lines = Json::array();
+  for (const PageLine& line : chart.lines) {
+    Json steps = Json::array();
+    for (const auto& [t, value] : line.steps) steps.push_back({t, number(value)});
+    lines.push_back({{"kind", line.kind}, {"steps", std::move(steps)}});
+  }
+  return {{"title", chart.title}, {"lines", std::move(lines)}};
+}
+
+Json json_of(const PageLane& lane) {
+  Json bars = Json::array(), marks = Json::array();
+  for (const PageBar& bar : lane.bars)
+    bars.push_back({{"shape", to_string(bar.shape)},
+                    {"kind", bar.kind},
+                    {"begin", bar.begin},
+                    {"end", bar.end},
+                    {"text", bar.text},
+                    {"remark", bar.remark}});
+  for (const PageMark& mark : lane.marks) marks.push_back({{"kind", mark.kind}, {"t", mark.t}, {"text", mark.text}});
+  return {{"name", lane.name}, {"bars", std::move(bars)}, {"marks", std::move(marks)}};
+}
+
+Json json_of(const PageLanes& lanes) {
+  Json key = Json::array(), all = Json::array();
+  for (const PageLanes::Key& one : lanes.key) key.push_back({{"kind", one.kind}, {"text", one.text}});
+  for (const PageLane& lane : lanes.lanes) all.push_back(json_of(lane));
+  return {{"title", lanes.title}, {"key", std::move(key)}, {"lanes", std::move(all)}};
+}
+
+Json json_of(const RunPage& page) {
+  Json kinds = Json::array(), shades = Json::array(), parts = Json::array();
+  for (const PageKind& kind : page.kinds)
+    kinds.push_back({{"name", kind.name}, {"fill", kind.fill}, {"ink", kind.ink}});
+  for (const PageShade& shade : page.shades)
+    shades.push_back({{"kind", shade.kind}, {"begin", shade.begin}, {"end", shade.end}, {"text", shade.text}});
+  for (const auto& part : page.parts) parts.push_back(std::visit([](const auto& one) { return json_of(one); }, part));
+  return {{"kinds", std::move(kinds)}, {"shades", std::move(shades)}, {"parts", std::move(parts)}};
+}
+
+Expected<RunPage> page_of_world(const Played& played, const std::vector<JournalRecord>& records) {
+  const WorldKind& world = *played.scenario.world.kind;
+  if (!world.page) return RunPage();
+  const Result& result = played.result;
+  const bool ended = result.status == RunStatus::kCompleted;
+  return world.page({played.folder, played.scenario, records, {}, result.sim_time, ended, {}}, result);
 }
 
 }  // namespace
@@ -141,7 +136,12 @@ Status write_report(const Played& played) {
   Json report;
   report["result"] = Json::parse(played.result.to_json());
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
-  if (Status s = read_story(folder / "journal.jsonl", to_seconds(played.result.sim_time), report); !s) return s;
+  const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
+  if (!records) return records.error();
+  const auto of_world = page_of_world(played, *records);
+  if (!of_world) return of_world.error();
+  for (const Result::Section& section : of_world->data) report[section.key] = Json::parse(section.json);
+  report["decisions"] = decisions_of(*records);
   report["files"] = readable_files(folder);
   report["film"] = played.film.empty() ? ""
                                        : std::filesystem::proximate(std::filesystem::absolute(played.film),
@@ -152,6 +152,7 @@ Status write_report(const Played& played) {
     report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});
   const auto text = [&](int indent) { return json_text(report, indent); };
   if (Status s = replace_file(folder / "report.json", text(1) + '\n'); !s) return s;
+  report["page"] = json_of(*of_world);
   // The page is whole without its folder.
   for (std::size_t i = 0; i < played.pictures.size(); ++i)
     report["pictures"][i]["png"] = base64(played.pictures[i].file);

@@ -365,6 +365,7 @@ Status set_up(RunAtPlay& run) {
   if (!installed) return installed.error();
   for (const auto& [name, package_folder] : *installed)
     run.scenario.packages.try_emplace(name, PackageSpec{package_folder});
+  run.played.scenario = run.scenario;
   auto snapshots = snapshot_times(options.snapshot, end_of(run));
   if (!snapshots) return snapshots.error();
   run.snapshots = *std::move(snapshots);

@@ -45,6 +45,7 @@ struct PlayOptions {
 };
 
 struct Played {
+  Scenario scenario;
   Result result;
   std::filesystem::path folder;  ///< empty = none
   std::vector<Picture> pictures;

@@ -15,8 +15,8 @@
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "lab/run.h"
-#include "scenarios/episode.h"
 #include "scenarios/catalogue.h"
+#include "scenarios/episode.h"
 #include "scenarios/metric.h"
 
 namespace cxlab::lab {

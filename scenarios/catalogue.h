@@ -22,6 +22,7 @@
 #include "scenarios/metric.h"
 #include "scenarios/question.h"
 #include "scenarios/result.h"
+#include "scenarios/run_page.h"
 #include "scenarios/scenario.h"
 #include "scenarios/stage.h"
 
@@ -92,6 +93,8 @@ struct WorldKind {
   std::span<const Metric> metrics{};
   /// What can be asked about a recorded run of this world, each a command of `cxlab`.
   std::span<const WorldQuestion> questions{};
+  /// What the page of a run shows of this world; none: nothing but how the run ended.
+  Expected<RunPage> (*page)(const AskedRun& run, const Result& result) = nullptr;
 };
 
 /// A kind of node beside the world: an item of `servers:`, `cxlab env --with NAME`.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/record_sink.h"
 #include "cx/base/time.h"
 #include "cx/journal/journal_record.h"
 
@@ -72,11 +73,15 @@ struct WorldAnswer {
   std::vector<std::string> notes;  ///< sentences below the tables
 };
 
+/// The kinds of the records that a world is asked about.
+inline const std::vector<RecordKind> kRecordsOfQuestions{
+    RecordKind::kSkill, RecordKind::kReferee, RecordKind::kDecision, RecordKind::kControl, RecordKind::kError};
+
 /// What a question is asked about; all of it outlives the question.
 struct AskedRun {
   const std::filesystem::path& folder;
   const Scenario& scenario;
-  /// Of kinds skill, referee, decision, control and error, up to `to`, in order of writing.
+  /// Of `kRecordsOfQuestions`, up to `to`, in order of writing.
   const std::vector<JournalRecord>& records;
   SimTime from{};          ///< what was over before is left out; 0: nothing
   SimTime to{};            ///< the run up to this time; at most its end

@@ -48,11 +48,9 @@ Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<
                                             const std::filesystem::path& journal) {
   auto records = read_journal(journal, {.kinds = {RecordKind::kReferee}});
   if (!records) return records.error();
-  RecordedBoard board;
-  board.clock_ = clock;
-  board.teams_ = std::move(teams);
+  RecordedBoard board(clock, std::move(teams));
   for (const JournalRecord& record : *records)
-    if (auto event = read_referee_event(record.data)) board.events_.emplace_back(record.t, *std::move(event));
+    if (auto event = read_event(record.data)) board.take(record.t, *std::move(event));
   return board;
 }
 

@@ -11,8 +11,8 @@
 
 #include "cx/base/expected.h"
 #include "scenarios/rcll/clock.h"
+#include "scenarios/rcll/event.h"
 #include "scenarios/rcll/factory.h"
-#include "scenarios/rcll/referee_event.h"
 #include "scenarios/rcll/types.h"
 #include "sim/legend.h"
 
@@ -44,16 +44,19 @@ Board board_of(const Factory& game);
 
 class RecordedBoard {
  public:
+  RecordedBoard(const GameClock& clock, std::vector<Team> teams) : clock_(clock), teams_(std::move(teams)) {}
   /// From the referee's records in a journal.
   static Expected<RecordedBoard> load(const GameClock& clock, std::vector<Team> teams,
                                       const std::filesystem::path& journal);
+  /// Events come in order of time.
+  void take(SimTime t, Event event) { events_.emplace_back(t, std::move(event)); }
   /// As it was at the end of that tick.
   Board at(SimTime now) const;
 
  private:
   GameClock clock_;
   std::vector<Team> teams_;
-  std::vector<std::pair<SimTime, RefereeEvent>> events_;
+  std::vector<std::pair<SimTime, Event>> events_;
 };
 
 /// Time, phase and points, and a card for each order: its number, complexity and gate ("G2"), "vs" when it is

@@ -62,12 +62,17 @@ SimTime Maintenance::remaining(const Robot& robot, SimTime now) const {
 
 // --- Records
 
-RecordData& Maintenance::event(const Robot& robot, std::string_view what) {
-  data_.begin().field("event", "maintenance").field("state", what).field("team", to_string(robot.team));
-  return data_.field("robot", world_.plan().robot(robot.id).name);
+DutyChanged Maintenance::change_of(const Robot& robot, std::string_view state) const {
+  DutyChanged change;
+  change.state = state;
+  change.team = robot.team;
+  change.robot = world_.plan().robot(robot.id).name;
+  return change;
 }
 
-void Maintenance::write(SimTime now) { sink_.write(stream_, now, RecordKind::kReferee, data_); }
+void Maintenance::write(SimTime now, DutyChanged change) {
+  sink_.write(stream_, now, RecordKind::kReferee, rcll::write(std::move(change), data_));
+}
 
 // --- Deciding
 
@@ -89,9 +94,12 @@ void Maintenance::judge(SimTime now) {
 
 void Maintenance::grant(const Request& request, SimTime now) {
   const auto refuse = [&](std::string_view reason) {
-    data_.begin().field("event", "maintenance").field("state", "refused").field("team", to_string(request.team));
-    data_.field("number", request.number).field("reason", reason);
-    write(now);
+    DutyChanged refused;
+    refused.state = "refused";
+    refused.team = request.team;
+    refused.number = request.number;
+    refused.reason = reason;
+    write(now, std::move(refused));
   };
   const auto robot = std::ranges::find_if(
       robots_, [&](const Robot& r) { return r.team == request.team && r.number == request.number; });
@@ -115,16 +123,19 @@ void Maintenance::begin(Robot& robot, MaintenanceCause cause, SimTime needs, Sim
   robot.needs = std::max(needs, kShortestMaintenance);
   robot.asked_for = cause == MaintenanceCause::kRequest;
   robot.asked_back = robot.warned = false;
-  event(robot, "begin").field("cause", to_string(cause)).field("cycle", robot.cycles);
-  write(now);
+  DutyChanged change = change_of(robot, "begin");
+  change.cause = to_string(cause);
+  change.cycle = robot.cycles;
+  write(now, std::move(change));
   if (robot.cycles == kMaintenances) referee_.fine(robot.team, kSecondMaintenancePoints, now);
 }
 
 void Maintenance::disqualify(Robot& robot, std::string_view reason, SimTime now) {
   ++changes_;
   robot.duty = RobotDuty::kDisqualified;
-  event(robot, "disqualified").field("cause", reason);
-  write(now);
+  DutyChanged change = change_of(robot, "disqualified");
+  change.cause = reason;
+  write(now, std::move(change));
 }
 
 void Maintenance::watch(Robot& robot, SimTime now) {
@@ -138,8 +149,9 @@ void Maintenance::watch(Robot& robot, SimTime now) {
     if (now - robot.since >= kMaintenanceTime + kMaintenanceGrace) return disqualify(robot, "time", now);
     if (robot.warned || now - robot.since < kMaintenanceWarning) return;
     robot.warned = true;
-    event(robot, "warning").field("remaining_s", to_seconds(remaining(robot, now)));
-    write(now);
+    DutyChanged change = change_of(robot, "warning");
+    change.remaining_s = to_seconds(remaining(robot, now));
+    write(now, std::move(change));
   }
 }
 
@@ -207,8 +219,9 @@ void Maintenance::act(SimTime now) {
         if (robots_[fault.robot].id == robot.id) fault.timer.skip_until(now);
       robot.duty = RobotDuty::kActive;
       ++changes_;
-      event(robot, "end").field("duration_s", to_seconds(now - robot.since));
-      write(now);
+      DutyChanged change = change_of(robot, "end");
+      change.duration_s = to_seconds(now - robot.since);
+      write(now, std::move(change));
     } else {
       retry_at_ = now + kRetry;
     }

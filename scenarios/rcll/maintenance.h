@@ -95,8 +95,8 @@ class Maintenance {
   bool blocks(const Robot& robot) const;
   bool pushes(const Robot& robot) const;
   std::optional<sim::Pose2> free_place(const Robot& robot) const;
-  RecordData& event(const Robot& robot, std::string_view what);
-  void write(SimTime now);
+  DutyChanged change_of(const Robot& robot, std::string_view state) const;
+  void write(SimTime now, DutyChanged change);
 
   sim::World& world_;
   GameReferee& referee_;

@@ -38,10 +38,10 @@ void Pauses::set(GameState state, std::string_view cause, const Request* request
     world_.go_on();
     ends_at_ = kNever;
   }
-  data_.begin().field("event", "state").field("state", to_string(state)).field("cause", cause);
-  if (request) data_.field("by", request->by);
-  data_.field("game_time", referee_.clock().game_time(world_.floor_time()));
-  sink_.write(stream_, now, RecordKind::kReferee, data_,
+  PauseChanged event{.state = std::string(to_string(state)), .cause = std::string(cause), .by = {}};
+  if (request) event.by = request->by;
+  event.game_time = referee_.clock().game_time(world_.floor_time());
+  sink_.write(stream_, now, RecordKind::kReferee, write(std::move(event), data_),
               request ? std::span<const RecordRef>(request->causes) : std::span<const RecordRef>());
 }
 

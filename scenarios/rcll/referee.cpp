@@ -55,8 +55,7 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
   const Phase phase = clock_.phase(now);
   if (!last_look_ || phase != phase_) {
     phase_ = phase;
-    data_.begin().field("event", "phase").field("phase", to_string(phase));
-    write(now);
+    write(now, PhaseBegan{std::string(to_string(phase))});
   }
   if (phase == Phase::kProduction) release_orders(now);
   last_look_ = now;
@@ -65,38 +64,42 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
 std::string GameReferee::take_report(Team team, const MachineReport& entry, SimTime now) {
   const std::uint64_t before = exploration_.changes();
   const std::vector<std::int64_t> points = exploration_.report(team, entry, now);
-  data_.begin().field("event", "report").field("team", to_string(team)).field("machine", entry.name);
-  data_.field("type", entry.type).field("zone", entry.zone).field("rotation", entry.rotation.value_or(-1));
-  data_.field("judged", exploration_.changes() != before);
   const std::string nonsense = exploration_.nonsense(team, entry);
-  if (!nonsense.empty()) data_.field("reason", nonsense);
-  write(now);
+  write(now, MachineReported{.team = team,
+                             .machine = entry.name,
+                             .type = entry.type,
+                             .zone = entry.zone,
+                             .rotation = entry.rotation.value_or(-1),
+                             .judged = exploration_.changes() != before,
+                             .reason = nonsense});
   for (const std::int64_t point : points) give(team, PointKind::kExploration, point, now);
   return nonsense;
 }
 
 std::string GameReferee::deny_report(Team team, const std::string& color, SimTime now) {
   std::string reason = "found '" + color + "' as its team_color, expected " + std::string(to_string(team));
-  data_.begin().field("event", "report").field("team", to_string(team)).field("judged", false);
-  data_.field("reason", reason);
-  write(now);
+  write(now, MachineReported{.team = team, .machine = {}, .type = {}, .zone = {}, .rotation = {}, .reason = reason});
   return reason;
 }
 
 void GameReferee::take_instruction(sim::StationId machine, const Instruction& instruction, InstructError error,
                                    SimTime now) {
   const sim::Station& station = plan_.station(machine);
-  data_.begin().field("event", "instruction").field("machine", station.name);
-  const std::pair<std::string_view, const std::string&> texts[]{{"operation", instruction.operation},
-                                                                {"side", instruction.side},
-                                                                {"base_color", instruction.base_color},
-                                                                {"ring_color", instruction.ring_color}};
-  for (const auto& [key, text] : texts)
-    if (!text.empty()) data_.field(key, text);
-  if (station.kind == "DS") data_.field("order", instruction.order_id);
-  if (station.kind == "SS") data_.field("shelf", instruction.shelf).field("slot", instruction.slot);
-  data_.field("code", static_cast<int>(error));
-  write(now);
+  InstructionHeard heard{.machine = station.name,
+                         .operation = instruction.operation,
+                         .side = instruction.side,
+                         .base_color = instruction.base_color,
+                         .ring_color = instruction.ring_color,
+                         .order = {},
+                         .shelf = {},
+                         .slot = {},
+                         .code = static_cast<int>(error)};
+  if (station.kind == "DS") heard.order = instruction.order_id;
+  if (station.kind == "SS") {
+    heard.shelf = instruction.shelf;
+    heard.slot = instruction.slot;
+  }
+  write(now, std::move(heard));
 }
 
 void GameReferee::prolong(SimTime now) {
@@ -107,9 +110,8 @@ void GameReferee::prolong(SimTime now) {
   sudden_death_ = in_overtime_;
   in_overtime_ = true;
   clock_.production_end += clock_.overtime;
-  data_.begin().field("event", sudden_death_ ? "sudden death" : "overtime");
-  data_.field("until", clock_.game_time(clock_.production_end));
-  write(now);
+  write(now, Prolonged{sudden_death_ ? Prolonged::Kind::kSuddenDeath : Prolonged::Kind::kOvertime,
+                       clock_.game_time(clock_.production_end)});
 }
 
 SimTime GameReferee::next_due() const {
@@ -134,8 +136,7 @@ std::string GameReferee::set_phase(Phase phase, SimTime now) {
     clock_.production_end = now;
     ended_ = true;
   }
-  data_.begin().field("event", "set_phase").field("phase", to_string(phase));
-  write(now);
+  write(now, PhaseWasSet{std::string(to_string(phase))});
   return {};
 }
 
@@ -155,44 +156,47 @@ void GameReferee::release_orders(SimTime now) {
     if (state.released || now < clock_.at(order.activate_at)) continue;
     state.released = now;
     ++order_changes_;
-    data_.begin().field("event", "order").field("order", order.id).field("complexity", to_string(order.complexity));
-    data_.field("product", describe(stack_of(order.product))).field("begin", order.delivery_begin);
-    data_.field("end", order.delivery_end).field("gate", order.delivery_gate).field("quantity", order.quantity);
-    data_.field("competitive", order.competitive);
-    write(now);
+    write(now, OrderPublished{.id = order.id,
+                              .complexity = std::string(to_string(order.complexity)),
+                              .product = describe(stack_of(order.product)),
+                              .begin = order.delivery_begin,
+                              .end = order.delivery_end,
+                              .gate = order.delivery_gate,
+                              .quantity = order.quantity,
+                              .competitive = order.competitive});
   }
 }
 
-void GameReferee::put_holder(std::string_view key, sim::Holder holder, int index) {
-  data_.field(key, sim::to_string(holder));
+std::string GameReferee::name_of(sim::Holder holder, int index) const {
   const auto at = static_cast<std::size_t>(index);
-  std::string_view name;
   switch (holder) {
     case sim::Holder::kGripper:
-      if (index >= 0 && at < plan_.robots.size()) name = plan_.robots[at].name;
+      if (index >= 0 && at < plan_.robots.size()) return plan_.robots[at].name;
       break;
     case sim::Holder::kSlot:
     case sim::Holder::kSlide:
-      if (index >= 0 && at < plan_.spots.size()) name = plan_.spots[at].name;
+      if (index >= 0 && at < plan_.spots.size()) return plan_.spots[at].name;
       break;
     case sim::Holder::kDispenser:
     case sim::Holder::kBelt:
     case sim::Holder::kGate:
     case sim::Holder::kStorage:
-      if (index >= 0 && at < plan_.stations.size()) name = plan_.stations[at].name;
+      if (index >= 0 && at < plan_.stations.size()) return plan_.stations[at].name;
       break;
     case sim::Holder::kFloor:
     case sim::Holder::kCrew: break;
   }
-  if (!name.empty()) data_.field(std::string(key) + "_name", name);
+  return {};
 }
 
 void GameReferee::write_piece(const sim::HolderChange& change) {
-  data_.begin().field("event", "piece").field("piece", static_cast<std::int64_t>(change.piece));
-  put_holder("from", change.from, change.from_index);
-  put_holder("to", change.to, change.to_index);
-  data_.field("position", std::span<const double>(change.position_in_world.data(), 3));
-  write(change.at);
+  const auto& at = change.position_in_world;
+  write(change.at, PieceMoved{.piece = static_cast<int>(change.piece),
+                              .from = std::string(sim::to_string(change.from)),
+                              .from_name = name_of(change.from, change.from_index),
+                              .to = std::string(sim::to_string(change.to)),
+                              .to_name = name_of(change.to, change.to_index),
+                              .position = {at[0], at[1], at[2]}});
 }
 
 std::optional<sim::StationId> GameReferee::station_of(sim::Holder holder, int index) const {
@@ -213,13 +217,21 @@ void GameReferee::judge_piece(const sim::HolderChange& change) {
   }
 }
 
-void GameReferee::write_work(const MachineEvent& event, std::string_view what) {
-  data_.begin().field("event", what).field("machine", plan_.station(event.machine).name);
-  data_.field("piece", static_cast<std::int64_t>(event.piece)).field("product", describe(event.stack));
-  if (plan_.station(event.machine).kind == "RS") data_.field("payments", event.payments);
-  if (event.kind == MachineEvent::Kind::kStored || event.kind == MachineEvent::Kind::kUnstored)
-    data_.field("shelf", event.slot.shelf).field("slot", event.slot.slot);
-  write(event.at);
+void GameReferee::write_work(const MachineEvent& event, WorkDone::Kind kind) {
+  const sim::Station& station = plan_.station(event.machine);
+  WorkDone done{.kind = kind,
+                .machine = station.name,
+                .piece = static_cast<int>(event.piece),
+                .product = describe(event.stack),
+                .payments = {},
+                .shelf = {},
+                .slot = {}};
+  if (station.kind == "RS") done.payments = event.payments;
+  if (kind == WorkDone::Kind::kStored || kind == WorkDone::Kind::kUnstored) {
+    done.shelf = event.slot.shelf;
+    done.slot = event.slot.slot;
+  }
+  write(event.at, std::move(done));
 }
 
 void GameReferee::note(const MachineEvent& event) {
@@ -227,38 +239,36 @@ void GameReferee::note(const MachineEvent& event) {
   const std::string& machine = plan_.station(event.machine).name;
   switch (event.kind) {
     case MachineEvent::Kind::kState:
-      data_.begin().field("event", "machine").field("machine", machine).field("state", to_string(event.state));
-      write(event.at);
+      write(event.at, MachineChanged{machine, std::string(to_string(event.state))});
       break;
     case MachineEvent::Kind::kPayment: give(team, PointKind::kPayment, kPaymentPoints, event.at); break;
     case MachineEvent::Kind::kCapRetrieved:
-      write_work(event, "cap_retrieved");
+      write_work(event, WorkDone::Kind::kCapRetrieved);
       give(team, PointKind::kBuffer, kBufferPoints, event.at);
       break;
     case MachineEvent::Kind::kMounted:
-      write_work(event, "mounted");
+      write_work(event, WorkDone::Kind::kMounted);
       if (event.stack.cap != 0) capped_at_[event.piece] = event.at;
       break;
     case MachineEvent::Kind::kStored:
     case MachineEvent::Kind::kUnstored:
-      write_work(event, event.kind == MachineEvent::Kind::kStored ? "stored" : "unstored");
+      write_work(event,
+                 event.kind == MachineEvent::Kind::kStored ? WorkDone::Kind::kStored : WorkDone::Kind::kUnstored);
       if (event.at_start) from_storage_.push_back(event.piece);
       give(team, PointKind::kPenalty, kStoragePoints, event.at);
       break;
     case MachineEvent::Kind::kRelocated:
-      data_.begin().field("event", "relocated").field("machine", machine).field("product", describe(event.stack));
-      data_.field("from_shelf", event.from.shelf).field("from_slot", event.from.slot);
-      data_.field("shelf", event.slot.shelf).field("slot", event.slot.slot);
-      write(event.at);
+      write(event.at, Relocated{.machine = machine,
+                                .product = describe(event.stack),
+                                .from_shelf = event.from.shelf,
+                                .from_slot = event.from.slot,
+                                .shelf = event.slot.shelf,
+                                .slot = event.slot.slot});
       break;
     case MachineEvent::Kind::kDelivery: deliver(event, team); break;
-    case MachineEvent::Kind::kNoSpare:
-      data_.begin().field("event", "no_spare_piece").field("machine", machine);
-      write(event.at);
-      break;
+    case MachineEvent::Kind::kNoSpare: write(event.at, NoSparePiece{machine}); break;
     case MachineEvent::Kind::kBroke:
-      data_.begin().field("event", "broken").field("machine", machine).field("reason", event.reason);
-      write(event.at);
+      write(event.at, MachineBroke{machine, event.reason});
       give(team, PointKind::kPayment, -kPaymentPoints * event.unused_payments, event.at);
       if (event.cap_buffered) give(team, PointKind::kBuffer, -kBufferPoints, event.at);
       if (event.no_workpiece && rules_.by_hand) give(team, PointKind::kPenalty, kNoWorkpiecePoints, event.at);
@@ -269,10 +279,7 @@ void GameReferee::note(const MachineEvent& event) {
 std::int64_t GameReferee::give(Team team, PointKind kind, std::int64_t points, SimTime at, int order) {
   if (points == 0) return 0;
   scores_[static_cast<std::size_t>(team)].by_kind[static_cast<std::size_t>(kind)] += points;
-  data_.begin().field("event", "score").field("team", to_string(team)).field("kind", to_string(kind));
-  data_.field("points", points).field("total", score(team).total());
-  if (order != 0) data_.field("order", order);
-  write(at);
+  write(at, PointsGiven{team, std::string(to_string(kind)), points, score(team).total(), order});
   return points;
 }
 
@@ -297,17 +304,13 @@ std::vector<OrderState>::iterator GameReferee::find_order(int id) {
 void GameReferee::deliver(const MachineEvent& event, Team team) {
   const auto state = find_order(event.order_id);
   if (event.order_id == 0 || state == orders_.end()) {
-    data_.begin().field("event", "discard").field("piece", static_cast<std::int64_t>(event.piece));
-    data_.field("product", describe(event.stack));
-    write(event.at);
+    write(event.at, Discarded{static_cast<int>(event.piece), describe(event.stack)});
     return;
   }
   if (!waits_for_confirmation_) return judge_delivery(*state, event, team, std::nullopt, event.at);
   unconfirmed_.push_back({++last_unconfirmed_, team, event});
-  data_.begin().field("event", "unconfirmed").field("delivery", last_unconfirmed_).field("order", event.order_id);
-  data_.field("team", to_string(team)).field("piece", static_cast<std::int64_t>(event.piece));
-  data_.field("product", describe(event.stack));
-  write(event.at);
+  write(event.at, DeliveryUnconfirmed{last_unconfirmed_, event.order_id, team, static_cast<int>(event.piece),
+                                      describe(event.stack)});
 }
 
 void GameReferee::judge_delivery(OrderState& state, const MachineEvent& event, Team team, std::optional<bool> correct,
@@ -322,14 +325,14 @@ void GameReferee::judge_delivery(OrderState& state, const MachineEvent& event, T
   delivery.correct = delivery.reason.empty();
   if (delivery.correct) accept(state, delivery, now);
   if (delivery.reason == "surplus" && rules_.surplus_cap_counts) credit_cap(state, delivery, now);
-  data_.begin().field("event", "delivery").field("order", delivery.order).field("team", to_string(team));
-  data_.field("piece", static_cast<std::int64_t>(delivery.piece)).field("product", describe(delivery.stack));
-  data_.field("correct", delivery.correct).field("points", delivery.points);
-  if (delivery.correct)
-    data_.field("late_s", delivery.late_s);
-  else
-    data_.field("reason", delivery.reason);
-  write(now);
+  write(now, DeliveryJudged{.order = delivery.order,
+                            .team = team,
+                            .piece = static_cast<int>(delivery.piece),
+                            .product = describe(delivery.stack),
+                            .correct = delivery.correct,
+                            .points = delivery.points,
+                            .late_s = delivery.late_s,
+                            .reason = delivery.reason});
   deliveries_.push_back(std::move(delivery));
 }
 

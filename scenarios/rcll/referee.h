@@ -13,6 +13,7 @@
 #include "cx/base/record_sink.h"
 #include "scenarios/rcll/clock.h"
 #include "scenarios/rcll/config.h"
+#include "scenarios/rcll/event.h"
 #include "scenarios/rcll/exploration.h"
 #include "scenarios/rcll/machine.h"
 #include "scenarios/rcll/orders.h"
@@ -126,7 +127,7 @@ class GameReferee {
   void write_piece(const sim::HolderChange& change);
   void judge_piece(const sim::HolderChange& change);
   std::optional<sim::StationId> station_of(sim::Holder holder, int index) const;
-  void write_work(const MachineEvent& event, std::string_view what);
+  void write_work(const MachineEvent& event, WorkDone::Kind kind);
   void note(const MachineEvent& event);
   void deliver(const MachineEvent& event, Team team);
   /// `correct`: what a controller says of the product; without it the product is looked at.
@@ -139,8 +140,11 @@ class GameReferee {
   void credit_cap(OrderState& state, Delivery& delivery, SimTime now);
   std::vector<OrderState>::iterator find_order(int id);
   std::int64_t give(Team team, PointKind kind, std::int64_t points, SimTime at, int order = 0);
-  void put_holder(std::string_view key, sim::Holder holder, int index);
-  void write(SimTime at) { sink_.write(stream_, at, RecordKind::kReferee, data_); }
+  /// Who or what it is; empty for the floor.
+  std::string name_of(sim::Holder holder, int index) const;
+  void write(SimTime at, Event event) {
+    sink_.write(stream_, at, RecordKind::kReferee, rcll::write(std::move(event), data_));
+  }
 
   GameClock clock_;
   RuleChoices rules_;

@@ -11,6 +11,7 @@
 #include "scenarios/rcll/floor_plan.h"
 #include "scenarios/rcll/layout.h"
 #include "scenarios/rcll/metrics.h"
+#include "scenarios/rcll/page.h"
 #include "scenarios/rcll/questions/questions.h"
 #include "scenarios/rcll/refbox/refbox_server.h"
 #include "scenarios/rcll/result.h"
@@ -258,6 +259,7 @@ constinit const WorldKind kWorld{
     .sections = kSections,
     .metrics = kMetrics,
     .questions = kQuestions,
+    .page = page_of,
 };
 
 }  // namespace cxlab::rcll

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/base/json_text.h"
+#include "cx/base/number_text.h"
 #include "cx/journal/hash_text.h"
 #include "scenarios/result.h"
 #include "scenarios/turtlesim/node.h"
@@ -117,10 +118,9 @@ Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
       world_options(scenario.world.get<Config>(), scenario.physics_step), scenario.tick, setup.log));
 }
 
-constexpr ResultSection kSections[]{{.key = "turtles",
-                                     .what = "what each turtle did",
-                                     .initial = "[]",
-                                     .sample = [] { return json_text(Json::array({turtle_json({})})); }}};
+constexpr ResultSection kSections[]{{.key = "turtles", .what = "what each turtle did", .initial = "[]", .sample = [] {
+                                       return json_text(Json::array({turtle_json({})}));
+                                     }}};
 constexpr Metric kMetrics[]{
     {.name = "walls",
      .what = "how often turtles came to a wall",
@@ -132,9 +132,29 @@ constexpr Metric kMetrics[]{
      .from = "turtles.*.touches",
      .more_is_better = false,
      .title = "touches"},
-    {.name = "driven_m", .what = "how far turtles drove, in all", .from = "turtles.*.driven_m", .unit = "m", .title = "driven"},
+    {.name = "driven_m",
+     .what = "how far turtles drove, in all",
+     .from = "turtles.*.driven_m",
+     .unit = "m",
+     .title = "driven"},
     {.name = "teleports", .what = "how often turtles were teleported", .from = "turtles.*.teleports"},
 };
+
+Expected<RunPage> page_of(const AskedRun&, const Result& result) {
+  PageTable table{"Turtles", {"turtle", "x", "y", "driven", "walls", "touches", "teleports"}, {}};
+  const Json all = Json::parse(result.to_json());
+  for (const Json& turtle : all["turtles"]) {
+    const auto number = [&turtle](const char* key, int digits) {
+      return fixed_text(turtle[key].get<double>(), digits);
+    };
+    table.rows.push_back({turtle["name"].get<std::string>() + (turtle["alive"].get<bool>() ? "" : " (killed)"),
+                          number("x", 2), number("y", 2), number("driven_m", 1) + " m", number("walls", 0),
+                          number("touches", 0), number("teleports", 0)});
+  }
+  RunPage page;
+  if (!table.rows.empty()) page.parts.emplace_back(std::move(table));
+  return page;
+}
 
 constexpr Tier kTiers[]{Tier::kPhysics};
 constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/turtlesim.md)";
@@ -153,6 +173,7 @@ constinit const WorldKind kWorld{
     .replay = replay,
     .sections = kSections,
     .metrics = kMetrics,
+    .page = page_of,
 };
 
 constinit const NodeKind kNode{.name = kName, .what = kWhat, .settings = settings_of<Config>(), .add = add_node};

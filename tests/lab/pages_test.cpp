@@ -37,37 +37,34 @@ json empty_run() {
             {"reason", nullptr},
             {"sim_time_s", 100},
             {"real_time_factor", 7.6},
-            {"teams", json::object()},
-            {"orders", json::array()},
-            {"robots", json::array()},
             {"rule_errors", json::array()}}},
           {"reason", ""},
-          {"skills", json::array()},
-          {"holds", json::array()},
-          {"off_field", json::array()},
-          {"faults", json::array()},
-          {"pauses", json::array()},
+          {"page", {{"kinds", json::array()}, {"shades", json::array()}, {"parts", json::array()}}},
           {"decisions", json::array()},
           {"film", ""},
-          {"scores", json::array()},
           {"files", {"result.json"}},
           {"pictures", json::array()}};
 }
 
-json scores(const std::vector<std::pair<double, int>>& all) {
+json chart(const std::vector<std::pair<double, int>>& steps) {
   json run = empty_run();
-  run["result"]["teams"] = {{"CYAN", {{"points", 0}, {"by_kind", {{"delivery", 0}}}}}};
-  for (const auto& [t, points] : all)
-    run["scores"].push_back({{"team", "CYAN"}, {"kind", "delivery"}, {"t", t}, {"points", points}});
+  run["page"]["kinds"] = {{{"name", "CYAN"}, {"fill", ""}, {"ink", "#0093b8"}}};
+  run["page"]["parts"] = {{{"title", "Points over time"}, {"lines", {{{"kind", "CYAN"}, {"steps", json::array()}}}}}};
+  for (const auto& [t, value] : steps) run["page"]["parts"][0]["lines"][0]["steps"].push_back({t, value});
   return run;
 }
 
-json skills(const json& all) {
+json lane(const json& bars) {
   json run = empty_run();
-  run["result"]["robots"] = {
-      {{"name", "r1"}, {"busy_s", 1}, {"drive_s", 1}, {"skills", 1}, {"failures", 0}, {"contacts", 0}}};
-  run["skills"] = all;
+  run["page"]["parts"] = {{{"title", "What they did"},
+                           {"key", {{{"kind", "pick"}, {"text", "picks"}}, {{"kind", ""}, {"text", "a fault"}}}},
+                           {"lanes", {{{"name", "r1"}, {"bars", bars}, {"marks", json::array()}}}}}};
   return run;
+}
+
+json bar(const std::string& shape, const std::string& kind, double begin, double end, const std::string& text,
+         const std::string& remark = "") {
+  return {{"shape", shape}, {"kind", kind}, {"begin", begin}, {"end", end}, {"text", text}, {"remark", remark}};
 }
 
 TEST(RunPage, EmptyRunHasItsHeadAndItsFiles) {
@@ -107,66 +104,89 @@ TEST(RunPage, NamesCannotWriteHtml) {
   EXPECT_EQ(text.find("\" onclick"), std::string::npos);
 }
 
-TEST(RunPage, LabelsOfTheAxisAreWholePoints) {
-  EXPECT_EQ(found(page("run.html", scores({{10, 3}})), "text-anchor=\"end\">([0-9]+)<"),
-            (Texts{"0", "2", "4", "6", "8", "10"}));
-  EXPECT_EQ(found(page("run.html", scores({{10, 237}})), "text-anchor=\"end\">([0-9]+)<"),
-            (Texts{"0", "50", "100", "150", "200"}));
+TEST(RunPage, TablesAreAsTheWorldMakesThem) {
+  json run = empty_run();
+  const auto cell = [](const std::string& text, bool bold, const std::string& kind) {
+    return json{{"text", text}, {"bold", bold}, {"kind", kind}};
+  };
+  run["page"]["parts"] = {
+      {{"title", "Orders <1>"},
+       {"columns", {"a", "b<"}},
+       {"rows", {{cell("CYAN", true, "CYAN"), cell("<5>", true, "")}, {cell("x&", false, ""), cell("", false, "")}}},
+       {"note", "and more"}},
+      {{"title", ""}, {"columns", {"c"}}, {"rows", json::array()}, {"note", ""}}};
+  const std::string text = page("run.html", run);
+  EXPECT_EQ(found(text, "<h2>([^<]*)"), (Texts{"Orders &lt;1&gt;", "Files of this run"}));
+  EXPECT_NE(text.find("<tr><th>a<th>b&lt;</tr>\n"
+                      "<tr><td><b class=\"CYAN\">CYAN</b><td><b>&lt;5&gt;</b></tr>\n"
+                      "<tr><td>x&amp;<td></tr>\n</table>\n<p>and more</p>"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("<tr><th>c</tr>\n</table>"), std::string::npos);
 }
 
-TEST(RunPage, PointsBelowZeroStayInsideOfThePicture) {
-  const std::string text = page("run.html", scores({{10, -20}, {50, 15}}));
+TEST(RunPage, KindsHaveTheirColours) {
+  json run = empty_run();
+  run["page"]["kinds"] = {{{"name", "CYAN"}, {"fill", ""}, {"ink", "#0093b8"}},
+                          {{"name", "pick"}, {"fill", "#f2b134"}, {"ink", ""}},
+                          {{"name", "holds"}, {"fill", "#7a5c99"}, {"ink", "#fff"}}};
+  const std::string text = page("run.html", run);
+  for (const char* rule :
+       {".line.CYAN { stroke: #0093b8 }", "b.CYAN { color: #0093b8 }", ".pick { fill: #f2b134; background: #f2b134 }",
+        ".holds { fill: #7a5c99; background: #7a5c99; color: #fff }"})
+    EXPECT_NE(text.find(std::string("\n") + rule + '\n'), std::string::npos) << rule << text;
+}
+
+TEST(RunPage, LabelsOfTheAxisAreWholeNumbers) {
+  EXPECT_EQ(found(page("run.html", chart({{10, 3}})), "text-anchor=\"end\">([0-9]+)<"),
+            (Texts{"0", "2", "4", "6", "8", "10"}));
+  EXPECT_EQ(found(page("run.html", chart({{10, 237}})), "text-anchor=\"end\">([0-9]+)<"),
+            (Texts{"0", "50", "100", "150", "200"}));
+  json fractions = chart({{10, 3}});
+  fractions["page"]["parts"][0]["lines"][0]["steps"] = {{10, 12.5}, {20, -0.25}};
+  EXPECT_EQ(found(page("run.html", fractions), "text-anchor=\"end\">(-?[0-9.]+)<"), (Texts{"0", "5", "10"}));
+}
+
+TEST(RunPage, ValuesBelowZeroStayInsideOfThePicture) {
+  const std::string text = page("run.html", chart({{10, -20}, {50, -5}}));
   EXPECT_EQ(found(text, "text-anchor=\"end\">(-?[0-9]+)<"), (Texts{"-20", "-10", "0", "10"}));
   EXPECT_EQ(found(text, "(M90 [^\"]*)"), (Texts{"M90 66.67H180.0V180.0H540.0V95.0H990"}));
 }
 
-TEST(RunPage, LateDeliveryDrawsNoSpike) {
-  EXPECT_EQ(found(page("run.html", scores({{50, 30}, {50, -20}})), "(M90 [^\"]*)"),
-            (Texts{"M90 180.0H540.0V10.0H990"}));
-}
-
-TEST(RunPage, PausesAreGreyAndTakeNothingFromTheSharesOfRobots) {
-  json run = skills(
-      {{{"robot", "r1"}, {"skill", "pick"}, {"target", "a"}, {"begin", 0}, {"end", 30}, {"state", "succeeded"}}});
-  run["result"]["robots"][0]["busy_s"] = 30;
-  run["result"]["robots"][0]["drive_s"] = 15;
-  run["pauses"] = {{{"begin", 40}, {"end", 60}}, {{"begin", 80}, {"end", 100}}};
+TEST(RunPage, ShadesLieBehindChartsAndLanes) {
+  json run = lane(json::array({bar("bar", "pick", 0, 30, "pick a")}));
+  run["page"]["parts"].push_back(chart({{10, 3}})["page"]["parts"][0]);
+  run["page"]["shades"] = {{{"kind", "pause"}, {"begin", 40}, {"end", 60}, {"text", "paused"}},
+                           {{"kind", "pause"}, {"begin", 80}, {"end", 100}, {"text", "paused"}}};
   const std::string text = page("run.html", run);
-  EXPECT_EQ(found(text, "<rect class=\"pause\" x=\"([0-9.]+)\" y=\"0\" width=\"180.0\""), (Texts{"450.0", "810.0"}));
-  EXPECT_EQ(found(text, "<title>paused, ([^<]*)"), (Texts{"40 to 60 s", "80 to 100 s"}));
-  EXPECT_EQ(found(text, "<td>([0-9]+ %)"), (Texts{"50 %", "25 %"}));
-  EXPECT_EQ(found(text, "<span class=\"pause\">([^<]*)"), (Texts{"the game is paused"}));
+  EXPECT_EQ(found(text, "<rect class=\"pause\" x=\"([0-9.]+)\" y=\"0\" width=\"180.0\""),
+            (Texts{"450.0", "810.0", "450.0", "810.0"}));
+  EXPECT_EQ(found(text, "<title>paused, ([^<]*)"), (Texts{"40 to 60 s", "80 to 100 s", "40 to 60 s", "80 to 100 s"}));
 }
 
-TEST(RunPage, ShortFailureIsSeenAndLiesOnTop) {
-  const std::string text = page(
-      "run.html",
-      skills({{{"robot", "r1"}, {"skill", "pick"}, {"target", "t"}, {"begin", 10}, {"end", 10.02}, {"state", "failed"}},
-              {{"robot", "r1"},
-               {"skill", "place"},
-               {"target", "t"},
-               {"begin", 10.02},
-               {"end", 20},
-               {"state", "running"}}}));
-  EXPECT_EQ(found(text, "<rect (class=\"[^ ]*\" x=[^ ]* y=[^ ]* width=[^ ]*)"),
-            (Texts{"class=\"place\" x=\"180.18\" y=\"4\" width=\"89.82\"",
-                   "class=\"failed\" x=\"180.0\" y=\"4\" width=\"4\""}));
-  EXPECT_EQ(found(text, "<title>(pick.*|place.*)</title>"),
-            (Texts{"place t, 10.02 to 20 s, still at work", "pick t, 10 to 10.02 s, failed"}));
-}
-
-TEST(RunPage, PieceInTheGripperIsSeenWhileTheRobotWaits) {
-  json run = skills(
-      {{{"robot", "r1"}, {"skill", "pick"}, {"target", "t"}, {"begin", 0}, {"end", 10}, {"state", "succeeded"}}});
-  run["holds"] = {{{"robot", "r1"}, {"begin", 8}, {"end", 58}}, {{"robot", "other"}, {"begin", 8}, {"end", 58}}};
-  EXPECT_EQ(found(page("run.html", run), "<rect class=\"holds\" x=\"([^\"]*\" y=\"29\" width=\"[^\"]*)"),
-            (Texts{"162.0\" y=\"29\" width=\"450.0"}));
+TEST(RunPage, BarsLieInTheirLaneByTheirShape) {
+  json run =
+      lane({bar("strip", "holds", 8, 58, "holds a piece"), bar("bar", "place", 10.02, 20, "place t", ", still at work"),
+            bar("alert", "failed", 10, 10.02, "pick t", ", failed"), bar("inset", "away", 30, 30, "away")});
+  run["page"]["parts"][0]["lanes"][0]["marks"] = {{{"kind", "fault"}, {"t", 50}, {"text", "breaks"}}};
+  const std::string text = page("run.html", run);
+  EXPECT_EQ(found(text, "<rect (class=\"[^ ]*\" x=[^ ]* y=[^ ]* width=[^ ]* height=[^ >]*)"),
+            (Texts{"class=\"holds\" x=\"162.0\" y=\"29\" width=\"450.0\" height=\"5\"",
+                   "class=\"place\" x=\"180.18\" y=\"4\" width=\"89.82\" height=\"24\"",
+                   "class=\"failed\" x=\"180.0\" y=\"4\" width=\"4\" height=\"24\"",
+                   "class=\"away\" x=\"360.0\" y=\"8\" width=\"1\" height=\"16\""}));
+  EXPECT_EQ(found(text, "<title>((?:holds|place|pick|away|breaks)[^<]*)</title>"),
+            (Texts{"holds a piece, 8 to 58 s", "place t, 10.02 to 20 s, still at work", "pick t, 10 to 10.02 s, failed",
+                   "away, 30 to 30 s", "breaks, 50 s"}));
+  EXPECT_EQ(found(text, "<path class=\"fault\" d=\"([^\"]*)"), (Texts{"M540.0 8l-4 -7h8z"}));
+  EXPECT_EQ(found(text, "<span class=\"pick\">([^<]*)"), (Texts{"picks"}));
+  EXPECT_NE(text.find("&#9660; a fault"), std::string::npos);
 }
 
 TEST(RunPage, TimeAxisEndsInsideOfThePicture) {
   for (const auto& [seconds, last] :
        std::map<double, std::string>{{0.5, "0:01"}, {5, "0:05"}, {55, "0:55"}, {1200, "20:00"}, {100000, "1666:40"}}) {
-    json run = scores({{0.1, 1}});
+    json run = chart({{0.1, 1}});
     run["result"]["sim_time_s"] = seconds;
     const auto labels = found(page("run.html", run), ">([0-9]+:[0-9]+)<");
     EXPECT_EQ(labels.front(), "0:00");

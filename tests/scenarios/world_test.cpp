@@ -94,9 +94,19 @@ class BellStage final : public Stage {
   const Bell* bell_ = nullptr;
 };
 
-constexpr ResultSection kBellSections[]{{.key = "bell",
-                                         .what = "how often the bell rang",
-                                         .initial = R"({"rung": 0})"}};
+Expected<RunPage> page_of_bell(const AskedRun& run, const Result& result) {
+  PageLane lane{"bell", {}, {}};
+  for (const JournalRecord& record : run.records)
+    if (record.data.text("event") == "rung") lane.marks.push_back({"rung", to_seconds(record.t), "rang"});
+  RunPage page;
+  page.kinds = {{.name = "rung", .fill = "#f2b134", .ink = ""}};
+  page.parts.emplace_back(PageTable{"The bell", {"rung"}, {{result.at("bell.rung")}}});
+  page.parts.emplace_back(PageLanes{"When it rang", {{"", "rang"}}, {std::move(lane)}});
+  return page;
+}
+
+constexpr ResultSection kBellSections[]{
+    {.key = "bell", .what = "how often the bell rang", .initial = R"({"rung": 0})"}};
 constexpr Metric kBellMetrics[]{
     {.name = "rung", .what = "how often the bell rang", .from = "bell.rung", .title = "rung"}};
 constexpr WorldKind kBell{
@@ -109,6 +119,7 @@ constexpr WorldKind kBell{
     },
     .sections = kBellSections,
     .metrics = kBellMetrics,
+    .page = page_of_bell,
 };
 
 constexpr ResultSection kChimeSections[]{{.key = "chime", .what = "how often it may ring", .initial = "0"}};
@@ -170,6 +181,14 @@ TEST_F(OwnWorld, PlaysWithARow) {
   EXPECT_EQ(result.at("bell.rung"), "4");
   EXPECT_EQ(result.score_board, "rung 4 times\n");
   EXPECT_EQ(result.sim_time, from_seconds(2));
+  EXPECT_EQ(measure(metrics_of(kBell), result.to_json()).front(), 4);
+  const std::filesystem::path none;
+  std::vector<JournalRecord> records(1);
+  records[0].data.value = RecordValue::Map{{"event", {"rung"}}};
+  const auto page = kBell.page({none, *scenario, records, {}, result.sim_time, true, {}}, result);
+  ASSERT_TRUE(page.ok());
+  EXPECT_EQ(std::get<PageTable>(page->parts[0]).rows[0][0].text, "4");
+  EXPECT_EQ(std::get<PageLanes>(page->parts[1]).lanes[0].marks.size(), 1u);
   EXPECT_TRUE(check_expectations(scenario->expect, result.to_json()).ok());
 }
 
@@ -267,7 +286,7 @@ TEST_F(OwnWorld, IsWhatTheDocumentationShows) {
     EXPECT_NE(code.find(dense(block)), std::string::npos) << block;
     at = end;
   }
-  EXPECT_EQ(blocks, 7);
+  EXPECT_EQ(blocks, 8);
 }
 
 }  // namespace

@@ -151,10 +151,16 @@ Expected<GameStory> GameStory::read(const AskedRun& run) {
 void GameStory::take(const JournalRecord& record) {
   if (record.kind == RecordKind::kSkill) take_skill(record);
   if (record.kind == RecordKind::kDecision) take_decision(record);
-  if (record.kind == RecordKind::kControl && !record.data.text("fault").empty() && record.data.find("piece"))
-    piece_of(static_cast<int>(record.data.integer("piece"))).taken = record.t;
+  if (record.kind == RecordKind::kControl && !record.data.text("fault").empty()) take_fault(record);
   if (record.kind == RecordKind::kReferee)
-    if (const auto event = read_referee_event(record.data)) take_event(record.t, *event);
+    if (const auto event = read_event(record.data)) take_event(record.t, *event);
+}
+
+void GameStory::take_fault(const JournalRecord& record) {
+  const std::string_view robot = record.data.text("robot");
+  faults.push_back({record.t, std::string(record.data.text("fault")),
+                    std::string(robot.empty() ? record.data.text("machine") : robot)});
+  if (record.data.find("piece")) piece_of(static_cast<int>(record.data.integer("piece"))).taken = record.t;
 }
 
 void GameStory::take_skill(const JournalRecord& record) {
@@ -191,7 +197,7 @@ void GameStory::take_decision(const JournalRecord& record) {
   decisions.push_back({record.t, record.stream.substr(4), std::nullopt, slot_texts(record.data)});
 }
 
-void GameStory::take_event(SimTime t, const RefereeEvent& event) {
+void GameStory::take_event(SimTime t, const Event& event) {
   clock.apply(t, event);
   std::visit(
       Cases{[&](const PieceMoved& e) { move(t, e); }, [&](const WorkDone& e) { note_work(t, e); },
@@ -211,7 +217,7 @@ void GameStory::take_event(SimTime t, const RefereeEvent& event) {
             [&](const OrderPublished& e) { published.try_emplace(e.id, t); },
             [&](const PointsGiven& e) { points.push_back({t, e}); },
             [&](const PauseChanged& e) {
-              if (e.paused)
+              if (e.paused())
                 pauses.push_back({t, kNever});
               else if (!pauses.empty())
                 pauses.back().to = t;
@@ -268,15 +274,16 @@ void GameStory::note_work(SimTime t, const WorkDone& e) {
   if (!machine) return;
   machine->works.push_back({t, e});
   if (machine->kind == "CS") machine->cap.push_back({t, e.kind == WorkDone::Kind::kCapRetrieved});
-  if (e.payments == 0) return;
+  const int payments_used = e.payments.value_or(0);
+  if (payments_used == 0) return;
   // They were used when the mounting began.
   SimTime began = t;
   for (const auto& [since, state] : machine->states)
     if (state == "PROCESSING" && since <= t) began = since;
   auto& payments = machine->payments;
   const auto at = std::ranges::find_if(payments, [&](const Since<int>& one) { return one.t > began; });
-  for (auto later = at; later != payments.end(); ++later) later->value = std::max(0, later->value - e.payments);
-  payments.insert(at, {began, std::max(0, value_at(payments, began, 0) - e.payments)});
+  for (auto later = at; later != payments.end(); ++later) later->value = std::max(0, later->value - payments_used);
+  payments.insert(at, {began, std::max(0, value_at(payments, began, 0) - payments_used)});
 }
 
 /// Ends what is still going on, and forgets what is not known before the end.

@@ -10,8 +10,8 @@
 
 #include "cx/base/expected.h"
 #include "scenarios/question.h"
+#include "scenarios/rcll/event.h"
 #include "scenarios/rcll/game.h"
-#include "scenarios/rcll/referee_event.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {
@@ -118,6 +118,12 @@ struct Decision {
   bool names(std::string_view word) const;
 };
 
+/// A fault of the scenario that has struck.
+struct FaultStruck {
+  SimTime t{};
+  std::string kind, at;  ///< a robot or a machine
+};
+
 class GameStory {
  public:
   static Expected<GameStory> read(const AskedRun& run);
@@ -137,6 +143,7 @@ class GameStory {
   std::vector<Since<DeliveryJudged>> deliveries;
   std::vector<Since<PointsGiven>> points;
   std::vector<Interval> pauses;
+  std::vector<FaultStruck> faults;
 
   std::vector<Order> orders() const;  ///< of production, and that of overtime when it is published
   const RobotStory* robot(std::string_view name) const;
@@ -153,9 +160,10 @@ class GameStory {
 
  private:
   void take(const JournalRecord& record);
+  void take_fault(const JournalRecord& record);
   void take_skill(const JournalRecord& record);
   void take_decision(const JournalRecord& record);
-  void take_event(SimTime t, const RefereeEvent& event);
+  void take_event(SimTime t, const Event& event);
   void move(SimTime t, const PieceMoved& e);
   void note_work(SimTime t, const WorkDone& e);
   void finish();
