@@ -114,14 +114,14 @@ class SeatsTest : public FolderTest {
     std::filesystem::remove_all(path("refused"));
     return played.failure ? played.failure->text() : "none";
   }
-  Run run(const std::string& folder) const {
-    auto run = Run::open(path(folder));
+  lab::Run run(const std::string& folder) const {
+    auto run = lab::Run::open(path(folder));
     EXPECT_TRUE(run) << (run ? "" : run.error().text());
     return *std::move(run);
   }
   /// Both halves play again without the program, and the whole run does.
   void plays_again(const std::string& folder, const std::vector<std::string>& streams) const {
-    const Run then = run(folder);
+    const lab::Run then = run(folder);
     const auto rules = replay_rules(then);
     ASSERT_TRUE(rules) << rules.error().text();
     EXPECT_TRUE(rules->agrees()) << rules->first_difference;
