@@ -333,6 +333,25 @@ TEST_P(TimedSkill, WritesTheBookAndEndsInTime) {
 INSTANTIATE_TEST_SUITE_P(Table, TimedSkill, testing::ValuesIn(cases()),
                          [](const auto& row) { return std::string(row.param.name); });
 
+TEST(WaitingPick, EndsAtTheMomentToWhichItMayWait) {
+  for (const double seconds : {0.0, 0.02, 0.2, 0.5, 3.0}) {
+    Floor f;
+    const SpotId spot = *f.world.plan().find_spot("C-BS-OUTPUT");
+    SkillGoal goal{kPick, "C-BS-OUTPUT", spot, f.world.plan().spot(spot).align_in_world};
+    goal.wait = from_seconds(seconds);
+    f.skills.start(goal, f.world.now());
+    std::optional<SimTime> arrived;
+    while (f.skills.next_due() != kNever && to_seconds(f.world.now()) < 60) {
+      f.tick([](double) {});
+      if (f.skills.phase() == SkillPhase::kLook && !arrived) arrived = f.world.now();
+    }
+    ASSERT_EQ(arrived.has_value(), seconds > 0);
+    const std::string& end = f.log.at(f.log.size() - 2);
+    EXPECT_EQ(end.substr(end.find(' ') + 1, 7), "end 202") << end;
+    EXPECT_EQ(to_seconds(f.world.now() - arrived.value_or(f.world.now())), seconds);
+  }
+}
+
 /// The times of so many drives from one spot to another.
 std::vector<double> drive_times(double sigma, int drives) {
   TimedSkillsConfig config = Floor::config();
