@@ -41,7 +41,6 @@ std::vector<check::Source> sources_of(const RuleEngine& engine) {
     int line = 1;
     for (const ConstructInfo* info : infos) {
       for (; line < info->line; ++line) source.text += '\n';
-      if (!source.text.ends_with('\n')) source.text += ' ';
       source.text += info->text;
       line += static_cast<int>(std::ranges::count(info->text, '\n'));
     }

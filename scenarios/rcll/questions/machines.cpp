@@ -56,7 +56,6 @@ Counts works_of(const GameStory& story, const MachineStory& machine) {
     for (const auto& [t, number] : machine.dispensed)
       if (const PieceStory* piece = story.piece(number); is_within(t, story.asked()))
         ++out[piece->product.substr(0, piece->product.find(' '))];
-  if (machine.kind != "DS") return out;
   for (const PieceStory& piece : story.pieces) {
     const bool here = !piece.moves.empty() && piece.moves.back().value.to_name == machine.name;
     if (here && piece.delivery && is_within(piece.delivery->t, story.asked()))
