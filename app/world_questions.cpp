@@ -81,44 +81,74 @@ std::vector<std::string> broken_at(const std::string& text, std::size_t width) {
 
 /// Columns of a terminal; otherwise the same everywhere.
 std::size_t line_width() {
-  constexpr std::size_t kLine = 140;
+  constexpr std::size_t kLine = 180;
   winsize size{};
   if (isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   return kLine;
 }
 
-std::string text_of(const Table& table) {
-  constexpr std::size_t kNarrowest = 36;  // of the last column
+constexpr std::size_t kBetween = 2;  ///< blanks between columns
+
+/// How wide each column is drawn: as its longest text, but the last one gets what is left of the line, and other texts
+/// are broken where that is less than a sentence needs.
+std::vector<std::size_t> widths_of(const Table& table, std::size_t room) {
+  constexpr std::size_t kSentence = 72, kNarrowest = 36, kNarrowCell = 16;
   const std::size_t columns = table.columns.size();
-  std::vector<std::size_t> widths;
-  for (const Column& column : table.columns) widths.push_back(width_of(column.title));
+  std::vector<std::size_t> widths, least;
+  for (const Column& column : table.columns) {
+    widths.push_back(width_of(column.title));
+    least.push_back(std::max(width_of(column.title), kNarrowCell));
+  }
   for (const auto& row : table.rows)
-    for (std::size_t i = 0; i < columns; ++i)
-      widths[i] = std::max(widths[i], width_of(shown(row[i], table.columns[i].kind)));
-  std::size_t before_last = 0;
-  for (std::size_t i = 0; i + 1 < columns; ++i) before_last += widths[i] + 2;
-  const std::size_t room = line_width();
-  const std::size_t last = before_last + kNarrowest < room ? room - before_last : kNarrowest;
-  std::string out;
-  const auto line_of = [&](const auto& text_at) {
     for (std::size_t i = 0; i < columns; ++i) {
-      const std::string text = text_at(i);
-      if (i + 1 == columns && table.columns[i].kind == CellKind::kText) {
-        const std::vector<std::string> lines = broken_at(text, last);
-        for (std::size_t k = 0; k < lines.size(); ++k)
-          out += (k ? '\n' + std::string(before_last, ' ') : "") + lines[k];
-        break;
-      }
-      const std::string fill(widths[i] - width_of(text), ' ');
-      out += table.columns[i].kind == CellKind::kText ? text + fill : fill + text;
-      if (i + 1 < columns) out += "  ";
+      const std::string text = shown(row[i], table.columns[i].kind);
+      widths[i] = std::max(widths[i], width_of(text));
+      for (const std::string& word : broken_at(text, 0)) least[i] = std::max(least[i], width_of(word));
     }
-    out.erase(out.find_last_not_of(' ') + 1);
-    out += '\n';
+  if (table.columns.back().kind != CellKind::kText) return widths;
+  const std::size_t wanted = std::min(widths.back(), kSentence);
+  std::size_t before_last = 0;
+  for (std::size_t i = 0; i + 1 < columns; ++i) before_last += widths[i] + kBetween;
+  while (before_last + wanted > room) {
+    std::size_t widest = columns;
+    for (std::size_t i = 0; i + 1 < columns; ++i)
+      if (table.columns[i].kind == CellKind::kText && widths[i] > least[i] &&
+          (widest == columns || widths[i] > widths[widest]))
+        widest = i;
+    if (widest == columns) break;
+    --widths[widest];
+    --before_last;
+  }
+  widths.back() = before_last + kNarrowest < room ? room - before_last : kNarrowest;
+  return widths;
+}
+
+std::string text_of(const Table& table) {
+  const std::size_t columns = table.columns.size();
+  const std::vector<std::size_t> widths = widths_of(table, line_width());
+  std::string out;
+  const auto add_row = [&](const auto& text_at) {
+    std::vector<std::vector<std::string>> cells;
+    std::size_t height = 1;
+    for (std::size_t i = 0; i < columns; ++i) {
+      cells.push_back(table.columns[i].kind == CellKind::kText ? broken_at(text_at(i), widths[i])
+                                                               : std::vector<std::string>{text_at(i)});
+      height = std::max(height, cells.back().size());
+    }
+    for (std::size_t k = 0; k < height; ++k) {
+      for (std::size_t i = 0; i < columns; ++i) {
+        const std::string text = k < cells[i].size() ? cells[i][k] : std::string();
+        const std::string fill(widths[i] - std::min(widths[i], width_of(text)), ' ');
+        out += table.columns[i].kind == CellKind::kText ? text + fill : fill + text;
+        out += std::string(kBetween, ' ');
+      }
+      out.erase(out.find_last_not_of(' ') + 1);
+      out += '\n';
+    }
   };
   if (!table.title.empty()) out += table.title + ":\n";
-  line_of([&](std::size_t i) { return table.columns[i].title; });
-  for (const auto& row : table.rows) line_of([&](std::size_t i) { return shown(row[i], table.columns[i].kind); });
+  add_row([&](std::size_t i) { return table.columns[i].title; });
+  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown(row[i], table.columns[i].kind); });
   if (table.rows.empty()) out += "none\n";
   return out;
 }
@@ -178,17 +208,20 @@ Expected<Recorded> read_records(const lab::Run& run, const WorldAsk& ask) {
   Recorded out;
   SimTime last{};
   for (const JournalRecord& record : *records) last = std::max(last, record.t);
-  const SimTime end = run.finished ? run.sim_time : last;
+  const bool whole = run.has_whole_journal();
+  const SimTime end = whole ? run.sim_time : last;
   const char* option = ask.at ? "--at" : "--to";
   const std::optional<double> asked = ask.at ? ask.at : ask.to;
   out.to = asked ? from_seconds(*asked) : end;
   out.from = ask.from ? from_seconds(*ask.from) : SimTime{};
-  if (out.to > end && run.finished)
-    return usage_error(std::string(option) + ": the run ended at " + general_text(to_seconds(end), 9) + " s");
-  out.cut_off = !run.finished && out.to >= end;
+  if (run.finished && out.to > run.sim_time)
+    return usage_error(std::string(option) + ": the run ended at " + general_text(to_seconds(run.sim_time), 9) + " s");
+  out.cut_off = !whole && out.to >= end;
   out.to = std::min(out.to, end);
-  if (out.from > out.to) return usage_error("--from is after the end of the run, " + time_text(out.to));
-  out.ended = run.finished && out.to == end;
+  if (out.from > out.to)
+    return usage_error(std::string("--from is after the end of ") + (whole ? "the run, " : "the journal, ") +
+                       time_text(out.to));
+  out.ended = whole && out.to == end;
   for (JournalRecord& record : *records)
     if (record.t <= out.to) out.records.push_back(std::move(record));
   return out;

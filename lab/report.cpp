@@ -142,6 +142,8 @@ Status write_report(const Played& played) {
   if (!of_world) return of_world.error();
   for (const Result::Section& section : of_world->data) report[section.key] = Json::parse(section.json);
   report["decisions"] = decisions_of(*records);
+  if (std::error_code none; is_file(folder / "journal.jsonl"))
+    report["journal_bytes"] = std::filesystem::file_size(folder / "journal.jsonl", none);
   report["files"] = readable_files(folder);
   report["film"] = played.film.empty() ? ""
                                        : std::filesystem::proximate(std::filesystem::absolute(played.film),

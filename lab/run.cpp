@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -120,6 +121,19 @@ Status Run::whole(SimTime reached) const {
                          ", before the end of the run at " + general_text(to_seconds(sim_time), 9) +
                          " s; what comes before is whole",
                      (folder / "inputs.bin").string());
+}
+
+bool Run::has_whole_journal() const {
+  const fs::path journal = folder / "journal.jsonl";
+  std::error_code unknown;
+  const std::uintmax_t bytes = fs::file_size(journal, unknown);
+  if (!finished || unknown) return false;
+  if (const auto report = read_json(folder / "report.json"); report && report->is_object())
+    if (const auto known = report->find("journal_bytes"); known != report->end() && known->is_number_unsigned())
+      return bytes >= known->get<std::uintmax_t>();
+  // How long it was is not known: what can be seen is that its last line is not whole.
+  std::ifstream file(journal, std::ios::binary);
+  return bytes > 0 && file.seekg(-1, std::ios::end) && file.get() == '\n';
 }
 
 std::optional<Error> Run::untrusted(const Status& played) const {

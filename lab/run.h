@@ -50,6 +50,8 @@ struct Run {
   Status whole(SimTime reached) const;
   /// Those of the run, which send what they sent then.
   Expected<std::vector<Seat>> seats() const;
+  /// Whether journal.jsonl is there to its end: that of a run that was killed is not, nor is one that was shortened.
+  bool has_whole_journal() const;
   /// The error where it would start a program or open a native plugin, and nobody has said that it may.
   std::optional<Error> untrusted(const Status& played) const;
 };
