@@ -57,7 +57,7 @@ struct Column {
   Kind kind = Kind::kText;
 };
 
-/// A text in the last column is broken into lines where it is long.
+/// Texts are broken into lines where they are long, first that of the last column.
 struct Table {
   std::string key;    ///< in JSON
   std::string title;  ///< a line above it; may be empty

@@ -24,12 +24,31 @@ GAMES = {
                "--set", "world.production_s=400", "--set", "world.pauses=[{at: 100, for: 30}]"],
     "physics": ["rcll/game", "--tier", "physics", "--seed", "5", "--until", "150"],
 }
+STUCK = """schema: 1
+world: {kind: rcll, team: CYAN, robots: 3, information: league, exploration: true}
+tier: timed
+agents:
+  - config: agent/params/agent.yaml
+    packages: {rcll_agent: agent}
+"""
 folder = None
+
+
+def make_stuck_agent():
+    """An agent that keeps the delivery station reserved after the first delivery: robots hold products to the end."""
+    rules = folder / "agent/clips/shared-machines.clp"
+    shutil.copytree(SOURCE / "scenarios/rcll/agent", folder / "agent")
+    text = rules.read_text()
+    assert text.count("(retract ?instruction ?reserved)") == 1
+    rules.write_text(text.replace("(retract ?instruction ?reserved)", "(retract ?instruction)"))
+    (folder / "stuck.yaml").write_text(STUCK)
+    GAMES["stuck"] = [folder / "stuck.yaml", "--seed", "3"]
 
 
 def setUpModule():
     global folder
     folder = pathlib.Path(tempfile.mkdtemp(prefix="cxlab-league-"))
+    make_stuck_agent()
     for name, arguments in GAMES.items():
         subprocess.run([CXLAB, "run", *arguments, "--quiet", "--out", folder / name], check=True, timeout=250,
                        stdout=subprocess.DEVNULL)
@@ -105,6 +124,79 @@ class Orders(unittest.TestCase):
                 # What is missing belongs to products of which no order is known for sure.
                 self.assertGreaterEqual(len(told), 0.8 * len(mounted))
 
+    def test_waits_of_the_steps_add_up_to_those_of_the_order(self):
+        for game in GAMES:
+            with self.subTest(game):
+                answer = ask("orders", game)
+                steps = collections.Counter()
+                for step in answer["steps"]:
+                    steps[step["order"], step.get("team")] += step["waited_s"]
+                    if step["step"] in ("in play", "stored"):
+                        self.assertIsNone(step["done_s"], step)
+                        self.assertIsNotNone(step["arrived_s"], step)
+                for order in answer["orders"]:
+                    self.assertAlmostEqual(order["waited_s"], steps[order["order"], order.get("team")], places=6)
+
+    def test_a_payment_is_never_the_product_of_an_order(self):
+        paid = {d["piece"] for t, d in referee("rules", "piece") if d["to"] == "slide"}
+        self.assertTrue(paid)
+        for at in range(20, 1200, 30):
+            answer = ask("orders", "rules", "--at", at)
+            self.assertFalse(paid & {s["piece"] for s in answer["steps"]}, at)
+
+    def test_an_order_without_a_decision_is_not_begun_where_the_agent_tells_what_it_begins(self):
+        for game in ("rules", "faults", "stuck"):
+            for at in (150, 300, 600):
+                begun = set()
+                with open(folder / game / "journal.jsonl") as lines:
+                    for line in lines:
+                        if '"kind":"decision"' in line:
+                            record = json.loads(line)
+                            what = record["data"]["slots"]["what"].strip('"').split()
+                            if what[:2] == ["begin", "order"] and record["t"] <= at * 1e9:
+                                begun.add(int(what[2]))
+                told = {o["order"] for o in ask("orders", game, "--at", at)["orders"] if o["begun_s"] is not None}
+                self.assertEqual(told, begun, (game, at))
+
+    def test_a_moment_is_not_called_the_end(self):
+        for at in range(60, 1200, 120):
+            for order in ask("orders", "rules", "--at", at)["orders"]:
+                self.assertNotEqual(order["state"], "never begun")
+                if order["state"] == "not begun":
+                    self.assertRegex(order["outcome"], "^not begun yet: ")
+                    if at < order["window_s"][1]:
+                        self.assertNotIn("the end of its window", order["outcome"])
+        self.assertNotIn("not begun", {o["state"] for o in ask("orders", "rules")["orders"]})
+
+    def test_an_order_that_was_begun_too_late_says_so(self):
+        for game in GAMES:
+            for order in ask("orders", game)["orders"]:
+                begun, end = order["begun_s"], order["window_s"][1]
+                if begun is not None and order["state"] in ("unfinished", "begun", "lost") and game != "paused":
+                    side = "before" if begun <= end else "after"
+                    self.assertIn(f"begun {abs(end - begun):.1f} s {side} the end of its window", order["outcome"])
+
+    def test_a_product_that_is_held_to_the_end_waits_for_the_agent(self):
+        held = self.held_to_the_end("stuck")
+        self.assertTrue(held)
+        orders = {o["order"]: o for o in ask("orders", "stuck")["orders"]}
+        for piece, (since, robot) in held.items():
+            for step in ask("orders", "stuck")["steps"]:
+                if step["piece"] == piece:
+                    self.assertGreater(orders[step["order"]]["waited_s"], 1200 - since - 30)
+                    self.assertNotIn("did not have to wait", orders[step["order"]]["outcome"])
+            last = [w for w in ask("waits", "stuck", robot)["waits"]][-1]
+            self.assertEqual(last["for"], "agent", last)
+            self.assertGreater(last["to_s"], 1199)
+
+    def held_to_the_end(self, game):
+        held = {}
+        for t, d in referee(game, "piece"):
+            held.pop(d["piece"], None)
+            if d["to"] == "gripper" and t < 1100:
+                held[d["piece"]] = (t, d["to_name"])
+        return held
+
     def test_every_order_without_a_product_has_a_reason(self):
         for game in GAMES:
             for order in ask("orders", game)["orders"]:
@@ -112,7 +204,7 @@ class Orders(unittest.TestCase):
                 if order["state"] == "late":
                     self.assertRegex(order["outcome"], r"^late by \d+\.\d s: begun ")
                 if order["state"] == "never begun":
-                    self.assertRegex(order["outcome"], "^never begun: .*(agent decided|began|no other order)")
+                    self.assertRegex(order["outcome"], "^never begun: .*the agent (decided|began)")
 
     def test_a_product_that_fell_is_named_with_the_robot_and_the_time(self):
         drops = {d["piece"]: (t, d["from_name"]) for t, d in referee("faults", "piece")
@@ -320,6 +412,35 @@ class Asking(unittest.TestCase):
             self.assertGreater(answer["at_s"], 10)
             self.assertTrue(answer[question])
         self.assertIn("cut off", cxlab("orders", out).stdout)
+
+    def test_a_journal_that_was_shortened(self):
+        whole = (folder / "rules/journal.jsonl").read_bytes()
+        lines = whole.splitlines(keepends=True)
+        cuts = {"few": whole[:20000], "half a line": whole[:len(whole) // 2 + 1], "lines": b"".join(lines[:len(lines) // 2]),
+                "one line": b"".join(lines[:-1]), "end": whole[:-1], "nothing": b""}
+        shutil.copytree(folder / "rules", folder / "short", symlinks=True)
+        for name, text in cuts.items():
+            (folder / "short/journal.jsonl").write_bytes(text)
+            for question in ("orders", "waits", "machines", "pieces"):
+                with self.subTest(name, question=question):
+                    answer = ask(question, "short")
+                    self.assertTrue(answer.get("cut_off"))
+                    kept = [json.loads(line)["t"] / 1e9 for line in text[:text.rfind(b"\n") + 1].splitlines()]
+                    self.assertLessEqual(answer["at_s"], max(kept, default=0))
+                    self.assertIn("cut off", cxlab(question, folder / "short").stdout)
+                    if question == "orders" and name != "end" and name != "one line":
+                        self.assertNotIn("never begun", {o["state"] for o in answer["orders"]})
+        (folder / "short/journal.jsonl").write_bytes(cuts["lines"])
+        self.assertNotIn("cut_off", ask("orders", "short", "--at", "1:00"))
+        self.assertIn("the end of the journal", cxlab("orders", folder / "short", "--from", "19:50", expect=2).stderr)
+        self.assertNotIn("cut_off", ask("orders", "rules"))
+
+    def test_lines_have_room_for_sentences(self):
+        for question in ("orders", "pieces", "waits", "machines"):
+            text = cxlab(question, folder / "rules").stdout.splitlines()
+            self.assertLessEqual(max(len(line) for line in text), 180)
+        pieces = len(ask("pieces", "rules")["pieces"])
+        self.assertLess(len(cxlab("pieces", folder / "rules").stdout.splitlines()), 8 * pieces)
 
     def test_wrong_questions(self):
         rules = folder / "rules"

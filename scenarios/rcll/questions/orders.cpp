@@ -50,32 +50,42 @@ std::string lost_products(const OrderWork& work) {
 }
 
 /// "RING_BLUE at C-RS2" of a product that is still in play.
-std::string step_reached(const GameStory& story, const OrderWork& work, const Attempt& attempt) {
+std::string step_reached(const OrderWork& work, const Attempt& attempt) {
   const Visit* last = attempt.visits.empty() ? nullptr : &attempt.visits.back();
   std::string next =
       last && !last->done && !last->part.empty() ? last->part : next_part(attempt.piece->product, work.order);
   std::string out = "the next step was " + next;
   if (last && !last->done)
     out += " at " + last->machine->name + (last->began ? ", which had begun at " + time_text(*last->began) : "");
-  return out + "; the product was " + attempt.fate.text + " since " + time_text(attempt.fate.t) +
-         (story.run_ended ? "" : " at that time");
+  return out + "; the product had been " + attempt.fate.text + " since " + time_text(attempt.fate.t);
+}
+
+/// Whether the story goes on after what is asked about.
+bool goes_on(const GameStory& story) { return !story.run_ended && story.clock.phase(story.end) != Phase::kPostGame; }
+
+/// "begun 85.0 s after the end of its window".
+std::string begun_text(const GameStory& story, const OrderWork& work) {
+  const auto begun = work.begun();
+  if (!begun) return {};
+  const SimTime end = story.clock.when(work.order.delivery_end);
+  return "begun " + (*begun <= end ? length_text(end - *begun) + " before" : length_text(*begun - end) + " after") +
+         " the end of its window";
 }
 
 /// The orders that the team began while this one could have been.
 std::string others_begun(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
   const SimTime from = story.published.at(work.order.id);
-  const SimTime to = std::min(story.end, story.clock.when(work.order.delivery_end));
+  const SimTime window_end = story.clock.when(work.order.delivery_end), to = std::min(story.end, window_end);
   std::vector<std::pair<SimTime, int>> begun;
   for (const OrderWork& other : all)
     if (const auto at = other.begun(); other.team == work.team && at && *at >= from && *at <= to)
       begun.emplace_back(*at, other.order.id);
   std::ranges::sort(begun);
   std::string out;
-  for (const auto& [t, id] : begun)
-    out += (out.empty() ? "from its publication at " + time_text(from) + " to the end of its window the agent began "
-                        : ", ") +
-           std::to_string(id) + " (" + time_text(t) + ")";
-  return out.empty() ? "no other order was begun in its window either" : out;
+  for (const auto& [t, id] : begun) out += (out.empty() ? "" : ", ") + std::to_string(id) + " (" + time_text(t) + ")";
+  return "from its publication at " + time_text(from) + " to " +
+         (window_end <= story.end ? "the end of its window" : time_text(to)) + " the agent began " +
+         (out.empty() ? "no other order either" : out);
 }
 
 std::string never_begun(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
@@ -84,7 +94,7 @@ std::string never_begun(const GameStory& story, const OrderWork& work, const std
     if (decision.team == work.team && decision.names_order(work.order.id) &&
         !(decision.slots.size() > 1 && decision.slots.front().find("points for") != std::string::npos))
       last = &decision;
-  return std::string("never begun: ") +
+  return std::string(goes_on(story) ? "not begun yet: " : "never begun: ") +
          (last ? "the agent decided at " + time_text(last->t) + " " + last->text() + "; " : "") +
          others_begun(story, work, all);
 }
@@ -98,23 +108,22 @@ std::string missing(const GameStory& story, const OrderWork& work, const std::ve
   for (const Attempt& attempt : work.attempts)
     if (!attempt.fate.is_over()) in_play = &attempt;
   const bool over = story.clock.phase(story.end) == Phase::kPostGame;
+  const std::string begun = work.begun() ? "; it was " + begun_text(story, work) : std::string();
   if (in_play)
-    return std::string(over ? "not finished when the game ended: " : "being made: ") +
-           step_reached(story, work, *in_play) + (lost.empty() ? "" : "; before, " + lost) + waits_sentence(work);
-  if (!lost.empty()) return lost + "; no other was made" + waits_sentence(work);
+    return (over              ? "not finished when the game ended: "
+            : story.run_ended ? "not finished when the run ended: "
+                              : "being made: ") +
+           step_reached(work, *in_play) + (lost.empty() ? "" : "; before, " + lost) + begun + waits_sentence(work);
+  if (!lost.empty()) return lost + "; no other was made" + begun + waits_sentence(work);
   if (!work.decided) return never_begun(story, work, all);
   return "the agent decided at " + time_text(work.decided->t) + " " + work.decided->value->text() +
-         "; no product is known that was made for it" + (over || story.run_ended ? "" : " up to now");
+         "; no product is known that was made for it" + (goes_on(story) ? " up to then" : "") + begun;
 }
 
 std::string late(const GameStory& story, const OrderWork& work, double late_s) {
-  const SimTime end = story.clock.when(work.order.delivery_end);
-  std::string out = "late by " + length_text(late_s);
-  if (const auto begun = work.begun())
-    out += *begun <= end ? ": begun " + length_text(end - *begun) + " before the end of its window"
-                         : ": begun " + length_text(*begun - end) + " after the end of its window";
-  const std::string lost = lost_products(work);
-  return out + (lost.empty() ? "" : "; " + lost) + waits_sentence(work);
+  const std::string begun = begun_text(story, work), lost = lost_products(work);
+  return "late by " + length_text(late_s) + (begun.empty() ? "" : ": " + begun) + (lost.empty() ? "" : "; " + lost) +
+         waits_sentence(work);
 }
 
 std::string outcome(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
@@ -131,7 +140,7 @@ std::string outcome(const GameStory& story, const OrderWork& work, const std::ve
 std::string_view state_of(const GameStory& story, const OrderWork& work) {
   if (work.correct()) return is_in_time(work) ? "delivered" : "late";
   if (!story.published.contains(work.order.id)) return "not published";
-  if (work.attempts.empty()) return work.decided ? "begun" : "never begun";
+  if (work.attempts.empty()) return work.decided ? "begun" : goes_on(story) ? "not begun" : "never begun";
   return std::ranges::any_of(work.attempts, [](const Attempt& one) { return !one.fate.is_over(); }) ? "unfinished"
                                                                                                     : "lost";
 }
@@ -148,30 +157,42 @@ bool is_asked_for(const GameStory& story, const OrderWork& work) {
   return (delivered && work.attempts.size() <= 1 ? *delivered : last) >= story.from;
 }
 
-/// Of the waits those that began at this step: since the visit before ended, up to its own end.
-std::vector<Waiting> waits_of_step(const Attempt& attempt, std::size_t step) {
-  const SimTime from = step == 0 ? SimTime{} : attempt.visits[step - 1].done.value_or(attempt.visits[step - 1].arrived);
-  const SimTime to = attempt.visits[step].done.value_or(kNever);
-  std::vector<Waiting> sums;
-  for (const Waiting& wait : attempt.waits)
-    if (wait.when.from >= from && wait.when.from < to) add_to(sums, wait);
-  return sums;
+/// The waits by step: a wait belongs to the first step that had not ended when it began, at last to the one that the
+/// product did not come to.
+std::vector<std::vector<Waiting>> waits_by_step(const Attempt& attempt) {
+  std::vector<std::vector<Waiting>> out(attempt.visits.size() + 1);
+  for (const Waiting& wait : attempt.waits) {
+    std::size_t step = 0;
+    for (; step < attempt.visits.size(); ++step) {
+      const Visit& visit = attempt.visits[step];
+      if (wait.when.from < visit.done.value_or(visit.left.value_or(kNever))) break;
+    }
+    add_to(out[step], wait);
+  }
+  return out;
 }
 
 void add_steps(const OrderWork& work, Table& steps) {
   for (const Attempt& attempt : work.attempts) {
+    const std::vector<std::vector<Waiting>> waits = waits_by_step(attempt);
     for (std::size_t i = 0; i < attempt.visits.size(); ++i) {
       const Visit& visit = attempt.visits[i];
-      const std::vector<Waiting> sums = waits_of_step(attempt, i);
+      const std::vector<Waiting>& sums = waits[i];
       steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
                             visit.part.empty() ? TableCell("?") : TableCell(visit.part), visit.machine->name,
                             visit.arrived, optional_time(visit.began), optional_time(visit.done), total(sums),
                             sums_text(sums, kReasonsNamed)});
     }
-    if (attempt.fate.kind != Fate::Kind::kDelivered)
+    if (const std::vector<Waiting>& rest = waits.back(); total(rest) > SimTime{})
       steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
-                            TableCell(to_string(attempt.fate.kind)), TableCell(), TableCell(), TableCell(),
-                            attempt.fate.t, SimTime{}, attempt.fate.text});
+                            next_part(attempt.piece->product, work.order), TableCell(), TableCell(), TableCell(),
+                            TableCell(), total(rest), sums_text(rest, kReasonsNamed)});
+    const Fate& fate = attempt.fate;
+    if (fate.kind != Fate::Kind::kDelivered)
+      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
+                            TableCell(to_string(fate.kind)), TableCell(),
+                            fate.is_over() ? TableCell() : TableCell(fate.t), TableCell(),
+                            fate.is_over() ? TableCell(fate.t) : TableCell(), SimTime{}, fate.text});
   }
 }
 

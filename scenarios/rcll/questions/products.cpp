@@ -54,25 +54,67 @@ void begin_and_end(const GameStory& story, Visit& visit, SimTime until) {
     if (state == "PROCESSING" && t >= there.from && t <= there.to) visit.began = t;
 }
 
-bool is_payment(const GameStory& story, const PieceStory& piece, const Fate& fate) {
-  if (fate.kind == Fate::Kind::kPayment) return true;
-  for (const auto& [t, move] : piece.moves) {
-    if (move.to != "gripper") continue;
-    const RobotStory* robot = story.robot(move.to_name);
-    const SkillRun* skill = robot ? skill_before(*robot, t) : nullptr;
-    if (skill && !skill->spots.empty() && skill->spots.back().ends_with("-SLIDE")) return true;
-  }
-  return false;
+/// Whether it brings a workpiece to a slide.
+bool pays(const SkillRun& skill) { return !skill.spots.empty() && skill.spots.back().ends_with("-SLIDE"); }
+bool pays(const GameStory& story, const Decision& decision) {
+  return std::ranges::any_of(story.machines,
+                             [&](const MachineStory& machine) { return decision.names(machine.name + "-SLIDE"); });
 }
 
-/// Adds what the product waited for from one machine to the next.
-void add_waits_between(const GameStory& story, const Visit& at, const Visit* next, const Order& order,
-                       std::vector<Waiting>& out) {
+/// The last decision about the robot up to that time, if it sends the robot to that machine.
+const Decision* sent_to(const GameStory& story, const RobotStory& robot, const std::string& machine, SimTime t) {
+  const Decision* last = story.last_decision_about(robot.name, t);
+  const bool there = last && (last->names(machine + "-OUTPUT") || last->names(machine + "-INPUT"));
+  return there ? last : nullptr;
+}
+
+/// Of a workpiece that still lies where it came from: the robot that will fetch it, as far as anything says so, brings
+/// it to a slide.
+bool will_be_payment(const GameStory& story, const PieceStory& piece) {
+  const Decision* first = nullptr;
+  for (const RobotStory& robot : story.robots) {
+    if (robot.hold_at(story.end)) continue;
+    const SkillRun* skill = robot.skills.empty() ? nullptr : &robot.skills.back();
+    if (skill && !skill->ended && !skill->spots.empty() &&
+        story.machine_at(skill->spots.front()) == story.machine(piece.origin))
+      return pays(*skill);
+    const Decision* decision = sent_to(story, robot, piece.origin, story.end);
+    const bool fetched = decision && std::ranges::any_of(robot.holds, [&](const RobotStory::Hold& hold) {
+                           return hold.when.from >= decision->t;
+                         });
+    if (decision && !fetched && (!first || decision->t < first->t)) first = decision;
+  }
+  return first && pays(story, *first);
+}
+
+/// A workpiece that pays for rings, or is on its way to. One that a machine took in is none, whatever was decided
+/// before.
+bool is_payment(const GameStory& story, const PieceStory& piece, const Fate& fate) {
+  if (fate.kind == Fate::Kind::kPayment) return true;
+  const auto put_on_belt = [](const auto& one) { return one.value.from == "gripper" && one.value.to == "belt"; };
+  if (!piece.works.empty() || std::ranges::any_of(piece.moves, put_on_belt)) return false;
+  bool was_held = false;
+  for (const RobotStory& robot : story.robots)
+    for (const RobotStory::Hold& hold : robot.holds) {
+      if (hold.piece != piece.number) continue;
+      was_held = true;
+      for (const SkillRun& skill : robot.skills)
+        if (pays(skill) && !common(skill.when, hold.when).empty()) return true;
+      const Decision* decision = sent_to(story, robot, piece.origin, hold.when.from);
+      if (decision && pays(story, *decision)) return true;
+    }
+  return !was_held && !fate.is_over() && will_be_payment(story, piece);
+}
+
+/// Adds what the product waited for from one machine to the next, which shall do what is `wanted`. `until`: the end of
+/// what is known of it, where it did not get there.
+void add_waits_between(const GameStory& story, const Visit& at, const Visit* next, const std::string& wanted,
+                       const Order& order, SimTime until, std::vector<Waiting>& out) {
   if (!at.done) return;
-  const SimTime ready = at.machine->first("READY-AT-OUTPUT", {*at.done, story.end}).value_or(*at.done);
-  const SimTime left = at.left.value_or(story.end);
+  const SimTime ready = at.machine->first("READY-AT-OUTPUT", {*at.done, until}).value_or(*at.done);
+  const SimTime left = at.left.value_or(until);
   Needed needed;
-  needed.part = next ? next->part : next_part(at.part, order);
+  needed.part = wanted;
   needed.order = &order;
   needed.robot = at.left_with;
   needed.machine = next ? next->machine : nullptr;
@@ -83,18 +125,14 @@ void add_waits_between(const GameStory& story, const Visit& at, const Visit* nex
     for (const SkillRun& skill : robot->skills)
       if (!skill.spots.empty() && story.machine_at(skill.spots.front()) == at.machine) at_work.push_back(skill.when);
   needed.otherwise = {{}, "robot", "no robot had come for it to " + at.machine->name};
-  for (const Interval& wait : without({ready, left}, at_work)) {
-    if (needed.machine)
-      for (Waiting& part : reasons_for(story, wait, needed)) out.push_back(std::move(part));
-    else
-      out.push_back({wait, needed.otherwise.what, needed.otherwise.why});
-  }
-  if (!robot || !next || !at.left) return;
-  needed.machine = next->machine;
+  for (const Interval& wait : without({ready, left}, at_work))
+    for (Waiting& part : reasons_for(story, wait, needed)) out.push_back(std::move(part));
+  if (!robot || !at.left) return;
+  needed.machine = next ? next->machine : destination_of(story, *robot, *at.left);
   std::vector<Interval> busy;
   for (const SkillRun& skill : robot->skills) busy.push_back(skill.when);
   needed.otherwise = {{}, "agent", robot->name + ", which held it, had no command"};
-  for (const Interval& wait : without({*at.left, next->arrived}, busy))
+  for (const Interval& wait : without({*at.left, next ? next->arrived : until}, busy))
     for (Waiting& part : reasons_for(story, wait, needed)) out.push_back(std::move(part));
 }
 
@@ -123,9 +161,11 @@ Attempt attempt_of(const GameStory& story, const PieceStory& piece, const Order&
   for (std::size_t i = 0; i < out.visits.size(); ++i) {
     const Visit* next = i + 1 < out.visits.size() ? &out.visits[i + 1] : nullptr;
     add_waits_at(story, out.visits[i], order, out.visits[i].left.value_or(until), out.waits);
-    if (next || !out.fate.is_over()) add_waits_between(story, out.visits[i], next, order, out.waits);
+    const bool there = out.visits[i].machine->kind == "DS" || out.fate.kind == Fate::Kind::kStored;
+    const std::string wanted = next ? next->part : next_part(piece.product, order);
+    if (next || !there) add_waits_between(story, out.visits[i], next, wanted, order, until, out.waits);
   }
-  std::erase_if(out.waits, [](const Waiting& wait) { return wait.when.empty(); });
+  std::erase_if(out.waits, [](const Waiting& wait) { return wait.when.empty() || wait.what == "end"; });
   std::ranges::stable_sort(out.waits, {}, [](const Waiting& wait) { return wait.when.from; });
   return out;
 }
@@ -154,14 +194,16 @@ OrderWork* order_of(const GameStory& story, const PieceStory& piece, const Fate&
       continue;
     fitting.push_back(&work);
   }
-  // A decision to begin an order comes before its base.
+  // A decision to begin an order comes before its base; an agent that tells what it begins, tells it of each order.
   std::vector<OrderWork*> begun;
   for (OrderWork* work : fitting)
     if (work->decided && work->decided->t <= piece.begin()) begun.push_back(work);
   if (begun.size() == 1) return begun.front();
   if (begun.size() > 1)
     return *std::ranges::max_element(begun, {}, [](const OrderWork* work) { return work->decided->t; });
-  return fitting.size() == 1 ? fitting.front() : nullptr;
+  const bool told = std::ranges::any_of(
+      works, [&](const OrderWork& work) { return origin && work.team == origin->team && work.decided.has_value(); });
+  return fitting.size() == 1 && !told ? fitting.front() : nullptr;
 }
 
 bool is_product(const GameStory& story, const PieceStory& piece) {

@@ -332,6 +332,13 @@ const MachineStory* GameStory::machine_at(std::string_view spot) const {
   return id ? machine(plan.station(plan.spot(*id).station).name) : nullptr;
 }
 
+const Decision* GameStory::last_decision_about(std::string_view robot, SimTime t) const {
+  const Decision* last = nullptr;
+  for (const Decision& decision : decisions)
+    if (decision.t <= t && decision.names(robot)) last = &decision;
+  return last;
+}
+
 std::vector<const RobotStory*> GameStory::robots_at(const MachineStory& machine, SimTime t,
                                                     std::string_view but) const {
   std::vector<const RobotStory*> out;

@@ -151,6 +151,7 @@ class GameStory {
   const PieceStory* piece(int number) const;
   /// The machine that a spot belongs to; nullptr of zones and of machines that do not play.
   const MachineStory* machine_at(std::string_view spot) const;
+  const Decision* last_decision_about(std::string_view robot, SimTime t) const;
   /// The stretch of the game that is asked about.
   Interval asked() const { return {from, end}; }
   /// The robots whose skills are at that machine, without one of them.

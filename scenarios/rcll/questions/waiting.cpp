@@ -59,6 +59,7 @@ int price_of(const GameStory& story, const std::string& part) {
 
 Waiting reason_at(const GameStory& story, const Interval& when, const Needed& needed) {
   if (auto game = of_the_game(story, when)) return *std::move(game);
+  if (!needed.machine) return {when, needed.otherwise.what, needed.otherwise.why};
   const MachineStory& machine = *needed.machine;
   const SimTime t = when.from;
   const std::string state = machine.state_at(t);
@@ -129,18 +130,18 @@ Needed next_need(const GameStory& story, const RobotStory& robot, const SkillRun
   return needed;
 }
 
-/// The machine that the last decision about the robot sends it to, if its next skill goes there.
+/// The machine that the last decision about the robot sends it to, if its next skill goes there, or there is none.
 Needed decided_need(const GameStory& story, const RobotStory& robot, const SkillRun* next, const Interval& idle) {
   Needed needed;
   needed.robot = robot.name;
-  if (!next || next->spots.empty() || !next->spots.front().ends_with("-OUTPUT")) return needed;
-  const Decision* last = nullptr;
-  for (const Decision& decision : story.decisions)
-    if (decision.t <= idle.from && decision.t + std::chrono::seconds(1) >= idle.from && decision.names(robot.name))
-      last = &decision;
-  if (!last || !last->names(next->spots.front())) return needed;
-  needed.machine = story.machine_at(next->spots.front());
   needed.take = true;
+  const Decision* last = story.last_decision_about(robot.name, idle.from);
+  if (!last || last->t + std::chrono::seconds(1) < idle.from) return needed;
+  for (const MachineStory& machine : story.machines) {
+    const std::string output = machine.name + "-OUTPUT";
+    if (last->names(output) && (!next || (!next->spots.empty() && next->spots.front() == output)))
+      needed.machine = &machine;
+  }
   return needed;
 }
 
@@ -152,8 +153,10 @@ void add_idle(const GameStory& story, const RobotStory& robot, const Interval& i
   }
   std::vector<Waiting> parts;
   Needed needed = next_need(story, robot, before, next, idle.from);
-  if (!needed.machine) needed = decided_need(story, robot, next, idle);
-  if (needed.machine) {
+  const bool holds = robot.hold_at(idle.from) != nullptr;
+  if (!needed.machine && holds && !next) needed.machine = destination_of(story, robot, idle.from);
+  if (!needed.machine && !holds) needed = decided_need(story, robot, next, idle);
+  if (needed.machine || holds) {
     parts = reasons_for(story, idle, needed);
   } else {
     Cuts cuts(idle);
@@ -203,10 +206,11 @@ void add_standing(const GameStory& story, const RobotStory& robot, const SkillRu
 std::vector<Waiting> reasons_for(const GameStory& story, const Interval& when, const Needed& needed) {
   Cuts cuts(when);
   cut_at_phases(story, cuts);
-  const MachineStory& machine = *needed.machine;
-  cuts.at_all(machine.states);
-  cuts.at_all(machine.payments);
-  cuts.at_all(machine.cap);
+  if (needed.machine) {
+    cuts.at_all(needed.machine->states);
+    cuts.at_all(needed.machine->payments);
+    cuts.at_all(needed.machine->cap);
+  }
   if (needed.order) cuts.at(story.clock.when(needed.order->delivery_begin));
   for (const RobotStory& robot : story.robots) {
     for (const SkillRun& skill : robot.skills) cuts.at(skill.when);
@@ -215,6 +219,13 @@ std::vector<Waiting> reasons_for(const GameStory& story, const Interval& when, c
   std::vector<Waiting> out;
   for (const Interval& part : cuts.parts()) join_or_add(out, reason_at(story, part, needed));
   return out;
+}
+
+const MachineStory* destination_of(const GameStory& story, const RobotStory& robot, SimTime t) {
+  const Decision* last = story.last_decision_about(robot.name, t);
+  for (const MachineStory& machine : story.machines)
+    if (last && machine.kind != "BS" && last->names(machine.name + "-INPUT")) return &machine;  // BS hands out there
+  return nullptr;
 }
 
 void add_to(std::vector<Waiting>& sums, const Waiting& waiting) {

@@ -17,9 +17,9 @@ struct Waiting {
 
 /// What a workpiece, or the robot that holds it, needs of a machine.
 struct Needed {
-  const MachineStory* machine = nullptr;
-  bool take = false;  ///< a workpiece at its output; else that it takes one in
-  std::string part;   ///< what it shall do: "RING_BLUE", "CAP_GREY", "delivery"; empty: not known
+  const MachineStory* machine = nullptr;  ///< nullptr: not known; then only the game itself can be in the way
+  bool take = false;                      ///< a workpiece at its output; else that it takes one in
+  std::string part;                       ///< what it shall do: "RING_BLUE", "CAP_GREY", "delivery"; empty: not known
   const Order* order = nullptr;
   std::string_view robot;  ///< who asks
   bool on_belt = false;    ///< the workpiece lies there: what the machine takes to draw it in is no wait, but "belt"
@@ -29,6 +29,8 @@ struct Needed {
 
 /// The stretch cut into parts with one reason each.
 std::vector<Waiting> reasons_for(const GameStory& story, const Interval& when, const Needed& needed);
+/// The machine that the last decision about the robot has it bring a workpiece to; nullptr where none says it.
+const MachineStory* destination_of(const GameStory& story, const RobotStory& robot, SimTime t);
 /// Adds the time to that of the same reason, or as a new one; for sums.
 void add_to(std::vector<Waiting>& sums, const Waiting& waiting);
 /// "85.0 s: C-RS1 had too few payments; ...": the longest first, at most so many; without those that do not count.
