@@ -96,14 +96,56 @@ std::vector<std::string> names_missing(const std::vector<Inspector>& here, const
 
 std::string list(const std::vector<std::string>& names) { return some_of(names, names.size()); }
 
-/// The first record in which two environments of one name differ; none if the shorter one is like the other's
-/// beginning.
-std::optional<std::uint64_t> parting(const Timeline& a, const Timeline& b) {
-  const std::uint64_t end = std::min(a.end(), b.end());
-  for (std::uint64_t n = std::max(a.begin(), b.begin()); n < end; ++n)
-    if (!a.same(n, b)) return n;
-  return a.end() == b.end() ? std::nullopt : std::optional(end);
-}
+/// What the environments of one name have recorded in both runs, compared while both are played.
+class Streams {
+ public:
+  Streams(Moment& a, Moment& b) : a_(a), b_(b) {}
+
+  struct Parting {
+    std::string environment;
+    std::uint64_t n = 0;  ///< the first record that differs, or that only one of them has
+    SimTime t{};
+  };
+  /// Where they part first, as far as both have been played; looks at each record once.
+  std::optional<Parting> part() {
+    find_pairs();
+    std::optional<Parting> first;
+    for (Pair& pair : pairs_) {
+      const std::uint64_t end = std::min(pair.a->end(), pair.b->end());
+      std::uint64_t& n = pair.compared;
+      for (n = std::max({n, pair.a->begin(), pair.b->begin()}); n < end && pair.a->same(n, *pair.b);) ++n;
+      if (n >= std::max(pair.a->end(), pair.b->end())) continue;
+      const auto time = [n](const Timeline& timeline) { return timeline.has(n) ? timeline.time(n) : kNever; };
+      const SimTime t = std::min(time(*pair.a), time(*pair.b));
+      if (!first || t < first->t) first = {pair.environment, n, t};
+    }
+    return first;
+  }
+
+ private:
+  struct Pair {
+    std::string environment;
+    const Timeline *a = nullptr, *b = nullptr;
+    std::uint64_t compared = 0;  // records before it are the same
+  };
+  /// Environments come and go while a run is played.
+  void find_pairs() {
+    const auto of_a = a_.episode().environments(), of_b = b_.episode().environments();
+    if (of_a == of_a_ && of_b == of_b_) return;
+    of_a_ = of_a;
+    of_b_ = of_b;
+    for (cx::Environment* one : of_a)
+      for (cx::Environment* other : of_b) {
+        const Timeline *a = &a_.inspector(*one).timeline(), *b = &b_.inspector(*other).timeline();
+        if (one->unique_name() == other->unique_name() && std::ranges::find(pairs_, a, &Pair::a) == pairs_.end())
+          pairs_.push_back({one->unique_name(), a, b});
+      }
+  }
+
+  Moment &a_, &b_;
+  std::vector<cx::Environment*> of_a_, of_b_;
+  std::vector<Pair> pairs_;
+};
 
 Comparison::Side side_of(const Inspector& inspector, std::uint64_t n) {
   Comparison::Side side;
@@ -133,19 +175,15 @@ std::string rule_at(const Timeline& timeline, std::uint64_t n) {
   return timeline.has(n) && timeline.kind(n) == RecordKind::kFire ? timeline.name(n) : std::string();
 }
 
-/// Why `rule`, which fired in the other run at `t`, has not fired in this one; empty: it has.
-Expected<std::string> why_not_here(Moment& moment, const std::string& environment, const std::string& rule, SimTime t) {
-  if (Status s = moment.rewind(); !s) return s.error();
-  if (Status s = moment.seek(t); !s) return s.error();
-  auto inspectors = moment.inspectors(environment);
-  if (!inspectors) return std::string();
-  RuleEngine& engine = inspectors->front().engine();
+/// Why `rule`, which fired in the other run at `t`, has not fired in this one, which has been played up to then; empty:
+/// it has.
+std::string why_not_here(const Inspector& inspector, const std::string& rule, SimTime t) {
+  RuleEngine& engine = inspector.engine();
   const ConstructInfo* info = engine.find_construct("defrule", rule);
   if (!info || !engine.has("defrule", rule)) return "there is no rule " + rule;
-  if (const auto last = inspectors->front().last_firing(rule); last && inspectors->front().timeline().time(*last) == t)
-    return std::string();
-  if (!engine.acting_call(*info).empty()) return std::string();
-  assert_time(*moment.episode().environments().front(), true);
+  if (const auto last = inspector.last_firing(rule); last && inspector.timeline().time(*last) == t) return {};
+  if (!engine.acting_call(*info).empty()) return {};
+  inspector.assert_time();
   const auto unmet = explain::unmet_condition(engine, *info);
   return unmet ? "rule " + rule + " did not fire: condition " + std::to_string(unmet->number) +
                      " does not hold: " + unmet->print()
@@ -157,13 +195,23 @@ Expected<std::string> why_not_here(Moment& moment, const std::string& environmen
 Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   Comparison out;
   out.outcomes = outcomes_that_differ(a, b);
-  auto two = Moment::open_two(a, b, host);
+  Host silent = host;
+  silent.progress = nullptr;
+  auto two = Moment::open_two(a, b, silent);
   if (!two) return two.error();
   Moment& in_a = *two->first;
   Moment& in_b = *two->second;
-  for (Moment* moment : {&in_a, &in_b}) {
-    if (Status s = moment->seek(std::nullopt); !s) return s.error();
-    if ((out.stopped = moment->stopped())) return out;
+  // What comes after the end of the shorter run is no difference of the rules.
+  const SimTime end = std::min(in_a.end(), in_b.end());
+  Streams streams(in_a, in_b);
+  std::optional<Streams::Parting> parting;
+  for (SimTime t = SimTime(-1); t <= end && !parting; t = std::min(in_a.next_tick(), in_b.next_tick())) {
+    for (Moment* moment : {&in_a, &in_b}) {
+      if (Status s = moment->seek(t); !s) return s.error();
+      if ((out.stopped = moment->stopped())) return out;
+    }
+    host.show(to_seconds(in_a.t()), to_seconds(end));
+    parting = streams.part();
   }
   out.compared = std::min(in_a.t(), in_b.t());
   auto of_a = in_a.inspectors(), of_b = in_b.inspectors();
@@ -173,33 +221,18 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   if (out.only_in_a.size() == of_a->size())
     return input_error("the runs have no environment in common: " + a.folder.string() + " has " + list(out.only_in_a) +
                        ", " + b.folder.string() + " has " + list(out.only_in_b));
-  std::string rule_of_a, rule_of_b;
   for (Inspector& one : *of_a) {
     const auto other = std::ranges::find(*of_b, one.name(), &Inspector::name);
     if (other == of_b->end()) continue;
     compare_constructs(one, *other, out.constructs);
-    const auto n = parting(one.timeline(), other->timeline());
-    if (!n) continue;
-    const auto time = [&](const Timeline& timeline) { return timeline.has(*n) ? timeline.time(*n) : kNever; };
-    const SimTime t = std::min(time(one.timeline()), time(other->timeline()));
-    // What comes after the end of the shorter run is no difference of the rules.
-    if (t > out.compared || (out.first && t >= out.first->t)) continue;
-    out.first = {one.name(), t, side_of(one, *n), side_of(*other, *n)};
-    remark_on_data(one.timeline(), other->timeline(), *n, *out.first);
-    rule_of_a = rule_at(one.timeline(), *n);
-    rule_of_b = rule_at(other->timeline(), *n);
-  }
-  if (!out.first || rule_of_a == rule_of_b) return out;
-  const SimTime t = out.first->t;
-  if (!rule_of_b.empty()) {
-    auto why = why_not_here(in_a, out.first->environment, rule_of_b, t);
-    if (!why) return why.error();
-    out.first->a.remark = *std::move(why);
-  }
-  if (!rule_of_a.empty()) {
-    auto why = why_not_here(in_b, out.first->environment, rule_of_a, t);
-    if (!why) return why.error();
-    out.first->b.remark = *std::move(why);
+    if (!parting || parting->environment != one.name()) continue;
+    const std::uint64_t n = parting->n;
+    out.first = {one.name(), parting->t, side_of(one, n), side_of(*other, n)};
+    remark_on_data(one.timeline(), other->timeline(), n, *out.first);
+    const std::string rule_of_a = rule_at(one.timeline(), n), rule_of_b = rule_at(other->timeline(), n);
+    if (rule_of_a == rule_of_b) continue;
+    if (!rule_of_b.empty()) out.first->a.remark = why_not_here(one, rule_of_b, parting->t);
+    if (!rule_of_a.empty()) out.first->b.remark = why_not_here(*other, rule_of_a, parting->t);
   }
   return out;
 }

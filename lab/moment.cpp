@@ -67,18 +67,24 @@ Status Moment::seek(std::optional<SimTime> t) {
   if (run_.finished && t && *t > run_.sim_time)
     return Error{
         ErrorKind::kUsage, "the run ends at " + general_text(to_seconds(run_.sim_time), 9) + " s", {}, 0, kAfterTheEnd};
-  SimTime end = std::min(run_.finished ? run_.sim_time : kLongestRun, t.value_or(kNever));
-  if (!run_.finished || !episode().replay_log_status() || !run_.whole(episode().replay_end())) {
-    cut_off_ = t.value_or(run_.sim_time) > episode().replay_end();
-    end = std::min(end, episode().replay_end());
-  }
-  const Status played = play(end);
+  if (log_ends_early()) cut_off_ = t.value_or(run_.sim_time) > replay_.episode->replay_end();
+  const Status played = play(std::min(end(), t.value_or(kNever)));
   if (stopped_) return {};
   if (auto error = run_.untrusted(played)) return *error;
   // Just as the recorded run failed.
   const bool then = run_.finished && run_.status == "failed" && !played && played.error().kind != ErrorKind::kNo &&
                     this->t() >= run_.sim_time;
   return then ? Status() : played;
+}
+
+bool Moment::log_ends_early() const {
+  const Episode& episode = *replay_.episode;
+  return !run_.finished || !episode.replay_log_status() || !run_.whole(episode.replay_end());
+}
+
+SimTime Moment::end() const {
+  const SimTime end = run_.finished ? run_.sim_time : kLongestRun;
+  return log_ends_early() ? std::min(end, replay_.episode->replay_end()) : end;
 }
 
 Status Moment::play(SimTime end) {
@@ -137,13 +143,6 @@ Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& 
 Error about_option(Error error, const std::string& option) {
   if (error.code == kAfterTheEnd) error.message = option + ": " + error.message;
   return error;
-}
-
-void assert_time(cx::Environment& environment, bool ever) {
-  RuleEngine& engine = environment.engine();
-  if (!engine.find_construct("defrule", "time-retract") || !ever || !engine.facts("time").empty()) return;
-  const Value time = Value::number(to_seconds(environment.now()));
-  if (engine.assert_ordered("time", {&time, 1})) engine.refresh_all_agendas();
 }
 
 }  // namespace cxlab::lab

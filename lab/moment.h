@@ -48,6 +48,10 @@ class Moment {
   Status rewind();
   /// Of the last tick that was played.
   SimTime t() const;
+  /// Of the run, or of what its log has: nothing after it can be played.
+  SimTime end() const;
+  /// When the next tick comes; `kNever` after the last.
+  SimTime next_tick() const { return replay_.episode->over() ? kNever : replay_.episode->next_tick(); }
   /// The log of a killed run ends before the time that was asked for.
   bool cut_off() const { return cut_off_; }
   /// The host asked for a stop, so that the time was not reached.
@@ -70,6 +74,7 @@ class Moment {
   void listen();
   void add_reach(Wall& wall);
   RulesReplay::Options replay_options() const;
+  bool log_ends_early() const;
   Status play(SimTime end);
 
   const Run& run_;
@@ -82,8 +87,5 @@ class Moment {
 
 /// The error of `seek`, with the option that had the time where the time is wrong.
 Error about_option(Error error, const std::string& option);
-
-/// The executive takes its time fact back after each run: asserts what the next run would find.
-void assert_time(cx::Environment& environment, bool ever);
 
 }  // namespace cxlab::lab

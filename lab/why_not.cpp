@@ -102,7 +102,7 @@ Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, c
     bool first = true;
     for (const ConstructInfo& rule : engine.find_constructs("defrule", question.rule)) {
       if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
-      if (std::exchange(first, false)) assert_time(*environment, history.ever("time"));
+      if (std::exchange(first, false)) (*moment)->inspector(*environment).assert_time();
       auto found = explain::why_not(engine, rule, history, question.wanted);
       if (!found) {
         refused = found.error();

@@ -152,6 +152,17 @@ Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what, Sim
   return matching(what, timeline_->end_of(from - SimTime(1)), timeline_->end_of(to), true);
 }
 
+void Inspector::assert_time() const {
+  const auto was_there = [&] {
+    for (std::uint64_t n = timeline_->begin(); n < timeline_->end(); ++n)
+      if (timeline_->fact(n) > 0 && timeline_->name(n) == "time") return true;
+    return false;
+  };
+  if (!engine_->find_construct("defrule", "time-retract") || !engine_->facts("time").empty() || !was_there()) return;
+  const Value time = Value::number(to_seconds(engine_->now()));
+  if (engine_->assert_ordered("time", {&time, 1})) engine_->refresh_all_agendas();
+}
+
 // --- Rules
 
 Error Inspector::unknown_rule(const std::string& rule) const {

@@ -114,6 +114,10 @@ class Inspector {
   /// Those that were there at some time of this stretch.
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
 
+  /// The executive takes its time fact back after each run of the rules: asserts what the next run would find, where
+  /// one has been there. Before conditions are looked at; facts and agenda are others afterwards.
+  void assert_time() const;
+
   std::vector<ActivationInfo> agenda() const { return engine_->agenda(); }
   std::vector<std::string> focus() const { return engine_->focus(); }
   std::vector<std::pair<std::string, Value>> globals() const { return engine_->globals(); }

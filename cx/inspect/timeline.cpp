@@ -5,6 +5,7 @@
 
 #include "cx/explain/fact_record.h"
 #include "cx/journal/journal.h"
+#include "cx/journal/record_bytes.h"
 
 namespace cxlab::inspect {
 
@@ -34,25 +35,29 @@ void Timeline::add(const WrittenRecord& record) {
   for (const RecordRef& cause : record.causes)
     causes_.push_back({number_of(record.journal.stream_name(cause.stream)), cause.n});
   if (record.kind == RecordKind::kFire) {
-    const auto data = decode_record_data(record.data);
-    const std::string_view module = data->text("module");
-    entry.name = number_of((module.empty() ? "" : std::string(module) + "::") + std::string(data->text("rule")));
+    const std::string_view module = text_in(record.data, "module"), rule = text_in(record.data, "rule");
+    entry.name = module.empty() ? number_of(rule) : number_of(std::string(module) + "::" + std::string(rule));
     firings_.push_back(record.n);
   } else if (is_about_a_fact(record.kind)) {
-    const auto data = decode_record_data(record.data);
-    entry.fact = data->integer("fact");
-    entry.name = number_of(data->text("template"));
-    changes_[entry.fact].push_back(record.n);
+    entry.fact = integer_in(record.data, "fact");
+    entry.name = number_of(text_in(record.data, "template"));
+    const auto fact = static_cast<std::size_t>(entry.fact);
+    if (fact >= changes_.size()) changes_.resize(fact + 1);
+    changes_[fact].push_back(record.n);
   }
   entries_.push_back(entry);
 }
 
+std::span<const Timeline::StoredCause> Timeline::causes_of(std::uint64_t n) const {
+  const std::size_t begin = entry(n).causes, end = n + 1 < this->end() ? entry(n + 1).causes : causes_.size();
+  return std::span(causes_).subspan(begin, end - begin);
+}
+
 std::vector<Timeline::Cause> Timeline::causes(std::uint64_t n) const {
-  const std::size_t end = n + 1 < this->end() ? entry(n + 1).causes : causes_.size();
   std::vector<Cause> out;
-  for (std::size_t i = entry(n).causes; i < end; ++i) {
-    const std::string& stream = names_[causes_[i].stream];
-    out.push_back({causes_[i].n, stream == stream_ ? nullptr : &stream});
+  for (const StoredCause& cause : causes_of(n)) {
+    const std::string& stream = names_[cause.stream];
+    out.push_back({cause.n, stream == stream_ ? nullptr : &stream});
   }
   return out;
 }
@@ -64,10 +69,9 @@ std::string_view Timeline::data_of(std::uint64_t n) const {
 
 bool Timeline::same(std::uint64_t n, const Timeline& other) const {
   if (time(n) != other.time(n) || kind(n) != other.kind(n) || data_of(n) != other.data_of(n)) return false;
-  const auto same_cause = [](const Cause& a, const Cause& b) {
-    return a.n == b.n && (a.stream ? *a.stream : std::string()) == (b.stream ? *b.stream : std::string());
-  };
-  return std::ranges::equal(causes(n), other.causes(n), same_cause);
+  return std::ranges::equal(causes_of(n), other.causes_of(n), [&](const StoredCause& a, const StoredCause& b) {
+    return a.n == b.n && names_[a.stream] == other.names_[b.stream];
+  });
 }
 
 JournalRecord Timeline::read(std::uint64_t n) const {
@@ -78,8 +82,8 @@ JournalRecord Timeline::read(std::uint64_t n) const {
 }
 
 std::span<const std::uint64_t> Timeline::changes(std::int64_t fact) const {
-  const auto known = changes_.find(fact);
-  return known == changes_.end() ? std::span<const std::uint64_t>() : std::span(known->second);
+  const auto number = static_cast<std::size_t>(fact);
+  return number < changes_.size() ? std::span(changes_[number]) : std::span<const std::uint64_t>();
 }
 
 const FactCopy& Timeline::fact_after(std::uint64_t n) const {

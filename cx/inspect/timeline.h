@@ -69,6 +69,7 @@ class Timeline {
     std::uint64_t n = 0;
   };
   std::string_view data_of(std::uint64_t n) const;
+  std::span<const StoredCause> causes_of(std::uint64_t n) const;
   const Entry& entry(std::uint64_t n) const { return entries_[n - first_]; }
   std::uint32_t number_of(std::string_view name);
 
@@ -80,7 +81,7 @@ class Timeline {
   std::vector<StoredCause> causes_;
   std::deque<std::string> names_{""};
   std::map<std::string, std::uint32_t, std::less<>> numbers_{{"", 0}};
-  std::map<std::int64_t, std::vector<std::uint64_t>> changes_;  // by fact
+  std::vector<std::vector<std::uint64_t>> changes_;  // by number of the fact, which counts facts
   std::vector<std::uint64_t> firings_;
   mutable std::map<std::uint64_t, FactCopy> facts_;  // as changes left them, as far as somebody asked
 };

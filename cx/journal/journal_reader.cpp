@@ -117,13 +117,6 @@ bool is_planned(const JournalRecord& record) {
   return what == "load" || what == "assert" || what == "set" || what == "fail";
 }
 
-Expected<RecordValue> decode_record_data(std::string_view bytes) {
-  RecordValue value;
-  const Json data = Json::from_msgpack(bytes, /*strict=*/true, /*allow_exceptions=*/false);
-  if (data.is_discarded() || !convert(data, value, 0)) return input_error("malformed record data");
-  return value;
-}
-
 Expected<JournalRecord> parse_journal_line(std::string_view line) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return input_error("expected a record, a JSON object");

@@ -8,6 +8,7 @@
 
 #include "cx/base/byte_codec.h"
 #include "cx/base/record_sink.h"
+#include "cx/journal/journal_record.h"
 
 namespace cxlab {
 namespace {
@@ -198,7 +199,86 @@ struct JsonWriter {
   }
 };
 
+/// Reads one value with all that it holds; false where the bytes are malformed.
+bool decode(ItemReader& reader, RecordValue& out, int depth) {
+  const Item item = reader.next();
+  if (depth > kDeepestRecord) return false;
+  switch (item.type) {
+    case ItemType::kBad: return false;
+    case ItemType::kNil: out.value = std::monostate{}; break;
+    case ItemType::kTruth: out.value = item.integer != 0; break;
+    case ItemType::kInteger: out.value = item.integer; break;
+    case ItemType::kUnsigned:
+      if (item.integer < 0)
+        out.value = static_cast<std::uint64_t>(item.integer);
+      else
+        out.value = item.integer;
+      break;
+    case ItemType::kReal: out.value = item.real; break;
+    case ItemType::kText: out.value = std::string(item.text); break;
+    case ItemType::kList: {
+      RecordValue::List list(static_cast<std::size_t>(item.integer));
+      for (RecordValue& one : list)
+        if (!decode(reader, one, depth + 1)) return false;
+      out.value = std::move(list);
+      break;
+    }
+    case ItemType::kMap: {
+      RecordValue::Map map(static_cast<std::size_t>(item.integer));
+      for (RecordValue::Entry& entry : map) {
+        const Item key = reader.next();
+        if (key.type != ItemType::kText) return false;
+        entry.key = key.text;
+        if (!decode(reader, entry.value, depth + 1)) return false;
+      }
+      out.value = std::move(map);
+      break;
+    }
+  }
+  return true;
+}
+
+/// The scalar under `key` of the outermost map; kBad if there is none.
+Item item_in(std::string_view bytes, std::string_view key) {
+  ItemReader reader(bytes);
+  const Item map = reader.next();
+  if (map.type != ItemType::kMap) return {};
+  for (std::int64_t i = 0; i < map.integer; ++i) {
+    const Item name = reader.next();
+    Item value = reader.next();
+    if (name.type == ItemType::kText && name.text == key) return value;
+    // Items that are still to be skipped: those of a list or map, and of what they hold.
+    const auto held = [](const Item& item) {
+      return item.type == ItemType::kList ? item.integer : item.type == ItemType::kMap ? 2 * item.integer : 0;
+    };
+    for (std::int64_t skip = held(value); skip > 0; --skip) {
+      value = reader.next();
+      if (value.type == ItemType::kBad) return {};
+      skip += held(value);
+    }
+    if (value.type == ItemType::kBad) return {};
+  }
+  return {};
+}
+
 }  // namespace
+
+Expected<RecordValue> decode_record_data(std::string_view bytes) {
+  RecordValue value;
+  ItemReader reader(bytes);
+  if (!decode(reader, value, 0) || !reader.at_end()) return input_error("malformed record data");
+  return value;
+}
+
+std::int64_t integer_in(std::string_view bytes, std::string_view key) {
+  const Item item = item_in(bytes, key);
+  return item.type == ItemType::kInteger || (item.type == ItemType::kUnsigned && item.integer >= 0) ? item.integer : 0;
+}
+
+std::string_view text_in(std::string_view bytes, std::string_view key) {
+  const Item item = item_in(bytes, key);
+  return item.type == ItemType::kText ? item.text : std::string_view();
+}
 
 Status append_json(std::string_view bytes, std::string& out) {
   const std::size_t before = out.size();

@@ -16,6 +16,11 @@ namespace cxlab {
 Status append_json(std::string_view bytes, std::string& out);
 void append_json_string(std::string_view text, std::string& out);
 
+/// The integer or text under `key` of the outermost map, found without decoding the rest; 0 or empty if there is none
+/// of that type. The text points into `bytes`.
+std::int64_t integer_in(std::string_view bytes, std::string_view key);
+std::string_view text_in(std::string_view bytes, std::string_view key);
+
 /// Folders that records call by what they are, so that a run has the same hash wherever its files lie.
 class FolderNames {
  public:

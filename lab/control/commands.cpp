@@ -442,9 +442,9 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
   if (!options_.recorded) return only_when_recorded();
   const auto time = time_in(text);
   if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
-  const auto there = std::ranges::lower_bound(visits_, *time, {}, &Visit::t);
+  const auto there = std::ranges::lower_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
   if (there != visits_.end()) {
-    go_to(static_cast<std::size_t>(there - visits_.begin()));
+    go_to({static_cast<std::size_t>(there - visits_.begin()), there->place.fired});
   } else if (at_end_) {
     return {false, "the run ends at " + general_text(to_seconds(place_.t), 9) + " s"};
   } else {
@@ -456,15 +456,12 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
 
 Debugger::Answer Debugger::back(const std::string& rest) {
   if (!options_.recorded) return only_when_recorded();
-  auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
+  const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
   if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
-  std::size_t visit = at_end_ ? visits_.size() : visits_.size() - 1;
-  while (visit-- > 0)
-    if ((selected_.empty() || visits_[visit].environment == selected_) && fires_at(visit) && --*n == 0) {
-      go_to(visit);
-      return {true, {}, true};
-    }
-  return {false, "no rule fired before" + std::string(rest.empty() ? "" : " that often")};
+  const auto there = before_firing(*n);
+  if (!there) return {false, "no rule fired before" + std::string(rest.empty() ? "" : " that often")};
+  go_to(*there);
+  return {true, {}, true};
 }
 
 Debugger::Answer Debugger::back_until(const std::string& what) {
@@ -478,19 +475,13 @@ Debugger::Answer Debugger::back_until(const std::string& what) {
   } else if (Status s = check_rule(what); !s) {
     return {false, s.error().message};
   }
-  std::optional<std::size_t> last;
+  std::optional<Target> last;
   for (cx::Environment* environment : environments_()) {
     if (!selected_.empty() && environment->name_in_log() != selected_) continue;
     const inspect::Inspector inspector = inspect_(*environment);
     const auto n = is_fact ? inspector.last_made(*pattern) : inspector.last_firing(what);
-    if (!n) continue;
-    // The last place from which on it was recorded.
-    const std::size_t end = at_end_ ? visits_.size() : visits_.size() - 1;
-    for (std::size_t visit = end; visit-- > 0;)
-      if (visits_[visit].environment == environment->name_in_log() && visits_[visit].next <= *n) {
-        last = std::max(last.value_or(0), visit);
-        break;
-      }
+    const auto there = n ? before_record(*environment, *n) : std::nullopt;
+    if (there && (!last || *there > *last)) last = there;
   }
   if (!last) return {false, what + (is_fact ? " was not made before" : " did not fire before")};
   go_to(*last);

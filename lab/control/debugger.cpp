@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "cx/base/json_text.h"
 
@@ -37,17 +39,17 @@ std::optional<ActivationInfo> next_activation(const RuleEngine& engine) {
 }
 
 bool Debugger::before_each_firing() const {
-  return options_.recorded || pause_ || steps_ > 0 ||
-         std::any_of(breaks_.begin(), breaks_.end(),
-                     [](const BreakPoint& b) { return b.kind != BreakPoint::Kind::kTime; });
+  if (target_) return *target_ != kEnd && place_.t >= visits_[target_->visit].place.t;
+  return pause_ || steps_ > 0 || std::any_of(breaks_.begin(), breaks_.end(), [](const BreakPoint& b) {
+           return b.kind != BreakPoint::Kind::kTime;
+         });
 }
 
 Status Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
   if (gives_up_) return {};
-  here_ = &environment;
   place_ = place;
-  if (options_.recorded)
-    visits_.push_back({place.t, environment.name_in_log(), inspect_(environment).timeline().end()});
+  if (options_.recorded && passes_by(environment, place)) return {};
+  here_ = &environment;
   if (const auto why = reason_to_stop(environment, place)) {
     std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
     ticks_ = steps_ = 0;
@@ -78,8 +80,8 @@ void Debugger::stay(cx::Environment&) {
 
 std::optional<std::string> Debugger::reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place) {
   if (target_) {
-    if (visits_.size() - 1 != *target_) return {};
     target_.reset();
+    settle_breaks();
     return "at";
   }
   if (!selected_.empty() && environment.name_in_log() != selected_) return {};
@@ -115,7 +117,7 @@ bool Debugger::is_met(BreakPoint& point, cx::Environment& environment, const cx:
 // --- A recorded run
 
 void Debugger::begin_again() {
-  visits_.clear();
+  passed_ = 0;
   log_.clear();
   here_ = nullptr;
   stopped_ = pause_ = changed_ = at_end_ = gives_up_ = false;
@@ -125,9 +127,36 @@ void Debugger::begin_again() {
   }
 }
 
-void Debugger::go_to(std::size_t visit) {
-  target_ = visit;
-  gives_up_ = true;
+/// Notes the place. Whether there is nothing to be done there, because another one is wanted.
+bool Debugger::passes_by(cx::Environment& environment, const cx::ControlPlace& place) {
+  if (place.fired <= 0 && passed_++ == visits_.size()) {
+    auto number = number_of(environment.name_in_log());
+    if (!number) {
+      number = static_cast<std::uint32_t>(environment_names_.size());
+      environment_names_.push_back(environment.name_in_log());
+    }
+    visits_.push_back({place, *number, inspect_(environment).timeline().end()});
+  }
+  if (!target_) return false;
+  if (*target_ == kEnd || passed_ <= target_->visit) return true;
+  return passed_ == target_->visit + 1 && place.fired < target_->fired;
+}
+
+/// What of the break points holds here already gives no reason to stop.
+void Debugger::settle_breaks() {
+  for (BreakPoint& point : breaks_) {
+    if (point.kind == BreakPoint::Kind::kTime) point.passed = place_.t >= point.time;
+    if (point.kind != BreakPoint::Kind::kFact) continue;
+    point.held.clear();
+    for (const cx::Environment* environment : environments_())
+      if (holds(point, *environment)) point.held.insert(environment);
+  }
+}
+
+void Debugger::go_to(Target target) {
+  target_ = target;
+  const Target here{passed_ - 1, place_.fired};
+  gives_up_ = at_end_ || changed_ || !here_ || target == kEnd || target <= here;
   stopped_ = false;
 }
 
@@ -141,6 +170,7 @@ void Debugger::stay_at_end(SimTime t, const Status& how) {
   at_end_ = stopped_ = true;
   ticks_ = steps_ = 0;
   target_.reset();
+  settle_breaks();
   std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
   if (then_)
     answer(*std::exchange(then_, std::nullopt));
@@ -149,13 +179,46 @@ void Debugger::stay_at_end(SimTime t, const Status& how) {
   stay(*here_);
 }
 
-bool Debugger::fires_at(std::size_t visit) const {
-  for (cx::Environment* environment : environments_()) {
-    if (environment->name_in_log() != visits_[visit].environment) continue;
-    const inspect::Timeline& timeline = inspect_(*environment).timeline();
-    return timeline.has(visits_[visit].next) && timeline.kind(visits_[visit].next) == RecordKind::kFire;
+std::optional<std::uint32_t> Debugger::number_of(const std::string& environment) const {
+  const auto known = std::ranges::find(environment_names_, environment);
+  if (known == environment_names_.end()) return std::nullopt;
+  return static_cast<std::uint32_t>(known - environment_names_.begin());
+}
+
+/// The place before the n-th last firing of those environments that count.
+std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
+  std::map<std::uint32_t, std::span<const std::uint64_t>> firings;  // by environment, those still to be counted
+  for (cx::Environment* environment : environments_())
+    if (const auto number = number_of(environment->name_in_log());
+        number && (selected_.empty() || selected_ == environment->name_in_log()))
+      firings[*number] = inspect_(*environment).timeline().firings();
+  for (std::size_t visit = passed_; visit-- > 0;) {
+    const auto of = firings.find(visits_[visit].environment);
+    if (of == firings.end()) continue;
+    auto& left = of->second;
+    const auto first = std::ranges::lower_bound(left, visits_[visit].next);
+    const auto here = static_cast<std::int64_t>(left.end() - first);
+    left = left.first(static_cast<std::size_t>(first - left.begin()));
+    if (visits_[visit].place.fired < 0) continue;  // outside of a run of the rules
+    if (here >= n) return Target{visit, here - n};
+    n -= here;
   }
-  return false;
+  return std::nullopt;
+}
+
+/// The last place before record `n` of the environment was written.
+std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environment, std::uint64_t n) const {
+  const auto number = number_of(environment.name_in_log());
+  const std::vector<std::uint64_t>& firings = inspect_(environment).timeline().firings();
+  for (std::size_t visit = passed_; visit-- > 0;) {
+    const Visit& there = visits_[visit];
+    if (there.environment != number || there.next > n) continue;
+    if (there.place.fired < 0) return Target{visit, there.place.fired};
+    const auto first = std::ranges::lower_bound(firings, there.next), at = std::ranges::lower_bound(firings, n);
+    const bool is_firing = at != firings.end() && *at == n;
+    return Target{visit, std::max<std::int64_t>(0, at - first - (is_firing ? 0 : 1))};
+  }
+  return std::nullopt;
 }
 
 std::string Debugger::where() const {
@@ -184,7 +247,7 @@ void Debugger::answer(const ControlLines::Line& line) {
   }
   if (changed_) {  // what was evaluated is undone first
     then_ = line;
-    return go_to(here_ && !at_end_ ? visits_.size() - 1 : kEnd);
+    return go_to(here_ && !at_end_ ? Target{passed_ - 1, place_.fired} : kEnd);
   }
   const Json request = Json::parse(line.text, nullptr, false);
   const auto refuse = [&](const std::string& why) {
@@ -211,12 +274,12 @@ void Debugger::answer(const ControlLines::Line& line) {
 
 void Debugger::line(const cx::LogLine& line) {
   if (options_.log) options_.log->line(line);
-  const Json event{{"event", "log"},
-                   {"t", to_seconds(line.t)},
-                   {"level", std::string(to_string(line.level))},
-                   {"logger", std::string(line.logger)},
-                   {"text", std::string(line.text)}};
-  if (!options_.recorded) lines_.send_all(json_text(event));
+  if (!options_.recorded)
+    lines_.send_all(json_text(Json{{"event", "log"},
+                                   {"t", to_seconds(line.t)},
+                                   {"level", std::string(to_string(line.level))},
+                                   {"logger", std::string(line.logger)},
+                                   {"text", std::string(line.text)}}));
   char begin[40];
   std::snprintf(begin, sizeof begin, "[%9.3f] ", to_seconds(line.t));
   log_.push_back(begin + ('[' + std::string(to_string(line.level))) + "] [" + std::string(line.logger) + "] " +

@@ -1,14 +1,16 @@
 #pragma once
 // Stops a run where a person wants, and answers what the person asks: the other side of `cxlab attach`.
 //
-// A recorded run is played again for the same commands, and time goes back as well: each place at which the run may
-// stop has a number, and to go back is to play it again up to there. What a person evaluates is undone in the same way.
+// A recorded run is played again for the same commands, and time goes back as well: to go back is to play it again, at
+// full speed up to the tick of the place that is wanted, and there from firing to firing. What a person evaluates is
+// undone in the same way.
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
 // {"event": "hello", "text": "..."} for one who comes, "stopped", "log" with t, level, logger and text, and "end".
 
 #include <atomic>
+#include <compare>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -77,11 +79,17 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     bool passed = false;                         // the time
     bool once = false;                           // of `until`
   };
-  /// Where the recorded run may have stopped.
+  /// Where the recorded run came by: a tick, or the beginning of a run of the rules. Each pass sees the same ones.
   struct Visit {
-    SimTime t{};
-    std::string environment;
-    std::uint64_t next = 0;  // record of the environment that came next: of a firing, if one followed
+    cx::ControlPlace place;
+    std::uint32_t environment = 0;  // in `environment_names_`
+    std::uint64_t next = 0;         // record of the environment that came next
+  };
+  /// A place: a visit, and how many rules have fired since where it begins a run of the rules; else as the visit's.
+  struct Target {
+    std::size_t visit;
+    std::int64_t fired;
+    auto operator<=>(const Target&) const = default;
   };
   struct Answer {
     bool ok = true;
@@ -98,8 +106,12 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
   void stay(cx::Environment& environment);
   void answer(const ControlLines::Line& line);
-  void go_to(std::size_t visit);
-  bool fires_at(std::size_t visit) const;
+  void go_to(Target target);
+  bool passes_by(cx::Environment& environment, const cx::ControlPlace& place);
+  void settle_breaks();
+  std::optional<Target> before_firing(std::int64_t n) const;
+  std::optional<Target> before_record(cx::Environment& environment, std::uint64_t n) const;
+  std::optional<std::uint32_t> number_of(const std::string& environment) const;
   std::string where() const;
 
   // --- What a person asks (commands.cpp)
@@ -134,9 +146,11 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   std::string selected_;  // the environment that counts; empty: each
   std::deque<std::string> log_;
   // A recorded run
-  static constexpr std::size_t kEnd = static_cast<std::size_t>(-1);
-  std::vector<Visit> visits_;               // so far
-  std::optional<std::size_t> target_;       // to be played up to: a visit, or kEnd
+  static constexpr Target kEnd{static_cast<std::size_t>(-1), -1};
+  std::vector<Visit> visits_;  // of all passes
+  std::size_t passed_ = 0;     // of them, in this pass
+  std::vector<std::string> environment_names_;
+  std::optional<Target> target_;            // to be played up to
   std::optional<ControlLines::Line> then_;  // is answered there
   std::atomic<bool> gives_up_ = false;
   bool left_ = false, at_end_ = false;
