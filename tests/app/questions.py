@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -365,6 +366,46 @@ class TwoRuns(Lab):
         self.assertIn("there is no folder of a run", self.cxlab("rules", a, "--against", "nowhere", expect=3).stderr)
         (self.folder / "run/inputs.bin").write_bytes(b"nothing")
         self.assertIn("the log of its inputs is cut off", self.cxlab("diff", a, a, expect=3).stderr)
+
+
+class WhileItIsPlayed(Lab):
+    def test_questions_on_the_folder_of_a_run_that_is_still_being_played(self):
+        out = self.folder / "game"
+        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(game.wait)
+        self.addCleanup(game.kill)
+        while not (out / "control.sock").exists():
+            self.assertIsNone(game.poll())
+            time.sleep(0.02)
+        # The log reaches its file in pieces: what is there is answered.
+        self.cxlab("attach", out, "-c", "until 30", "-c", "where")
+        found = json.loads(self.cxlab("facts", out, "machine", "--json").stdout)
+        self.assertLessEqual(found["at_s"], 30)
+        self.assertGreater(found["at_s"], 5)
+        self.assertTrue(found["environments"][0]["facts"])
+        self.cxlab("attach", out, "-c", "continue")
+        self.assertEqual(game.wait(), 0)
+        self.assertEqual(json.loads(self.cxlab("facts", out, "machine", "--json").stdout)["at_s"], 60)
+
+    def test_a_live_run_and_its_record_give_the_same_answers(self):
+        out = self.folder / "game"
+        chance = random.Random(35)
+        times = sorted({chance.randrange(1, 590) / 10 for _ in range(25)})
+        questions = [c for t in times for c in (f"until {t}", "where", "facts", "agenda", "globals", "firings robot-take-job", "why refbox-game-state")]
+        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(game.kill)
+        while not (out / "control.sock").exists():
+            self.assertIsNone(game.poll())
+            time.sleep(0.02)
+        ask = lambda commands: self.cxlab("attach", out, "--quiet", *(word for c in commands for word in ("-c", c))).stdout
+        live = ask(questions + ["continue"])
+        self.assertEqual(game.wait(), 0)
+        recorded = ask([c.replace("until", "at") for c in questions])
+        answers = lambda text: [line for line in text.splitlines() if not re.match(r"at: |[0-9.]+ s: |the run has ended|at the end", line)]
+        self.assertGreater(len(answers(live)), 3000)
+        self.assertEqual(answers(live), answers(recorded))
 
 
 class AgainstTheJournal(Lab):
