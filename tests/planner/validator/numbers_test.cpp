@@ -154,6 +154,19 @@ TEST(ValidatorContinuous, AConditionThatNothingChangesIsExactBesideOthersThatCha
   EXPECT_THAT(shut.verdict("0: (fill) [4]\n0: (work) [4]"), HasSubstr("a condition over all does not hold"));
 }
 
+TEST(ValidatorContinuous, SumsThatNothingChangesAreThoseOfDecimalNumbersBesideOthersThatChange) {
+  const auto checker = [](const char* sum) {
+    return Checker(R"((:predicates (done)) (:functions (level) (a) (b) (c))
+    (:durative-action fill :parameters () :duration (= ?duration 4) :effect (increase (level) (* #t 1)))
+    (:durative-action work :parameters () :duration (= ?duration 4)
+      :condition (over all (and (= (+ (a) (b)) (c)) (<= (level) 9))) :effect (at end (done))))",
+                   "(:init (= (level) 0) (= (a) 0.1) (= (b) 0.2) (= (c) " + std::string(sum) + ")) (:goal (done))");
+  };
+  EXPECT_EQ(checker("0.3").verdict("0: (fill) [4]\n0: (work) [4]"), "valid");
+  EXPECT_THAT(checker("0.3000001").verdict("0: (fill) [4]\n0: (work) [4]"),
+              HasSubstr("a condition over all does not hold"));
+}
+
 TEST(ValidatorContinuous, LargeNumbersCrossWhereTheyCross) {
   const char* world = R"((:predicates (done)) (:functions (clock) (due))
     (:durative-action tick :parameters () :duration (= ?duration 4) :effect (increase (clock) (* #t 1)))
