@@ -81,6 +81,13 @@ class Check(Lab):
         self.check("a/facts.clp", "b/rules.clp")
         self.assertEqual(codes(self.findings("a/facts.clp")), ["never-read"])
 
+    def test_files_beside_show_what_something_is_for(self):
+        self.write("a/facts.clp", "(deftemplate lamp (slot state))\n(deffacts lamps (lamp (state ON)))\n")
+        self.write("a/rules.clp", "(defrule tell (lamp (state ON)) => (printout t x))\n")
+        self.check("a/facts.clp")
+        self.write("a/rules.clp", "(defrule tell (lamp (state ON)) => (printout t x)\n")
+        self.assertEqual(codes(self.findings("a/facts.clp")), ["never-read"])
+
     def test_a_configuration_is_examined_with_what_its_plugins_know(self):
         self.agent('(defrule tick (time ?now) (ros-msgs-message (topic "/a") (msg-ptr ?m)) => (printout t ?now (ros-msgs-get-field ?m "data")))\n'
                    "(defrule late (tiem ?now) => (printout t ?now))\n")
