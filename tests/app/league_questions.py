@@ -158,6 +158,14 @@ class Orders(unittest.TestCase):
                 told = {o["order"] for o in ask("orders", game, "--at", at)["orders"] if o["begun_s"] is not None}
                 self.assertEqual(told, begun, (game, at))
 
+    def test_an_order_that_is_not_begun_says_what_to_ask_next(self):
+        for game, order in (("rules", 3), ("teams", 3)):
+            asked = [n for n in ask("orders", game, order, "--at", "4:40")["notes"] if n.startswith("ask: cxlab facts ")]
+            self.assertEqual(len(asked), 1)
+            command = asked[0].removeprefix("ask: cxlab ").split(" (")[0].split()
+            self.assertRegex(cxlab(*command).stdout, "asserted +by rule ")
+        self.assertFalse([n for n in ask("orders", "rules", 1)["notes"] if n.startswith("ask:")])
+
     def test_a_moment_is_not_called_the_end(self):
         for at in range(60, 1200, 120):
             for order in ask("orders", "rules", "--at", at)["orders"]:

@@ -196,6 +196,21 @@ void add_steps(const OrderWork& work, Table& steps) {
   }
 }
 
+/// What to ask next of an order that the team has not begun: which rules made its decisions meanwhile; empty where none
+/// are recorded.
+std::vector<std::string> ask_next(const GameStory& story, const OrderWork& work, const std::string& folder) {
+  const auto published = story.published.find(work.order.id);
+  if (published == story.published.end() || work.begun() || work.correct()) return {};
+  for (const Decision& decision : story.decisions) {
+    if (decision.team != work.team || decision.t < published->second) continue;
+    const std::string to = time_text(story.end);
+    return {"ask: cxlab facts " + folder + " decision --from " + time_text(published->second) + " --to " + to +
+                " (which rules decided meanwhile)",
+            "then: cxlab why-not " + folder + " RULE --at " + to + " (what the rule that begins orders lacked)"};
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<WorldAnswer> answer_orders(const AskedRun& run) {
@@ -265,6 +280,12 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
                            std::to_string(delivered) + " of " + std::to_string(asked) + " orders delivered");
   }
   if (const std::string about = story->about_times(); !about.empty()) answer.notes.push_back(about);
+  for (const OrderWork& work : all)
+    if (run.about == std::to_string(work.order.id))
+      if (const auto ask = ask_next(*story, work, run.folder.string()); !ask.empty()) {
+        answer.notes.insert(answer.notes.end(), ask.begin(), ask.end());
+        break;  // the commands ask the agents of both teams
+      }
   return answer;
 }
 
