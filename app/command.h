@@ -27,6 +27,7 @@ void add_firings(CLI::App& app, Action& action);
 void add_why(CLI::App& app, Action& action);
 void add_why_not(CLI::App& app, Action& action);
 void add_rules(CLI::App& app, Action& action);
+void add_scene(CLI::App& app, Action& action);
 void add_diff(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
 /// Adds a command for each question of a world in the catalogue; fails where one has the name of another command.

@@ -138,6 +138,7 @@ int run(int argc, char** argv) {
   add_why(app, action);
   add_why_not(app, action);
   add_rules(app, action);
+  add_scene(app, action);
   add_diff(app, action);
   add_check(app, action);
   add_validate(app, action);

@@ -113,6 +113,16 @@ Expected<std::vector<Seat>> Run::seats() const {
   return recorded_seats(folder / "inputs.bin");
 }
 
+Expected<SceneReader> Run::scenes() const {
+  const fs::path file = folder / "scene.bin";
+  if (!is_file(file) && manifest.spec.journal == JournalLevel::kNone)
+    return input_error("the run was recorded without a journal (--journal none), and thus without a scene",
+                       folder.string());
+  if (!is_file(file))
+    return input_error("there is no scene.bin in the folder of the run, as in an empty world", folder.string());
+  return SceneReader::open(file);
+}
+
 Status Run::whole(SimTime reached) const {
   if (!finished || ticks == 0 || reached >= sim_time) return {};
   return input_error("cut off " +

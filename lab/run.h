@@ -11,6 +11,7 @@
 #include "cx/journal/journal_reader.h"
 #include "lab/manifest.h"
 #include "scenarios/scenario.h"
+#include "scenarios/scene_log.h"
 #include "scenarios/seat.h"
 #include "scenarios/shipped/catalogue.h"
 
@@ -46,6 +47,8 @@ struct Run {
   Expected<JournalReader> journal() const;
   /// Those of the journal that the filter takes.
   Expected<std::vector<JournalRecord>> records(const RecordFilter& filter = {}) const;
+  /// What there was to see in its world, at any time.
+  Expected<SceneReader> scenes() const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.
   Status whole(SimTime reached) const;
   /// Those of the run, which send what they sent then.

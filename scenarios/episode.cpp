@@ -61,7 +61,9 @@ Status Episode::start() {
 }
 
 Status Episode::tick() {
-  if (Status s = loop_->tick(); !s) return s;
+  const SimTime next = loop_->next_tick();
+  write_scene(next);
+  if (Status s = loop_->tick_at(next); !s) return s;
   return write_out();
 }
 
@@ -72,11 +74,22 @@ Expected<StepReport> Episode::step(SimTime until) {
   return StepReport{now(), loop_->ticks() - before, over()};
 }
 
+Scene Episode::scene() const {
+  SceneList list;
+  list.update(stage_->scenes);
+  return list.at(std::max(now(), SimTime::zero()));
+}
+
+void Episode::write_scene(SimTime next) {
+  if (scene_log_) scene_log_->look(now(), next, stage_->scenes);
+}
+
 Status Episode::write_out() {
   // A log that names a tick has all definitions that the tick read.
   if (inputs_->writes_at(now()))
     if (Status s = files_->keep_interfaces(registry_); !s) return s;
   if (Status s = inputs_->ticked(now(), stage_->take_inputs()); !s) return s;
+  if (scene_log_ && !scene_log_->status()) return scene_log_->status();
   return journal_.status();
 }
 
@@ -107,6 +120,8 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   }
   note(files_->keep_interfaces(registry_));
   note(inputs_->close());
+  write_scene(kNever);
+  if (scene_log_) note(scene_log_->close());
   note(journal_.close());
   Result out = result();
   for (const auto& more : {bus::not_offered(), at_the_end})

@@ -26,6 +26,8 @@
 #include "scenarios/result.h"
 #include "scenarios/run_spec.h"
 #include "scenarios/scenario.h"
+#include "scenarios/scene.h"
+#include "scenarios/scene_log.h"
 #include "scenarios/seat.h"
 #include "scenarios/stage.h"
 
@@ -104,12 +106,15 @@ class Episode {
   void flush() {
     (void)journal_.flush();
     inputs_->flush();
+    if (scene_log_) (void)scene_log_->flush();
   }
 
   SimTime next_tick() const { return loop_->next_tick(); }  ///< time of the next tick
   SimTime now() const { return loop_->now(); }              ///< time of the last tick; before the first: less than 0
   const Scenario& scenario() const { return scenario_; }
   Stage& stage() { return *stage_; }
+  /// What there is to see in the world now. A replay of rules has no world, and no entities.
+  Scene scene() const;
   bus::Bus& bus() { return *bus_; }
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
@@ -136,6 +141,8 @@ class Episode {
   cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
 
+  /// The next tick comes at `next`: what there was to see until then goes to its file.
+  void write_scene(SimTime next);
   /// What has entered goes to the log; whether all files could be written so far.
   Status write_out();
 
@@ -150,6 +157,7 @@ class Episode {
   std::unique_ptr<net::Network> network_;
   std::unique_ptr<Inputs> inputs_;
   std::unique_ptr<Stage> stage_;
+  std::optional<SceneWriter> scene_log_;         ///< none: nothing is written
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   std::vector<std::unique_ptr<Agent>> seats_;

@@ -176,6 +176,11 @@ Status Episode::build_stage() {
   if (WallMeter* meter = options_.meters.nodes)
     for (std::size_t i = of_the_world; i < stage_->servers.size(); ++i)
       stage_->servers[i] = std::make_unique<MeasuredServer>(std::move(stage_->servers[i]), *meter);
+  if (!options_.run_folder.empty() && options_.spec.journal != JournalLevel::kNone && !stage_->scenes.empty()) {
+    auto log = SceneWriter::create(options_.run_folder / "scene.bin");
+    if (!log) return log.error();
+    scene_log_ = *std::move(log);
+  }
   if (Status s = build_stimuli(); !s) return s;
   return options_.spec.sockets ? open_sockets() : Status();
 }

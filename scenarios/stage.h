@@ -10,6 +10,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/run/parts.h"
+#include "scenarios/scene.h"
 #include "scenarios/view.h"
 
 namespace cxlab {
@@ -25,6 +26,7 @@ struct Stage {
   std::vector<std::filesystem::path> readable;      ///< real paths of files that rules may name to the servers
   std::vector<ViewMaker> views;                     ///< of the world, then of nodes beside it
   std::string without_views = "the world is empty: there is nothing to look at";  ///< the error where there are none
+  std::vector<SceneLister> scenes;                    ///< of the world, then of nodes beside it: what there is to see
   std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
   /// What has entered the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }

@@ -84,6 +84,21 @@ std::string_view to_string(Holder holder) {
   return kNames[static_cast<std::size_t>(holder)];
 }
 
+std::optional<StationId> Piece::station(const FloorPlan& plan) const {
+  if (holder_index < 0) return std::nullopt;
+  if (holder == Holder::kBelt) return StationId{holder_index};
+  if (holder == Holder::kSlot || holder == Holder::kSlide) return plan.spot(SpotId{holder_index}).station;
+  return std::nullopt;
+}
+
+Pose3 WorldView::pose_in_holder(const Piece& piece) const {
+  if (piece.holder == Holder::kGripper)
+    return {inverse_transform(robot(RobotId{piece.holder_index}).pose_in_world, piece.position_in_world)};
+  if (const auto station = piece.station(plan_))
+    return {inverse_transform(plan_.station(*station).pose_in_world, piece.position_in_world)};
+  return {piece.position_in_world};
+}
+
 const Piece* WorldView::find(PieceId id) const {
   const auto found = std::ranges::lower_bound(pieces_, id, {}, &Piece::id);
   return found != pieces_.end() && found->id == id ? &*found : nullptr;

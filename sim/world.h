@@ -18,6 +18,7 @@
 #include "sim/floor_clock.h"
 #include "sim/geometry.h"
 #include "sim/pose.h"
+#include "sim/pose3.h"
 
 namespace cxlab::sim {
 
@@ -96,6 +97,8 @@ struct Piece {
   int holder_index = -1;                  ///< robot, station or spot (slot, slide) by kind of holder
   Vec3 position_in_world = Vec3::Zero();  ///< of the underside's centre
   std::optional<RobotId> held_by;         ///< the last robot that held it and holds it no more
+  /// The station that holds it: it lies on its belt, shelf or slide.
+  std::optional<StationId> station(const FloorPlan& plan) const;
   template <class Id>
   bool is_with(Holder kind, Id which) const {
     return holder == kind && holder_index == static_cast<int>(which);
@@ -145,6 +148,15 @@ class WorldView {
   /// People have taken the robot off the field.
   bool is_off_field(RobotId id) const { return off_field_[index_of(id)]; }
   virtual bool belt_running(StationId id) const = 0;
+  /// Seen from the robot or station that holds the piece, or from the world if none does.
+  virtual Pose3 pose_in_holder(const Piece& piece) const;
+  /// Of a robot, or of a piece on a belt, that moves by itself and whose way the world knows in advance: another number
+  /// for each way. 0: it stands, or what it does comes out step by step.
+  virtual std::uint64_t way_number(RobotId) const { return 0; }
+  virtual std::uint64_t way_number(const Piece&) const { return 0; }
+  /// What is left of that way, by simulated time; of a piece seen from its holder.
+  virtual std::vector<WayPoint> way(RobotId) const { return {}; }
+  virtual std::vector<WayPoint> way(const Piece&) const { return {}; }
   /// The piece that lies at that spot (within 10 mm along and 15 mm across on a belt, 40 mm on a shelf), not held.
   virtual const Piece* at(SpotId spot) const = 0;
   /// The piece on the station's belt nearest to `x` (station frame), within 10 mm, not held; nullptr if none.

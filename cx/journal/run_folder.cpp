@@ -14,8 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a run writes; `--force` takes these away from a former one.
-constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl", "index.html",
-                                        "game.yaml",     "report.json", "logs",       "snapshots",     "files"};
+constexpr const char* kFilesOfARun[] = {"manifest.json", "result.json", "inputs.bin", "journal.jsonl",
+                                        "scene.bin",     "index.html",  "game.yaml",  "report.json",
+                                        "logs",          "snapshots",   "files"};
 
 Status cannot_be_made(const fs::path& path, const std::string& why) {
   return resource_error("cannot be made: " + why, path.string());

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 
 #include "cx/base/file.h"
 #include "cx/journal/hash_text.h"
@@ -15,6 +16,7 @@
 #include "scenarios/rcll/questions/questions.h"
 #include "scenarios/rcll/refbox/refbox_server.h"
 #include "scenarios/rcll/result.h"
+#include "scenarios/rcll/scene.h"
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/render.h"
@@ -143,6 +145,8 @@ Status GameStage::build(const StageSetup& setup) {
     servers.insert(servers.begin(), *std::move(refbox));
   }
   referee = factory_;
+  scenes.push_back(
+      [scene = std::make_shared<GameScene>(*floor_, *factory_, *fleet_)](SceneList& list) { scene->list(list); });
   if (config.exploration && *named<Information>(config.information) == Information::kLeague)
     fleet_->ask_whether_known([this](sim::RobotId robot, sim::StationId station) { return is_known(robot, station); });
   return {};

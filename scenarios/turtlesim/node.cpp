@@ -226,6 +226,35 @@ void TurtlesimNode::end_rotation(Turtle& turtle, bus::GoalStatus status) {
   bus_.finish(turtle.rotate, rotation.goal, status, shared(std::move(result)));
 }
 
+void TurtlesimNode::list(SceneList& list) const {
+  constexpr EntityId kCanvas = 1;  // turtles come after it
+  const auto hex = [](const sim::Colour& c) { return c.r * 0x10000U + c.g * 0x100U + c.b; };
+  const auto text_of = [&](const sim::Colour& c) { return formatted("#%06x", hex(c)); };
+  const auto look = [&](const std::array<double, 3>& size, std::uint32_t colour) {
+    const Solid solid{Solid::Shape::kBox, size, {}, colour};
+    return look_of({&solid, 1});
+  };
+  constexpr double kSide = sim::TurtleWorld::kSide, kThickness = 0.01;
+  list.put({.number = kCanvas,
+            .kind = "canvas",
+            .name = "canvas",
+            .state = text_of(world_.background()),
+            .look = look({kSide, kSide, kThickness}, hex(world_.background())),
+            .pose = {{kSide / 2, kSide / 2, -kThickness}},
+            .fixed = true});
+  for (const auto& turtle : turtles_) {
+    const sim::Turtle* there = world_.find(turtle->id);
+    if (!there) continue;
+    const sim::Pen& pen = there->pen;
+    list.put({.number = kCanvas + static_cast<EntityId>(turtle->id),
+              .kind = "turtle",
+              .name = turtle->name,
+              .state = pen.off ? "pen off" : formatted("pen #%06x %d", hex(pen.colour), pen.width),
+              .look = look({0.5, 0.4, 0.15}, 0x4c9a4c),
+              .pose = {{there->x, there->y, 0}, {0, 0, there->theta}}});
+  }
+}
+
 // --- Log and journal
 
 void TurtlesimNode::say(cx::LogLevel level, const std::string& text) {

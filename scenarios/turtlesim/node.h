@@ -16,6 +16,7 @@
 #include "cx/node/log.h"
 #include "cx/node/parameters.h"
 #include "cx/run/parts.h"
+#include "scenarios/scene.h"
 #include "scenarios/turtlesim/config.h"
 #include "sim/box2d/turtle_world.h"
 
@@ -51,6 +52,8 @@ class TurtlesimNode final : public Server {
 
   const sim::TurtleWorld& world() const { return world_; }
   const std::vector<TurtleStory>& stories() const { return stories_; }
+  /// The canvas and the turtles on it.
+  void list(SceneList& list) const;
 
  private:
   /// Message types and the fields that are written each step.

@@ -66,6 +66,7 @@ Expected<const TurtlesimNode*> set_up(const Config& config, SimTime step, sim::T
   if (!node) return node.error();
   const TurtlesimNode* made = node->get();
   stage.views.push_back([made](int width, int height) { return view_of_canvas(made->world(), width, height); });
+  stage.scenes.push_back([made](SceneList& list) { made->list(list); });
   stage.worlds.push_back(std::move(world));
   stage.servers.push_back(*std::move(node));
   return made;

@@ -10,7 +10,7 @@ namespace cxlab::sim {
 
 LedgerWorld::LedgerWorld(FloorPlan plan)
     : World(std::move(plan)), belts_(plan_.stations.size()), lights_(plan_.stations.size()) {
-  for (const RobotStart& robot : plan_.robots) motions_.push_back({{robot.pose_in_world}, {0}, {}, {}});
+  for (const RobotStart& robot : plan_.robots) motions_.push_back({{robot.pose_in_world}, {0}, {}, {}, 0});
 }
 
 // --- What one can see
@@ -92,6 +92,46 @@ const Piece* LedgerWorld::on_belt(StationId id, double x) const {
   return nearest;
 }
 
+Pose3 LedgerWorld::pose_in_holder(const Piece& piece) const {
+  switch (piece.holder) {
+    case Holder::kGripper: return {{kRobot.home_forward, 0, kRobot.carried_height}};
+    case Holder::kBelt: return {{x_on_belt(piece), kMachine.belt_y, kMachine.working_height}};
+    case Holder::kSlot: return {plan_.spot(SpotId{piece.holder_index}).rest_in_station};
+    default: return WorldView::pose_in_holder(piece);
+  }
+}
+
+std::uint64_t LedgerWorld::way_number(RobotId id) const { return halted() ? 0 : motions_[index_of(id)].way; }
+
+std::uint64_t LedgerWorld::way_number(const Piece& piece) const {
+  return halted() || piece.holder != Holder::kBelt ? 0 : belts_[static_cast<std::size_t>(piece.holder_index)].way;
+}
+
+std::vector<WayPoint> LedgerWorld::way(RobotId id) const {
+  const Motion& motion = motions_[index_of(id)];
+  const SimTime now = floor_time();
+  const double turn = wrap_angle(motion.path.back().yaw - motion.path.front().yaw);
+  std::vector<WayPoint> points;
+  if (now > motion.departure) points.push_back({now_, pose_in_space(pose_at(id, now))});
+  for (std::size_t i = 0; i < motion.path.size(); ++i) {
+    const double part = motion.reached[i] / motion.reached.back();
+    const SimTime t = motion.departure + from_seconds(part * to_seconds(motion.arrival - motion.departure));
+    const Pose2& at = motion.path[i];
+    if (t >= now)
+      points.push_back(
+          {clock_.when(t), pose_in_space({at.x, at.y, wrap_angle(motion.path.front().yaw + part * turn)})});
+  }
+  return points;
+}
+
+std::vector<WayPoint> LedgerWorld::way(const Piece& piece) const {
+  const Belt& belt = belts_[static_cast<std::size_t>(piece.holder_index)];
+  const Pose3 now = pose_in_holder(piece);
+  Pose3 then = now;
+  then.position.x() += belt.speed * to_seconds(belt.arrival - floor_time());
+  return {{now_, now}, {clock_.when(belt.arrival), then}};
+}
+
 // --- Time
 
 SimTime LedgerWorld::next_event() const {
@@ -137,6 +177,7 @@ void LedgerWorld::carry_held_pieces() {
 void LedgerWorld::plan_arrival(StationId id) {
   Belt& belt = belts_[index_of(id)];
   belt.arrival = kNever;
+  belt.way = 0;
   if (belt.speed == 0) return;
   const double forward = belt.speed > 0 ? 1 : -1;
   double way = std::numeric_limits<double>::infinity();
@@ -147,7 +188,9 @@ void LedgerWorld::plan_arrival(StationId id) {
     const bool stops = to_stop >= -kSpotTolerance.along_belt && belt.stop_x * forward <= kMachine.belt_half_length;
     way = std::min(way, std::max(0.0, stops ? to_stop : kMachine.belt_half_length - x));
   }
-  if (std::isfinite(way)) belt.arrival = floor_time() + from_seconds(way / std::abs(belt.speed));
+  if (!std::isfinite(way)) return;
+  belt.arrival = floor_time() + from_seconds(way / std::abs(belt.speed));
+  belt.way = ++ways_;
 }
 
 void LedgerWorld::arrive(StationId id) {
@@ -166,6 +209,15 @@ void LedgerWorld::arrive(StationId id) {
   }
   if (stops) belt.speed = 0;
   plan_arrival(id);
+}
+
+/// What was left of each way comes later.
+void LedgerWorld::go_on() {
+  World::go_on();
+  for (Belt& belt : belts_)
+    if (belt.way != 0) belt.way = ++ways_;
+  for (Motion& motion : motions_)
+    if (motion.way != 0) motion.way = ++ways_;
 }
 
 // --- Machines
@@ -188,7 +240,7 @@ Expected<PieceId> LedgerWorld::dispense(SpotId shelf, const Stack& stack) {
 }
 
 void LedgerWorld::run_belt(StationId station, double speed, double stop_x) {
-  belts_[index_of(station)] = {speed, stop_x, kNever};
+  belts_[index_of(station)] = {speed, stop_x, kNever, 0};
   plan_arrival(station);
 }
 
@@ -216,11 +268,12 @@ void LedgerWorld::move_along(RobotId robot, std::span<const Pose2> path, SimTime
     motion.reached.push_back(motion.reached.back() + std::hypot(path[i].x - path[i - 1].x, path[i].y - path[i - 1].y));
   motion.departure = departure;
   motion.arrival = arrival;
+  motion.way = motion.reached.back() > 0 ? ++ways_ : 0;
 }
 
 void LedgerWorld::stop(RobotId robot) {
   const SimTime time = floor_time();
-  motions_[index_of(robot)] = {{pose_at(robot, time)}, {0}, time, time};
+  motions_[index_of(robot)] = {{pose_at(robot, time)}, {0}, time, time, 0};
 }
 
 Status LedgerWorld::grasp(RobotId robot, SpotId from) {

@@ -20,6 +20,11 @@ class LedgerWorld final : public World, public RobotBook {
   // WorldView
   RobotState robot(RobotId id) const override;
   bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
+  Pose3 pose_in_holder(const Piece& piece) const override;
+  std::uint64_t way_number(RobotId id) const override;
+  std::uint64_t way_number(const Piece& piece) const override;
+  std::vector<WayPoint> way(RobotId id) const override;
+  std::vector<WayPoint> way(const Piece& piece) const override;
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
 
@@ -37,7 +42,9 @@ class LedgerWorld final : public World, public RobotBook {
   void set_lights(StationId station, const Lights& lights) override { lights_[index_of(station)] = lights; }
   Lights lights(StationId station) const override { return lights_[index_of(station)]; }
 
-  void set_down(RobotId robot, const Pose2& to) override { motions_[index_of(robot)] = {{to}, {0}, {}, {}}; }
+  void go_on() override;
+
+  void set_down(RobotId robot, const Pose2& to) override { motions_[index_of(robot)] = {{to}, {0}, {}, {}, 0}; }
 
   // RobotBook
   void move_along(RobotId robot, std::span<const Pose2> path, SimTime departure, SimTime arrival) override;
@@ -51,11 +58,13 @@ class LedgerWorld final : public World, public RobotBook {
     double speed = 0;  ///< m/s, + = towards the input; 0 = stands
     double stop_x = 0;
     SimTime arrival = kNever;  ///< by the floor's clock, of the first piece at stop_x or at the belt's end
+    std::uint64_t way = 0;     ///< its number, while pieces move
   };
   struct Motion {
     std::vector<Pose2> path;      ///< its first point is where the robot was at departure
     std::vector<double> reached;  ///< metres driven at each point of the path
     SimTime departure{}, arrival{};
+    std::uint64_t way = 0;  ///< its number; 0 = it stands
   };
 
   Expected<PieceId> bring_out(const Source& from, double x_on_belt, const Stack& stack) override;
@@ -72,6 +81,7 @@ class LedgerWorld final : public World, public RobotBook {
   std::vector<Belt> belts_;      ///< by station
   std::vector<Lights> lights_;   ///< by station
   std::vector<Motion> motions_;  ///< by robot
+  std::uint64_t ways_ = 0;       ///< how many there have been
 };
 
 }  // namespace cxlab::sim

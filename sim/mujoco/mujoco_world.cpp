@@ -174,6 +174,24 @@ Vec3 MujocoWorld::underside_of(std::size_t body) const {
   return Eigen::Map<const Vec3>(q) - kPieceOrigin * (rotation * Vec3::UnitZ());
 }
 
+Pose3 MujocoWorld::pose_of(std::size_t body) const {
+  const mjtNum* q = gate_.data().qpos + gate_.factory().pieces[body].qpos;
+  const Eigen::AngleAxisd turn(Eigen::Quaterniond(q[3], q[4], q[5], q[6]));
+  return {underside_of(body), wrap_angle(turn.angle()) * turn.axis()};
+}
+
+Pose3 MujocoWorld::pose_in_holder(const Piece& piece) const {
+  const Pose3 pose = pose_of(body_of(piece.id));
+  if (piece.holder == Holder::kGripper) {
+    const mjtNum* q = gate_.data().qpos;
+    const RobotIds& ids = gate_.factory().robots[static_cast<std::size_t>(piece.holder_index)];
+    return relative_to(pose_in_space({q[ids.qpos[kAxisX]], q[ids.qpos[kAxisY]], q[ids.qpos[kAxisYaw]]}), pose);
+  }
+  if (const auto station = piece.station(plan_))
+    return relative_to(pose_in_space(plan_.station(*station).pose_in_world), pose);
+  return pose;
+}
+
 RobotState MujocoWorld::robot(RobotId id) const {
   const mjData& d = gate_.data();
   const RobotIds& ids = gate_.factory().robots[index_of(id)];

@@ -22,6 +22,7 @@ class MujocoWorld final : public World, public RobotBodies {
 
   RobotState robot(RobotId id) const override;
   bool belt_running(StationId id) const override { return belts_[index_of(id)].speed != 0; }
+  Pose3 pose_in_holder(const Piece& piece) const override;
   const Piece* at(SpotId spot) const override;
   const Piece* on_belt(StationId id, double x) const override;
 
@@ -87,6 +88,7 @@ class MujocoWorld final : public World, public RobotBodies {
   Expected<PieceId> put_in_play(const Vec3& underside, const Stack& stack, const Source& from, Place to);
   std::size_t body_of(PieceId id) const { return bodies_of_pieces_[index_of(id) - 1]; }
   Vec3 underside_of(std::size_t body) const;
+  Pose3 pose_of(std::size_t body) const;
   Vec3 in_station(StationId station, const Vec3& point) const;
   SpotId nearest_spot(StationId station, SpotKind kind, const Vec3& point) const;
 

@@ -53,6 +53,8 @@ class Fleet final : public Server {
   SimTime next_due() const override;
 
   std::vector<RobotStats> stats() const;
+  /// As `SkillServer::doing`.
+  const std::string& doing(RobotId robot) const { return servers_[index_of(robot)]->doing(); }
 
  private:
   Fleet(const WorldView& world, const Places& places, RecordSink& sink);

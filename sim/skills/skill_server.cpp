@@ -153,6 +153,7 @@ void SkillServer::take_goal(const Action& action, const bus::Delivery& delivery)
          "nobody knows yet where " + station->name + " stands: its marker was not read, and it is not reported",
          {}});
   active_->skill = *goal;
+  note_doing();
   skills_.start(*goal, now_);
 }
 
@@ -169,6 +170,7 @@ void SkillServer::set_off_field(bool off, SimTime now) {
   off_field_ = off;
   skills_.abandon(now);
   if (active_) finish(SkillResult::of(SkillCode::kOffField));
+  note_doing();
 }
 
 void SkillServer::take(SimTime now) {
@@ -187,11 +189,24 @@ void SkillServer::count_phase(SimTime now, RobotStats& stats) const {
   if (active_->phase == SkillPhase::kWait) stats.wait_s += duration;
 }
 
+void SkillServer::note_doing() {
+  constexpr std::size_t kMostOfATarget = 80;
+  if (!active_) {
+    doing_ = off_field_ ? "off-field" : "idle";
+    return;
+  }
+  doing_ = to_string(active_->action->kind);
+  (doing_ += ' ') += to_string(active_->phase.value_or(SkillPhase::kWait));
+  if (const std::string& target = active_->skill.target; !target.empty())
+    (doing_ += ' ') += target.substr(0, kMostOfATarget);
+}
+
 void SkillServer::report_phase(SimTime now) {
   if (!active_ || active_->phase == skills_.phase()) return;
   count_phase(now, stats_);
   active_->phase_since = now;
   active_->phase = skills_.phase();
+  note_doing();
   const Action& action = *active_->action;
   record(action, active_->skill.target, "phase");
   data_.field("phase", to_string(*active_->phase));
@@ -215,6 +230,7 @@ void SkillServer::finish(const SkillResult& result) {
   count_phase(now_, stats_);
   const std::string in(sub_action());
   const Active ended = *std::exchange(active_, std::nullopt);
+  note_doing();
   const Action& action = *ended.action;
   const double duration = to_seconds(now_ - ended.since);
   stats_.busy_s += duration;

@@ -59,6 +59,8 @@ class SkillServer {
   void ask_whether_known(std::function<bool(StationId)> knows) { knows_ = std::move(knows); }
   bool active() const { return active_.has_value(); }
   RobotStats stats(SimTime now) const;
+  /// "idle", "off-field", or skill, phase and target: "pick drive C-BS-OUTPUT". A target of more than 80 bytes is cut.
+  const std::string& doing() const { return doing_; }
 
  private:
   struct Action {
@@ -87,6 +89,7 @@ class SkillServer {
   const Station* unknown_station(const SkillGoal& goal) const;
   void finish(const SkillResult& result);
   void count_phase(SimTime now, RobotStats& stats) const;
+  void note_doing();
   /// As the records name it.
   static std::string target_of(const Action& action, const bus::MessageView& goal);
   std::string_view sub_action() const;
@@ -105,6 +108,7 @@ class SkillServer {
   std::function<bool(StationId)> knows_;  ///< empty: all
   bool off_field_ = false;
   RobotStats stats_;
+  std::string doing_ = "idle";
   RecordData data_;
   SimTime now_{};
 };

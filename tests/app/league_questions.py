@@ -1,9 +1,10 @@
-"""cxlab orders, waits, machines and pieces: questions about a recorded game, against what journal and result say."""
+"""cxlab orders, waits, machines, pieces and scene: questions about a recorded game, against what journal and result say."""
 
 import collections
 import json
 import os
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
@@ -394,6 +395,88 @@ class Pieces(unittest.TestCase):
                     self.assertEqual(sorted(told), sorted(lives[piece]))
 
 
+class Scene(unittest.TestCase):
+    def test_pieces_are_where_journal_and_questions_have_them(self):
+        chance = random.Random(1)
+        for game in GAMES:
+            moves, end = list(referee(game, "piece")), int(result_of(game)["sim_time_s"])
+            for at in chance.sample(range(20, end), 12):
+                with self.subTest(game, at=at):
+                    entities = ask("scene", game, "--at", at)["entities"]
+                    names = {e["id"]: e["name"] for e in entities}
+                    seen = {int(e["name"].removeprefix("piece")): e for e in entities if e["kind"] == "piece"}
+                    told = {p["piece"]: p["product"] for p in ask("pieces", game, "--at", at)["pieces"]
+                            if p["fate"] == "in play" or p["fate"] == "dropped"}
+                    last = {d["piece"]: d for t, d in moves if t <= at}
+                    there = {n: d for n, d in last.items() if d["to"] in ("gripper", "belt", "slot", "floor")}
+                    self.assertEqual(set(seen), set(there))
+                    self.assertLessEqual(set(seen), set(told))
+                    for number, move in there.items():
+                        piece = seen[number]
+                        self.assertEqual(piece["state"], told[number])
+                        where = {"gripper": (move["to_name"], "gripper"), "belt": (move["to_name"], "belt"),
+                                 "slot": (move["to_name"].partition("-SHELF")[0], move["to_name"]), "floor": (None, "")}
+                        self.assertEqual((names.get(piece["carried_by"]), piece["place"]), where[move["to"]])
+
+    def test_machines_are_in_the_states_that_the_journal_has(self):
+        for game in GAMES:
+            states = list(referee(game, "machine"))
+            self.assertTrue(states)
+            for at in random.Random(2).sample(range(5, int(result_of(game)["sim_time_s"])), 8):
+                last = {d["machine"]: d["state"] for t, d in states if t <= at}
+                seen = {e["name"]: e["state"].split()[0] for e in ask("scene", game, "machine", "--at", at)["entities"]}
+                self.assertEqual({m: seen[m] for m in last}, last, (game, at))
+
+    def test_robots_do_what_the_journal_says(self):
+        skills = {"start": lambda d: d["skill"], "phase": lambda d: f'{d["skill"]} {d["phase"]}', "end": lambda d: "idle"}
+        for game in ("rules", "plans", "physics"):
+            with open(folder / game / "journal.jsonl") as lines:
+                events = [r for r in map(json.loads, (line for line in lines if '"kind":"skill"' in line))
+                          if r["data"]["event"] in skills]
+            for at in random.Random(3).sample(range(5, int(result_of(game)["sim_time_s"])), 8):
+                doing = {}
+                for event in events:
+                    if event["t"] <= at * 1e9:
+                        doing[event["data"]["robot"]] = skills[event["data"]["event"]](event["data"])
+                for robot in ask("scene", game, "robot", "--at", at)["entities"]:
+                    self.assertTrue(robot["state"].startswith(doing.get(robot["name"], "idle")), (game, at, robot, doing))
+
+    def test_text_shows_who_carries_what(self):
+        text = cxlab("scene", folder / "rules", "piece", "--at", "1:10").stdout
+        self.assertRegex(text, r"^at 1:10:\nkind  +name  +x \(m\)")
+        self.assertRegex(text, r"piece13 .* robot2 \(gripper\) +BASE_")
+        self.assertRegex(text, r"piece2 .* C-CS1 \(C-CS1-SHELF-MIDDLE\) +BASE_CLEAR CAP_GREY")
+        everything = cxlab("scene", folder / "rules", "--at", "1:10").stdout
+        self.assertIn("without a state: cxlab scene RUN KIND lists them (field, wall)", everything)
+        self.assertEqual(len(ask("scene", "rules", "wall")["entities"]),
+                         cxlab("scene", folder / "rules", "wall").stdout.count("\nwall "))
+
+    def test_size_of_a_game(self):
+        for game in GAMES:
+            self.assertLess((folder / game / "scene.bin").stat().st_size, 1_500_000, game)
+
+    def test_a_broken_file(self):
+        run = folder / "broken"
+        shutil.copytree(folder / "rules", run)
+        scene = (run / "scene.bin").read_bytes()
+        (run / "scene.bin").write_bytes(scene[:len(scene) // 2])
+        self.assertEqual(ask("scene", "broken", "--at", 100)["at_s"], 100)
+        self.assertRegex(cxlab("scene", run, expect=3).stderr, r"broken/scene.bin: broken at byte \d+ of \d+: the last chunk is cut off")
+        (run / "scene.bin").write_bytes(scene[:-100] + bytes([scene[-100] ^ 1]) + scene[-99:])
+        self.assertIn("the chunk does not have its checksum", cxlab("scene", run, expect=3).stderr)
+        (run / "scene.bin").write_bytes(b"nothing")
+        self.assertIn("expected a scene", cxlab("scene", run, expect=3).stderr)
+        (run / "scene.bin").unlink()
+        self.assertIn("there is no scene.bin", cxlab("scene", run, expect=3).stderr)
+
+    def test_force_takes_a_former_scene_away(self):
+        run = folder / "again"
+        cxlab("run", "rcll/game", "--tier", "timed", "--until", "2", "--quiet", "--out", run)
+        self.assertTrue((run / "scene.bin").is_file())
+        cxlab("run", "rcll/game", "--tier", "timed", "--until", "2", "--quiet", "--journal", "none", "--force", "--out", run)
+        self.assertFalse((run / "scene.bin").exists())
+
+
 class Asking(unittest.TestCase):
     def test_same_answer_each_time_and_quickly(self):
         for question in ("orders", "waits", "machines", "pieces"):
@@ -420,6 +503,10 @@ class Asking(unittest.TestCase):
             self.assertGreater(answer["at_s"], 10)
             self.assertTrue(answer[question])
         self.assertIn("cut off", cxlab("orders", out).stdout)
+        scene = ask("scene", "killed")
+        self.assertTrue(scene["cut_off"])
+        self.assertGreater(scene["at_s"], 10)
+        self.assertIn("where the scene of the run is cut off", cxlab("scene", out).stdout)
 
     def test_a_journal_that_was_shortened(self):
         whole = (folder / "rules/journal.jsonl").read_bytes()
@@ -459,6 +546,10 @@ class Asking(unittest.TestCase):
                 (["orders", rules, "x"], 2, "there is no order 'x'"),
                 (["pieces", rules, "999"], 2, "there is no workpiece '999'"),
                 (["waits", rules, "--sort", "lenght_s"], 2, "did you mean 'length_s'"),
+                (["scene", rules, "robot7"], 2, "called 'robot7' at 20:00, did you mean 'robot"),
+                (["scene", rules, "robots"], 2, "did you mean 'robot'"),
+                (["scene", rules, "--at", "2000"], 2, "--at: the run ended at 1200 s"),
+                (["scene", folder / "nothing"], 3, "there is no folder of a run"),
                 (["orders", rules, "--at", "2000"], 2, "--at: the run ended at"),
                 (["orders", rules, "--from", "5:00", "--to", "4:00"], 2, "--from is after --to"),
                 (["orders", rules, "--at", "5:72"], 2, "expected"),
@@ -474,6 +565,8 @@ class Asking(unittest.TestCase):
                       cxlab("orders", folder / "turtles", expect=3).stderr)
         cxlab("run", "rcll/game", "--tier", "timed", "--until", "1", "--quiet", "--journal", "none", "--out", folder / "mute")
         self.assertIn("without a journal", cxlab("orders", folder / "mute", expect=3).stderr)
+        self.assertIn("without a journal", cxlab("scene", folder / "mute", expect=3).stderr)
+        self.assertEqual([e["kind"] for e in ask("scene", "turtles")["entities"]], ["canvas", "turtle"])
 
 
 if __name__ == "__main__":

@@ -93,6 +93,23 @@ TEST_F(OwnWorldExample, ErrorsNameTheLineOfTheRow) {
   EXPECT_EQ(error_of("  map: [\"SG\"]\n  step_s: 0\n"), "s.yaml:5: world.step_s: expected more than 0");
 }
 
+TEST_F(OwnWorldExample, SceneHasTheRobotTheGoalAndTheWalls) {
+  auto episode = load(*maze({"world.map=['S.#', '#.G']"}), "run");
+  begin(*episode);
+  play(*episode, 1e9);
+  const Scene last = episode->scene();
+  std::map<std::string, int> kinds;
+  for (const Entity& entity : last.entities) ++kinds[entity.kind];
+  EXPECT_EQ(kinds, (std::map<std::string, int>{{"robot", 1}, {"goal", 1}, {"wall", 2}}));
+  EXPECT_EQ(last.find("robot")->pose.position, last.find("goal")->pose.position);
+  EXPECT_EQ(last.find("goal")->pose.position, sim::Vec3(2.5, 0.5, 0));
+  (void)episode->close(RunStatus::kCompleted);
+  auto recorded = SceneReader::open(folder_ / "run/scene.bin");
+  ASSERT_TRUE(recorded.ok()) << recorded.error().text();
+  EXPECT_EQ(recorded->at({})->find("robot")->pose.position, sim::Vec3(0.5, 1.5, 0));
+  EXPECT_EQ(recorded->at(recorded->end())->entities, last.entities);
+}
+
 TEST_F(OwnWorldExample, PictureShowsRobotGoalAndWalls) {
   auto scenario = maze({"world.map=['SG', '#.']"});
   auto episode = load(*scenario);

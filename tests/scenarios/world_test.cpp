@@ -84,6 +84,9 @@ class BellStage final : public Stage {
     referee = bell.get();
     servers.push_back(std::move(bell));
     views.push_back(view_named("tower"));
+    scenes.push_back([this](SceneList& list) {
+      list.put({.number = 1, .kind = "bell", .name = "bell", .state = "rung " + std::to_string(bell_->rung)});
+    });
   }
   void report(Result& result) const override {
     result.set("bell", "{\"rung\": " + std::to_string(bell_->rung) + "}");

@@ -194,6 +194,7 @@ class GridStage final : public Stage {
     views.push_back([this](int width, int height) -> Expected<std::unique_ptr<View>> {
       return std::unique_ptr<View>(std::make_unique<GridView>(robot_, width, height));
     });
+    scenes.push_back([this](SceneList& list) { list_entities(list); });
   }
   void report(Result& result) const override {
     const int steps = static_cast<int>(robot_.way().size()) - 1;
@@ -203,6 +204,26 @@ class GridStage final : public Stage {
   }
 
  private:
+  /// A cell is a square metre; the first row of the map lies at the top.
+  void list_entities(SceneList& list) const {
+    const Config& config = robot_.config();
+    EntityId number = 0;
+    const auto put = [&](const char* kind, Cell cell, const Solid& solid, const std::string& state = {}) {
+      const std::string look = look_of({&solid, 1});
+      list.put({.number = ++number,
+                .kind = kind,
+                .name = kind,
+                .state = state,
+                .look = look,
+                .pose = {{cell.column + 0.5, config.rows() - cell.row - 0.5, 0}}});
+    };
+    put("robot", robot_.way().back(), {Solid::Shape::kCylinder, {0.5, 0.5, 0.5}, {0, 0, 0}, 0xc83c28},
+        "bumps " + std::to_string(robot_.bumps()));
+    for (const Cell cell : config.cells('G'))
+      put("goal", cell, {Solid::Shape::kBox, {1, 1, 0.02}, {0, 0, 0}, 0x3ca050});
+    for (const Cell cell : config.cells('#')) put("wall", cell, {Solid::Shape::kBox, {1, 1, 0.8}, {0, 0, 0}, 0x464650});
+  }
+
   const Robot& robot_;
 };
 
