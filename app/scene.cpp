@@ -11,7 +11,7 @@
 #include "app/table.h"
 #include "cx/base/json_text.h"
 #include "cx/base/number_text.h"
-#include "lab/recorded_run.h"
+#include "lab/run.h"
 #include "scenarios/scene_log.h"
 
 namespace cxlab::app {
@@ -102,7 +102,7 @@ Table table_of(const Scene& all, const Scene& chosen, bool without_state) {
 }
 
 int show(const SceneOptions& options) {
-  const auto run = lab::RecordedRun::open(options.run, catalogue());
+  const auto run = lab::Run::open(options.run, catalogue());
   if (!run) return fail(run.error());
   auto scenes = run->scenes();
   if (!scenes) return fail(scenes.error());

@@ -108,15 +108,15 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string&) -> A {
          std::vector<std::string> lines;
          for (const cx::Environment* e : d.environments_())
-           lines.push_back(e->name_in_log() + "  " + std::to_string(e->engine().fact_count()) + " facts, " +
+           lines.push_back(e->unique_name() + "  " + std::to_string(e->engine().fact_count()) + " facts, " +
                            std::to_string(e->engine().agenda().size()) + " on the agenda" +
-                           (e->name_in_log() == d.selected_ ? "  (in use)" : ""));
+                           (e->unique_name() == d.selected_ ? "  (in use)" : ""));
          return {true, lines_of(lines, "none")};
        }},
       {"use", "ENV|all", "looks at this environment, and stops only there",
        [](D& d, const std::string& rest) -> A {
          std::vector<std::string> known{"all"};
-         for (const cx::Environment* e : d.environments_()) known.push_back(e->name_in_log());
+         for (const cx::Environment* e : d.environments_()) known.push_back(e->unique_name());
          if (std::find(known.begin(), known.end(), rest) == known.end())
            return {false, "there is no environment '" + rest + "'" + did_you_mean(rest, known)};
          d.selected_ = rest == "all" ? std::string() : rest;
@@ -328,7 +328,7 @@ std::vector<std::string> Debugger::completions(const std::string& begun) {
     if (word.starts_with(begun)) words.push_back(word);
   };
   for (const Command& command : commands()) add(command.name);
-  for (const cx::Environment* e : environments_()) add(e->name_in_log());
+  for (const cx::Environment* e : environments_()) add(e->unique_name());
   if (const auto environment = looked_at()) {
     for (const ConstructInfo& info : (*environment)->engine().constructs()) add(info.name);
     for (const FunctionSpec& function : (*environment)->engine().functions()) add(function.name);
@@ -341,7 +341,7 @@ std::vector<std::string> Debugger::completions(const std::string& begun) {
 Expected<cx::Environment*> Debugger::looked_at() const {
   const auto all = environments_();
   for (cx::Environment* environment : all)
-    if (selected_.empty() ? here_ == nullptr || environment == here_ : environment->name_in_log() == selected_)
+    if (selected_.empty() ? here_ == nullptr || environment == here_ : environment->unique_name() == selected_)
       return environment;
   return input_error(selected_.empty() ? "there is no environment"
                                        : "there is no environment '" + selected_ + "' any more");
@@ -352,8 +352,8 @@ Debugger::Answer Debugger::act(cx::ControlAct::Verb verb, const std::string& tex
   if (!environment) return {false, environment.error().message};
   if (!stopped_) return {false, "the run goes on: pause first"};
   if (*environment != here_)
-    return {false, "the run stopped in " + here_->name_in_log() + "; tick goes on to where " +
-                       (*environment)->name_in_log() + " stops"};
+    return {false, "the run stopped in " + here_->unique_name() + "; tick goes on to where " +
+                       (*environment)->unique_name() + " stops"};
   if (const std::size_t forms = read_forms(text, {}).forms.size(); forms > 1)
     return {false, "expected one expression or construct, found " + std::to_string(forms)};
   changed_ = options_.recorded;
@@ -477,7 +477,7 @@ Debugger::Answer Debugger::back_until(const std::string& what) {
   }
   std::optional<Target> last;
   for (cx::Environment* environment : environments_()) {
-    if (!selected_.empty() && environment->name_in_log() != selected_) continue;
+    if (!selected_.empty() && environment->unique_name() != selected_) continue;
     const inspect::Inspector inspector = inspect_(*environment);
     const auto n = is_fact ? inspector.last_made(*pattern) : inspector.last_firing(what);
     const auto there = n ? before_record(*environment, *n) : std::nullopt;

@@ -84,7 +84,7 @@ std::optional<std::string> Debugger::reason_to_stop(cx::Environment& environment
     settle_breaks();
     return "at";
   }
-  if (!selected_.empty() && environment.name_in_log() != selected_) return {};
+  if (!selected_.empty() && environment.unique_name() != selected_) return {};
   if (pause_) return "paused";
   if (place.fired < 0 && ticks_ > 0 && --ticks_ == 0) return "ticked";
   if (place.fired >= 0 && steps_ > 0 && next_activation(environment.engine()) && --steps_ == 0) return "stepped";
@@ -130,10 +130,10 @@ void Debugger::begin_again() {
 /// Notes the place. Whether there is nothing to be done there, because another one is wanted.
 bool Debugger::passes_by(cx::Environment& environment, const cx::ControlPlace& place) {
   if (place.fired <= 0 && passed_++ == visits_.size()) {
-    auto number = number_of(environment.name_in_log());
+    auto number = number_of(environment.unique_name());
     if (!number) {
       number = static_cast<std::uint32_t>(environment_names_.size());
-      environment_names_.push_back(environment.name_in_log());
+      environment_names_.push_back(environment.unique_name());
     }
     visits_.push_back({place, *number, inspect_(environment).timeline().end()});
   }
@@ -165,7 +165,7 @@ void Debugger::stay_at_end(SimTime t, const Status& how) {
   if (all.empty()) return lines_.send_all(json_text(Json{{"event", "end"}, {"text", "the run has no environment"}}));
   here_ = all.front();
   for (cx::Environment* one : all)
-    if (one->name_in_log() == selected_) here_ = one;
+    if (one->unique_name() == selected_) here_ = one;
   place_ = {t, 0, -1};
   at_end_ = stopped_ = true;
   ticks_ = steps_ = 0;
@@ -189,8 +189,8 @@ std::optional<std::uint32_t> Debugger::number_of(const std::string& environment)
 std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
   std::map<std::uint32_t, std::span<const std::uint64_t>> firings;  // by environment, those still to be counted
   for (cx::Environment* environment : environments_())
-    if (const auto number = number_of(environment->name_in_log());
-        number && (selected_.empty() || selected_ == environment->name_in_log()))
+    if (const auto number = number_of(environment->unique_name());
+        number && (selected_.empty() || selected_ == environment->unique_name()))
       firings[*number] = inspect_(*environment).timeline().firings();
   for (std::size_t visit = passed_; visit-- > 0;) {
     const auto of = firings.find(visits_[visit].environment);
@@ -208,7 +208,7 @@ std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
 
 /// The last place before record `n` of the environment was written.
 std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environment, std::uint64_t n) const {
-  const auto number = number_of(environment.name_in_log());
+  const auto number = number_of(environment.unique_name());
   const std::vector<std::uint64_t>& firings = inspect_(environment).timeline().firings();
   for (std::size_t visit = passed_; visit-- > 0;) {
     const Visit& there = visits_[visit];
@@ -224,7 +224,7 @@ std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environ
 std::string Debugger::where() const {
   if (!here_) return "running";
   if (at_end_) return "at the end of the run, " + seconds(place_.t);
-  std::string text = here_->name_in_log() + " at " + seconds(place_.t);
+  std::string text = here_->unique_name() + " at " + seconds(place_.t);
   if (place_.fired < 0) return text + ", at the beginning of a tick";
   const auto next = next_activation(here_->engine());
   if (!next) return text + ", no rule is on its agenda";

@@ -22,9 +22,7 @@ constexpr double kRounding = 0.0011;  // m or rad: half a unit in each of three 
 
 double distance(const Pose3& a, const Pose3& b) { return (a.position - b.position).norm(); }
 /// Of a turn from one to the other.
-double angle(const Pose3& a, const Pose3& b) {
-  return sim::relative_to(a, b).rotation.norm();
-}
+double angle(const Pose3& a, const Pose3& b) { return sim::relative_to(a, b).rotation.norm(); }
 
 /// The same entities, whose poses differ by rounding at most.
 void expect_same(const Scene& a, const Scene& b) {
