@@ -187,7 +187,10 @@ int rules(const RulesOptions& options) {
   if (!options.against.empty()) return rules_against(options);
   return ask(options.question,
              [&](inspect::Inspector& inspector) -> Expected<Answer> {
-               const std::vector<inspect::RuleUse> uses = inspector.rules(true);
+               std::vector<inspect::RuleUse> uses = inspector.rules(false);
+               inspector.assert_time();  // after what was counted
+               const std::vector<inspect::RuleUse> explained = inspector.rules(true);
+               for (std::size_t i = 0; i < uses.size(); ++i) uses[i].unmet = explained[i].unmet;
                Json list = Json::array();
                for (const inspect::RuleUse& use : uses) list.push_back(json_of(use));
                return Answer{inspect::text_of(uses), {{"rules", std::move(list)}}};

@@ -7,7 +7,9 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/question.h"
 #include "cx/base/json_text.h"
+#include "cx/inspect/users.h"
 #include "lab/why_not.h"
 
 namespace cxlab::app {
@@ -119,7 +121,49 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
   return wanted;
 }
 
+Json json_of(const std::vector<inspect::FactUser>& users) {
+  Json list = Json::array();
+  for (const inspect::FactUser& user : users) {
+    list.push_back({{"rule", user.rule},
+                    {"place", user.file + ':' + std::to_string(user.line)},
+                    {"condition", user.condition},
+                    {"fired", user.fired}});
+    if (user.last) list.back()["last_s"] = to_seconds(*user.last);
+    if (!user.differs.empty()) list.back()["differs"] = user.differs;
+    if (!user.lacks.empty()) list.back()["lacks"] = user.lacks;
+  }
+  return list;
+}
+
+/// Answers for a fact instead of a rule.
+int why_not_fact(const WhyNotOptions& options) {
+  if (!options.where.empty()) return fail(usage_error("--where asks about a rule, not about a fact"));
+  Question question;
+  question.run = options.run;
+  question.at = options.at;
+  question.environment = options.environment;
+  question.trust_programs = options.trust_programs;
+  question.json = options.json;
+  return ask(question, [&](inspect::Inspector& inspector) -> Expected<Answer> {
+    inspector.assert_time();
+    auto future = inspect::future_of(inspector, options.rule);
+    if (!future) return future.error();
+    Json json = Json::object();
+    if (future->fact) {
+      json["fact"] = "f-" + std::to_string(future->fact->fact.index);
+      json["text"] = future->fact->fact.print();
+      json["waiting"] = json_of(future->waiting);
+      json["nearly"] = json_of(future->nearly);
+      json["forbidden"] = json_of(future->forbidden);
+    }
+    if (!future->nearest.empty()) json["nearest"] = future->nearest;
+    if (future->makers) json["makers"] = lab::to_json(*future->makers);
+    return Answer{future->text(), std::move(json)};
+  });
+}
+
 int why_not(const WhyNotOptions& options) {
+  if (options.rule.starts_with('(') || options.rule.starts_with("f-")) return why_not_fact(options);
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
   auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
@@ -144,16 +188,28 @@ int why_not(const WhyNotOptions& options) {
 
 void add_why_not(CLI::App& app, Action& action) {
   auto options = std::make_shared<WhyNotOptions>();
-  CLI::App* command = app.add_subcommand("why-not", "Says why a rule of a recorded run has not fired");
+  CLI::App* command = app.add_subcommand(
+      "why-not",
+      "Says why a rule of a recorded run has not fired, or what becomes of a fact and which rules wait for it");
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
-  command->add_option("rule", options->rule, "Name of the rule, with or without its module: nav, NAV::nav")->required();
+  command
+      ->add_option("rule", options->rule,
+                   "Name of the rule, with or without its module: nav, NAV::nav; or a fact: f-12, or a pattern such as "
+                   "'(order (id 3))'")
+      ->required();
   command->add_option("--env", options->environment, "Only this environment (default: all)");
   time_option(command->add_option("--at", options->at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
   add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "The answer as JSON");
+  command->footer(
+      "Of a fact that is there it lists the rules that need it and what each lacks to fire for it; of one that is "
+      "missing\n"
+      "the rules that could make it.\n"
+      "Examples:\n  cxlab why-not runs/game-1 order-begin --at 5:12\n"
+      "  cxlab why-not runs/game-1 '(product (order 2))' --at 5:12");
   command->callback([options, &action] { action = [options] { return why_not(*options); }; });
 }
 

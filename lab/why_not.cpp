@@ -128,6 +128,8 @@ nlohmann::ordered_json to_json(const inspect::FactChange& change) {
           {"by", change.by.text()}};
 }
 
+}  // namespace
+
 nlohmann::ordered_json to_json(const inspect::Makers& makers) {
   nlohmann::ordered_json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
   if (makers.changed) json["nearest_changed"] = to_json(*makers.changed);
@@ -146,8 +148,6 @@ nlohmann::ordered_json to_json(const inspect::Makers& makers) {
   json["rules"] = std::move(rules);
   return json;
 }
-
-}  // namespace
 
 nlohmann::ordered_json to_json(const WhyNotAnswer& answer) {
   using Json = nlohmann::ordered_json;

@@ -33,6 +33,7 @@ struct WhyNotAnswer {
   bool stopped = false;                     ///< by the host; then there is no answer
 };
 nlohmann::ordered_json to_json(const WhyNotAnswer& answer);
+nlohmann::ordered_json to_json(const inspect::Makers& makers);
 
 Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host = {});
 

@@ -330,8 +330,8 @@ bool put_fired(const Look& found, const ConstructInfo& rule, const History& hist
 
 }  // namespace
 
-std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule) {
-  const Expected<Look> found = look(engine, rule, {});
+std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule, const Wanted& wanted) {
+  const Expected<Look> found = look(engine, rule, wanted);
   return found ? found->unmet : std::nullopt;
 }
 

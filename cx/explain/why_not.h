@@ -73,7 +73,8 @@ struct WhyNot {
 /// `wanted` asks about combinations with these values only; it is an error if the conditions do not bind them.
 /// Defines functions of its own in the engine for a while, but changes no fact; `rule` is a copy for that reason.
 Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& history, const Wanted& wanted = {});
-/// The same without the history, for a rule that has not fired: what it lacks. None if it lacks nothing.
-std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule);
+/// The same without the history, for a rule that has not fired: what it lacks. None if it lacks nothing, or binds
+/// nothing that is wanted.
+std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule, const Wanted& wanted = {});
 
 }  // namespace cxlab::explain

@@ -142,6 +142,18 @@ std::string text_of(const std::vector<RuleUse>& rules) {
               right(use->activated ? std::to_string(*use->activated) : "-", 15) + right(seconds_text(*use->first), 14) +
               right(seconds_text(*use->last), 14) + '\n';
   }
+  // What takes a rule off the agenda again and again is worth a question.
+  constexpr std::int64_t kOften = 100, kSeldom = 20;
+  std::vector<const RuleUse*> seldom = fired;
+  std::erase_if(seldom, [](const RuleUse* use) {
+    return use->activated.value_or(0) < kOften || *use->activated < kSeldom * use->fired;
+  });
+  if (!seldom.empty()) {
+    text += "on the agenda, but hardly ever fired:\n";
+    for (const RuleUse* use : seldom)
+      text += "  " + use->rule + place(use->file, use->line) + ": " + std::to_string(*use->activated) +
+              " times, and fired " + std::to_string(use->fired) + (use->fired == 1 ? " time\n" : " times\n");
+  }
   if (!in_vain.empty()) {
     text += "on the agenda, but never fired:\n";
     for (const RuleUse* use : in_vain)

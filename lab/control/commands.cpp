@@ -9,6 +9,7 @@
 #include "cx/explain/why_not.h"
 #include "cx/inspect/makers.h"
 #include "cx/inspect/text.h"
+#include "cx/inspect/users.h"
 #include "lab/control/debugger.h"
 
 namespace cxlab::lab {
@@ -194,8 +195,14 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            return inspect::text_of(inspect::tree_of(*found, false));
          });
        }},
-      {"why-not", "RULE", "what a rule lacks to fire",
+      {"why-not", "RULE|FACT|PATTERN", "what a rule lacks to fire; which rules wait for a fact, or could make it",
        [](D& d, const std::string& rest) {
+         if (rest.starts_with('(') || rest.starts_with("f-"))
+           return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
+             auto found = inspect::future_of(i, rest);
+             if (!found) return found.error();
+             return found->text();
+           });
          return look(d, [&](cx::Environment& e) -> Expected<std::string> {
            const ConstructInfo* rule = e.engine().find_construct("defrule", rest);
            if (!rule)

@@ -368,6 +368,58 @@ class TwoRuns(Lab):
         self.assertIn("the log of its inputs is cut off", self.cxlab("diff", a, a, expect=3).stderr)
 
 
+class WhyNotOfAFact(Lab):
+    """Where something has stopped and nobody knows which rule should go on."""
+
+    def ask(self, run, what, *more):
+        return self.answer("why-not", run, what, *more)
+
+    def test_rules_that_wait_for_a_fact_and_what_they_lack_with_it(self):
+        run = self.agent()
+        found = self.ask(run, "(job (id 2))", "--at", 1)
+        self.assertEqual(found["text"], "(job (id 2) (state OPEN) (worker NONE))")
+        waiting = {r["rule"]: r for r in found["waiting"]}
+        # begin has fired at that time, for the other job: it took the only worker.
+        self.assertEqual(set(waiting), {"begin", "robbed"})
+        self.assertEqual(waiting["begin"]["fired"], 0)
+        self.assertIn("(free ?who)", waiting["begin"]["lacks"])
+        self.assertEqual([(r["rule"], r["differs"]) for r in found["nearly"]], [("end", "state is OPEN, not BUSY"), ("never", "state is OPEN, not LOST")])
+        busy = self.ask(run, "(job (id 1))", "--at", 1)
+        self.assertRegex({r["rule"]: r for r in busy["waiting"]}["end"]["lacks"], "^condition 2: .*until")
+
+    def test_a_firing_counts_for_the_fact_as_it_is(self):
+        run = self.agent(AGENT + "(defrule look (job (id ?id) (state DONE)) (time ?t&:(>= ?t 4)) => )\n")
+        users = {r["rule"]: r for r in self.ask(run, "(job (id 1))")["waiting"]}
+        self.assertGreater(users["look"]["fired"], 1)
+        self.assertEqual(users["look"]["last_s"], 6.0)
+        self.assertNotIn("end", users)
+
+    def test_rules_that_must_not_have_it(self):
+        run = self.agent(AGENT + "(defrule quiet (not (job (id ?id) (state DONE))) (never) => )\n(defrule all (forall (job (id ?id)) (work ?id $?)) => )\n")
+        found = self.ask(run, "(job (id 1))")
+        self.assertIn(("quiet", "(job (id ?id) (state DONE))"), [(r["rule"], r["condition"]) for r in found["forbidden"]])
+
+    def test_a_missing_fact_goes_on_to_its_makers(self):
+        run = self.agent()
+        found = self.ask(run, "(job (id 1) (state BUSY))")
+        self.assertNotIn("fact", found)
+        self.assertEqual(found["nearest"], "(job (id 1) (state DONE) (worker a)): state is DONE, not BUSY")
+        self.assertEqual([r["rule"] for r in found["makers"]["rules"]], ["begin"])
+        text = self.cxlab("why-not", run, "(work 1 a ?)").stdout
+        self.assertIn("no fact matches it now\n", text)
+        self.assertIn("was asserted at 1.000 s by rule begin, and retracted at 2.000 s by rule end", text)
+
+    def test_by_index_in_a_terminal_and_wrong_ones(self):
+        run = self.agent()
+        index = self.answer("facts", run, "(job (id 2))")["facts"][0]["fact"]
+        self.assertEqual(self.ask(run, index)["fact"], index)
+        there = self.cxlab("attach", run, "-c", "at 1.5", "-c", "why-not (job (id 1))").stdout
+        self.assertRegex(there, r"end \(mine/mine.clp:12\) has not fired for it\n +lacks condition 1: \(time")
+        for what, code, said in (("(jop)", 3, "did you mean 'job'"), ("f-999", 3, "there is no fact f-999"), ("(job (id 1)", 3, "error:")):
+            self.assertIn(said, self.cxlab("why-not", run, what, expect=code).stderr)
+        self.assertIn("--where asks about a rule", self.cxlab("why-not", run, "(job)", "--where", "id=1", expect=2).stderr)
+
+
 class WhileItIsPlayed(Lab):
     def test_questions_on_the_folder_of_a_run_that_is_still_being_played(self):
         out = self.folder / "game"
