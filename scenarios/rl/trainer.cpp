@@ -190,7 +190,7 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
 SimTime Trainer::patience() const { return wait_.at_work ? kHangsAtWork : kHangs; }
 
 std::string Trainer::unfinished() const {
-  if (!options_.training || over_ || wait_.name.empty()) return {};
+  if (!options_.training || wait_.name.empty()) return {};
   return options_.node.full_name() + ": the training has not ended: in episode " + std::to_string(episode_ + 1) +
          " of " + std::to_string(options_.max_episodes) + " it waits since " + shortest_text(to_seconds(wait_.since)) +
          " s for " + wait_.name + (wait_.at_work ? ", which the agent has accepted" : "");
@@ -202,10 +202,12 @@ Status Trainer::hanging() const {
   return {};
 }
 
+bool Trainer::lacks_agent() const { return !over_ && !warned_ && !bus_.action_ready(clients_->reset.endpoint); }
+
 SimTime Trainer::next_due() const {
-  if (!options_.training || over_) return kNever;
+  if (!options_.training) return kNever;
   SimTime due = begun_ ? kNever : std::min(begins_, bus_.now() + kPoll);
-  if (!warned_ && !bus_.action_ready(clients_->reset.endpoint)) due = std::min(due, kPatience);
+  if (lacks_agent()) due = std::min(due, kPatience);
   if (!wait_.name.empty() && !wait_.warned) due = std::min(due, wait_.since + patience());
   return due;
 }
@@ -224,7 +226,7 @@ Status Trainer::act(SimTime now) {
     wait_.warned = true;
     log(cx::LogLevel::kWarn, unfinished());
   }
-  if (!warned_ && now >= kPatience && !bus_.action_ready(clients_->reset.endpoint)) {
+  if (now >= kPatience && lacks_agent()) {
     warned_ = true;
     log(cx::LogLevel::kWarn,
         "nobody serves the action " + options_.node.full_name() + "/reset_env; the training begins when an agent does");

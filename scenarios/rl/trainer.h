@@ -63,6 +63,8 @@ class Trainer final : public Server {
 
   void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }
   SimTime patience() const;
+  /// Nobody serves reset_env, and nothing was said of that.
+  bool lacks_agent() const;
   /// Asks for the next space, or goes on without one that the agent does not serve; sets when the training begins.
   void ask_for_spaces(SimTime now);
   void take_space(bus::MessageView response);
