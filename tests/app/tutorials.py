@@ -1,0 +1,47 @@
+"""The commands of the tutorials, played one after the other: each prints what the page shows."""
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+CXLAB = Path(os.environ["CXLAB"])
+SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+
+
+def steps(page):
+    """The commands of a page, each with the lines below it."""
+    for block in re.findall(r"^```\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL):
+        for command in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+            line, _, output = command.partition("\n")
+            yield line, output.splitlines()
+
+
+def pattern_of(lines):
+    """What an output must match: `...` stands for anything, and blanks for any blanks."""
+    return r"\s*".join(".*?".join(r"\s+".join(map(re.escape, part.split())) for part in line.split("...")) for line in lines)
+
+
+class Tutorials(unittest.TestCase):
+    def play(self, name, folder_on_page):
+        folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
+        self.addCleanup(shutil.rmtree, folder)
+        environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
+        played = list(steps(SOURCE / "docs" / name))
+        for command, shown in played:
+            done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
+                                  timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 0, command + "\n" + done.stderr)
+            if shown:
+                self.assertRegex(done.stdout, re.compile(pattern_of(shown), re.DOTALL), command)
+        return played
+
+    def test_find_a_bug(self):
+        self.assertGreater(len(self.play("tutorial-find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+
+
+if __name__ == "__main__":
+    unittest.main()
