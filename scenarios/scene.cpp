@@ -168,6 +168,14 @@ bool SceneList::knows_way(EntityId number, std::uint64_t way_number) const {
   return at < tracks_.size() && tracks_[at].way_number == way_number;
 }
 
+bool SceneList::keep(EntityId number, std::uint32_t revision) {
+  const std::size_t at = position_of(layer_ + number);
+  if (at == tracks_.size() || revision == 0 || tracks_[at].revision != revision) return false;
+  tracks_[at].seen = round_;
+  next_ = at + 1;
+  return true;
+}
+
 void SceneList::put(const EntityView& entity) {
   if (entity.number == 0 || entity.number >= kMostEntityNumbers) return;
   const EntityId id = layer_ + entity.number;
@@ -185,6 +193,7 @@ void SceneList::put(const EntityView& entity) {
   next_ = at + 1;
   Track& track = tracks_[at];
   track.seen = round_;
+  track.revision = entity.revision;
   if (take(track.state, entity.state)) track.changed |= Track::kState;
   if (take(track.look, entity.look)) track.changed |= Track::kLook;
   const EntityId carrier = entity.carried_by == 0 ? 0 : layer_ + entity.carried_by;

@@ -72,8 +72,9 @@ struct EntityView {
   std::string_view state = {}, look = {};
   EntityId carried_by = 0;  ///< number of its carrier; 0: none
   std::string_view place = {};
-  sim::Pose3 pose = {};  ///< seen from its carrier, else from the world
-  bool fixed = false;    ///< its pose never changes
+  sim::Pose3 pose = {};        ///< seen from its carrier, else from the world
+  bool fixed = false;          ///< its pose never changes
+  std::uint32_t revision = 0;  ///< another number when something has changed (`SceneList::keep`); 0: unknown
   /// Of an entity that moves by itself, in a world that jumps from tick to tick: where it will be. Then `pose` is not
   /// used. The number is another one for each way.
   std::uint64_t way_number = 0;
@@ -108,7 +109,7 @@ class SceneList {
     std::uint8_t changed = 0;
     RoundedPose before{};  ///< the pose, then
     std::uint64_t way_number = 0;
-    std::uint32_t seen = 0;
+    std::uint32_t seen = 0, revision = 0;
 
     sim::Pose3 pose_at(SimTime t) const;
     Entity at(SimTime t) const;
@@ -117,6 +118,8 @@ class SceneList {
   // --- For functions that list entities
   /// Texts of more than kLongestText bytes are cut. Beyond kMostEntities entities those that come last are left out.
   void put(const EntityView& entity);
+  /// It is still there, as `put` has taken it with that revision. False: it has not, `put` it.
+  bool keep(EntityId number, std::uint32_t revision);
   /// Whether `put` has taken that way already, and needs no points.
   bool knows_way(EntityId number, std::uint64_t way_number) const;
   static constexpr std::size_t kMostEntities = 2000, kLongestText = 4000;

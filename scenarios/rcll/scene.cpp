@@ -12,6 +12,7 @@ namespace {
 using Shape = Solid::Shape;
 
 // Numbers of entities. Those that move most are the shortest in the file.
+constexpr std::uint32_t kNeverChanged = 1;  // a revision
 constexpr EntityId kRobots = 1, kMachines = 32, kField = 64, kWalls = 65, kPieces = 100;
 EntityId number(sim::RobotId id) { return kRobots + static_cast<EntityId>(id); }
 EntityId number(sim::StationId id) { return kMachines + static_cast<EntityId>(id); }
@@ -151,20 +152,24 @@ void GameScene::list(SceneList& list) {
 void GameScene::list_field(SceneList& list) const {
   const sim::FloorPlan& plan = floor_.plan();
   static const std::string look = field_look(sim::FloorPlan());
-  list.put({.number = kField,
-            .kind = "field",
-            .name = "field",
-            .look = look,
-            .pose = {{(plan.min_x + plan.max_x) / 2, (plan.min_y + plan.max_y) / 2, 0}},
-            .fixed = true});
+  if (!list.keep(kField, kNeverChanged))
+    list.put({.number = kField,
+              .kind = "field",
+              .name = "field",
+              .look = look,
+              .pose = {{(plan.min_x + plan.max_x) / 2, (plan.min_y + plan.max_y) / 2, 0}},
+              .fixed = true,
+              .revision = kNeverChanged});
   for (std::size_t i = 0; i < walls_.size(); ++i) {
+    if (list.keep(kWalls + static_cast<EntityId>(i), kNeverChanged)) continue;
     const sim::Vec2 &a = plan.walls[i].a, &b = plan.walls[i].b;
     list.put({.number = kWalls + static_cast<EntityId>(i),
               .kind = "wall",
               .name = "wall",
               .look = walls_[i],
               .pose = {{(a.x() + b.x()) / 2, (a.y() + b.y()) / 2, 0}, {0, 0, std::atan2(b.y() - a.y(), b.x() - a.x())}},
-              .fixed = true});
+              .fixed = true,
+              .revision = kNeverChanged});
   }
 }
 
@@ -175,15 +180,17 @@ void GameScene::list_machines(SceneList& list) {
     MachineText& known = machines_[sim::index_of(id)];
     const sim::Lights lights = floor_.lights(id);
     if (known.text.empty() || known.state != machine->state() || known.lights != lights)
-      known = {machine->state(), lights, machine_text(machine->state(), lights),
-               machine_look(plan.station(id), lights)};
+      known = {machine->state(), lights, machine_text(machine->state(), lights), machine_look(plan.station(id), lights),
+               known.revision + 1};
+    if (list.keep(number(id), known.revision)) continue;
     list.put({.number = number(id),
               .kind = "machine",
               .name = machine->name(),
               .state = known.text,
               .look = known.look,
               .pose = sim::pose_in_space(plan.station(id).pose_in_world),
-              .fixed = true});
+              .fixed = true,
+              .revision = known.revision});
   }
 }
 
@@ -209,8 +216,20 @@ const GameScene::PieceText& GameScene::text_of(const sim::Piece& piece) {
   const std::size_t at = sim::index_of(piece.id);
   if (at >= pieces_.size()) pieces_.resize(at + 1);
   PieceText& known = pieces_[at];
-  if (known.name.empty() || known.stack != piece.stack)
-    known = {piece.stack, "piece" + std::to_string(at), describe(piece.stack), piece_look(piece.stack)};
+  const sim::Piece& seen = known.piece;
+  const std::uint64_t way = floor_.way_number(piece);
+  const bool is_new = known.revision == 0, changed = is_new || seen.stack != piece.stack;
+  if (!changed && seen.holder == piece.holder && seen.holder_index == piece.holder_index &&
+      seen.position_in_world == piece.position_in_world && known.way == way)
+    return known;
+  if (is_new) known.name = "piece" + std::to_string(at);
+  if (changed) {
+    known.text = describe(piece.stack);
+    known.look = piece_look(piece.stack);
+  }
+  known.piece = piece;
+  known.way = way;
+  ++known.revision;
   return known;
 }
 
@@ -218,13 +237,17 @@ void GameScene::list_pieces(SceneList& list) {
   const sim::FloorPlan& plan = floor_.plan();
   for (const sim::Piece& piece : floor_.pieces()) {
     const PieceText& text = text_of(piece);
+    // Where it is in a gripper hangs on the robot's pose, too.
+    const bool held = piece.holder == sim::Holder::kGripper && piece.holder_index >= 0;
+    if (!held && list.keep(number(piece.id), text.revision)) continue;
     EntityView view{.number = number(piece.id),
                     .kind = "piece",
                     .name = text.name,
                     .state = text.text,
                     .look = text.look,
-                    .way_number = floor_.way_number(piece)};
-    if (piece.holder == sim::Holder::kGripper && piece.holder_index >= 0) {
+                    .revision = text.revision,
+                    .way_number = text.way};
+    if (held) {
       view.carried_by = number(sim::RobotId{piece.holder_index});
       view.place = "gripper";
     } else if (const auto station = piece.station(plan)) {

@@ -25,9 +25,12 @@ class GameScene {
     MachineState state{};
     sim::Lights lights;
     std::string text, look;
+    std::uint32_t revision = 0;
   };
   struct PieceText {
-    sim::Stack stack;
+    sim::Piece piece;  ///< as it was seen last
+    std::uint64_t way = 0;
+    std::uint32_t revision = 0;
     std::string name, text, look;
   };
   void list_field(SceneList& list) const;
