@@ -1,12 +1,11 @@
 #include "scenarios/scene_log.h"
 
-#include <xxhash.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "cx/base/byte_codec.h"
 #include "cx/base/file.h"
+#include "cx/journal/chunk.h"
 
 namespace cxlab {
 namespace {
@@ -170,12 +169,7 @@ void SceneWriter::end_chunk() {
       .varint(static_cast<std::uint64_t>(from_.count()))
       .varint(static_cast<std::uint64_t>((last_look_ - from_).count()))
       .raw(chunk_);
-  std::string framed;
-  ByteWriter(framed)
-      .fixed(static_cast<std::uint32_t>(payload.size()))
-      .fixed(static_cast<std::uint64_t>(XXH3_64bits(payload.data(), payload.size())))
-      .raw(payload);
-  (void)file_.append(framed);
+  (void)file_.append(framed_chunk(payload));
   chunk_.clear();
   texts_.clear();
 }
@@ -213,22 +207,18 @@ Expected<SceneReader> SceneReader::from_bytes(std::string bytes, std::string pat
   const std::string_view all = *reader.bytes_;
   for (std::size_t at = kMagic.size(); at < all.size() && reader.status_;) {
     ByteReader in(all.substr(at));
-    const auto length = in.fixed<std::uint32_t>();
-    const auto checksum = in.fixed<std::uint64_t>();
-    const std::string_view payload = in.raw(length);
-    if (!in.ok()) {
-      reader.status_ = reader.broken(at, "the last chunk is cut off");
+    const auto payload = read_chunk(in);
+    if (!payload) {
+      reader.status_ = reader.broken(at, payload.error().message);
       break;
     }
-    ByteReader times(payload);
+    ByteReader times(*payload);
     const SimTime from = later(times, {}, times.varint(), 1), to = later(times, from, times.varint(), 1);
     const SimTime before = reader.end();
-    if (XXH3_64bits(payload.data(), payload.size()) != checksum)
-      reader.status_ = reader.broken(at, "the chunk does not have its checksum");
-    else if (!times.ok() || times.left() == 0 || (!reader.empty() && from < before))
+    if (!times.ok() || times.left() == 0 || (!reader.empty() && from < before))
       reader.status_ = reader.broken(at, "a chunk that no writer makes");
     else
-      reader.chunks_.push_back({from, to, at, payload.substr(times.position())});
+      reader.chunks_.push_back({from, to, at, payload->substr(times.position())});
     at += in.position();
   }
   return reader;

@@ -1,14 +1,12 @@
 #include "cx/journal/input_log.h"
 
-#include <xxhash.h>
-
 #include <algorithm>
-#include <cassert>
 #include <limits>
 
 #include "cx/base/byte_codec.h"
 #include "cx/base/charge.h"
 #include "cx/base/file.h"
+#include "cx/journal/chunk.h"
 
 namespace cxlab {
 namespace {
@@ -194,10 +192,7 @@ void InputLogWriter::reach(SimTime t) {
 
 void InputLogWriter::end_chunk() {
   if (chunk_.empty()) return;
-  const auto length = static_cast<std::uint32_t>(chunk_.size());
-  const std::uint64_t checksum = XXH3_64bits(chunk_.data(), chunk_.size());
-  assert(chunk_.size() == length);
-  ByteWriter(framed_.emplace_back()).fixed(length).fixed(checksum).raw(chunk_);
+  framed_.push_back(framed_chunk(chunk_));
   chunk_.clear();
 }
 
@@ -247,17 +242,12 @@ bool InputLogReader::open_chunk() {
   const std::string_view rest = std::string_view(*bytes_).substr(position_);
   if (rest.empty()) return false;
   ByteReader in(rest);
-  const auto length = in.fixed<std::uint32_t>();
-  const auto checksum = in.fixed<std::uint64_t>();
-  chunk_ = in.raw(length);
-  if (!in.ok()) {
-    fail("the last chunk is cut off");
+  const auto chunk = read_chunk(in);
+  if (!chunk) {
+    fail(chunk.error().message);
     return false;
   }
-  if (XXH3_64bits(chunk_.data(), chunk_.size()) != checksum) {
-    fail("the chunk does not have its checksum");
-    return false;
-  }
+  chunk_ = *chunk;
   position_ += in.position();
   return true;
 }
