@@ -6,12 +6,16 @@
 
 namespace cxlab::lab {
 
+Expected<nlohmann::json> parse_object(const std::string& text, const std::filesystem::path& file) {
+  auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return input_error("expected an object in JSON", file.string());
+  return json;
+}
+
 Expected<nlohmann::json> read_json(const std::filesystem::path& file) {
   auto text = read_file(file);
   if (!text) return text.error();
-  auto json = nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return input_error("expected an object in JSON", file.string());
-  return json;
+  return parse_object(*text, file);
 }
 
 std::string without_code(const nlohmann::json::exception& e) {

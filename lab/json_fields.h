@@ -19,6 +19,8 @@
 
 namespace cxlab::lab {
 
+/// The object in a text, which is that of `file`.
+Expected<nlohmann::json> parse_object(const std::string& text, const std::filesystem::path& file);
 /// The object in a file.
 Expected<nlohmann::json> read_json(const std::filesystem::path& file);
 

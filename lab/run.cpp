@@ -56,14 +56,16 @@ Expected<Run> Run::open(const fs::path& folder, const Catalogue& catalogue, bool
   if (!manifest) return manifest.error();
   run.manifest = *std::move(manifest);
   run.manifest.spec.programs = trust_programs;
-  auto result = read_json(folder / "result.json");
+  const fs::path file = folder / "result.json";
+  auto text = read_file(file);
+  if (!text) return text.error();
+  run.result = *std::move(text);
+  const auto result = parse_object(run.result, file);
   if (!result) return result.error();
-  if (auto text = read_file(folder / "result.json")) run.result = *std::move(text);
   try {
-    if (Status s = read_result(*result, run); !s)
-      return input_error(s.error().message, (folder / "result.json").string());
+    if (Status s = read_result(*result, run); !s) return input_error(s.error().message, file.string());
   } catch (const Json::exception& e) {
-    return input_error(std::string("not the result of a run: ") + without_code(e), (folder / "result.json").string());
+    return input_error(std::string("not the result of a run: ") + without_code(e), file.string());
   }
   return run;
 }
