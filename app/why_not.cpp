@@ -19,10 +19,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct WhyNotOptions {
-  std::string run, rule, environment;
-  std::optional<double> at;
+  Question question;
+  std::string rule;
   std::vector<std::string> where;
-  bool trust_programs = false, json = false;
 };
 
 void print(const char* before, const explain::Values& values) {
@@ -138,13 +137,7 @@ Json json_of(const std::vector<inspect::FactUser>& users) {
 /// Answers for a fact instead of a rule.
 int why_not_fact(const WhyNotOptions& options) {
   if (!options.where.empty()) return fail(usage_error("--where asks about a rule, not about a fact"));
-  Question question;
-  question.run = options.run;
-  question.at = options.at;
-  question.environment = options.environment;
-  question.trust_programs = options.trust_programs;
-  question.json = options.json;
-  return ask(question, [&](inspect::Inspector& inspector) -> Expected<Answer> {
+  return ask(options.question, [&](inspect::Inspector& inspector) -> Expected<Answer> {
     inspector.assert_time();
     auto future = inspect::future_of(inspector, options.rule);
     if (!future) return future.error();
@@ -166,15 +159,16 @@ int why_not(const WhyNotOptions& options) {
   if (options.rule.starts_with('(') || options.rule.starts_with("f-")) return why_not_fact(options);
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
-  auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
+  const Question& asked = options.question;
+  auto run = lab::Run::open(asked.run, catalogue(), asked.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
-  lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted), options.environment};
-  if (options.at) question.at = from_seconds(*options.at);
+  lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted), asked.environment};
+  if (asked.at) question.at = from_seconds(*asked.at);
   const auto answer = lab::why_not(*run, question, console.host());
   if (const int code = interrupted("the run was not replayed up to that time")) return code;
   if (!answer) return fail(answer.error());
-  if (options.json) {
+  if (asked.json) {
     std::printf("%s\n", json_text(lab::to_json(*answer), 2).c_str());
     return 0;
   }
@@ -191,19 +185,14 @@ void add_why_not(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "why-not",
       "Says why a rule of a recorded run has not fired, or what becomes of a fact and which rules wait for it");
-  add_limit_options(*command);
-  command->add_option("run", options->run, "Folder of the run")->required();
+  add_question(*command, options->question, Times::kAt);
   command
       ->add_option("rule", options->rule,
                    "Name of the rule, with or without its module: nav, NAV::nav; or a fact: f-12, or a pattern such as "
                    "'(order (id 3))'")
       ->required();
-  command->add_option("--env", options->environment, "Only this environment (default: all)");
-  time_option(command->add_option("--at", options->at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
-  add_trust_programs(*command, options->trust_programs);
-  command->add_flag("--json", options->json, "The answer as JSON");
   command->footer(
       "Of a fact that is there it lists the rules that need it and what each lacks to fire for it; of one that is "
       "missing\n"
