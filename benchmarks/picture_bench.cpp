@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/render.h"
 

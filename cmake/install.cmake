@@ -34,8 +34,8 @@ install(RUNTIME_DEPENDENCY_SET needed
 
 # --- Headers: all but those of the plugins that come with cxlab, and those that need headers of MuJoCo or nlohmann-json
 include(installed_headers)
-file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* lab lab/*)
-list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco)$")
+file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scenarios/* scenarios/rcll/* lab lab/*)
+list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco|scenarios/rcll/refbox)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
   list(FILTER files EXCLUDE REGEX "/(cx/explain/json|lab/(json_fields|why_not)|lab/(physics_replay|pictures|view))\\.h$")

@@ -3,7 +3,7 @@
 // outside referee box, `servers: [league_client]` (docs/rcll-protocol.md).
 
 #include "scenarios/catalogue.h"
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/game.h"
 
 namespace cxlab::rcll {
 

@@ -11,7 +11,7 @@
 #include "cx/network/network.h"
 #include "cx/protobuf/wire.h"
 #include "cx/run/loop.h"
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/game.h"
 #include "scenarios/rcll/refbox/league_client.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/stage.h"

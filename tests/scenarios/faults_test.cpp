@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cx/journal/journal_reader.h"
-#include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/game/factory.h"
 #include "sim/faults/fault.h"
 #include "tests/support/episode_test.h"
 

@@ -3,9 +3,9 @@
 #include <numbers>
 
 #include "cx/bus/bus.h"
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
-#include "scenarios/rcll/result.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
+#include "scenarios/rcll/game/result.h"
 #include "scenarios/view.h"
 #include "tests/support/episode_test.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cx/journal/file_store.h"
-#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/rules/config.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/turtlesim/config.h"
 #include "scenarios/turtlesim/world.h"

@@ -10,7 +10,7 @@
 
 #include "cx/base/random.h"
 #include "cx/bus/bus.h"
-#include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game/floor_plan.h"
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/skills/fleet.h"

@@ -11,8 +11,8 @@
 
 #include "cx/bus/bus.h"
 #include "cx/run/loop.h"
-#include "scenarios/rcll/factory.h"
-#include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game/factory.h"
+#include "scenarios/rcll/game/floor_plan.h"
 #include "sim/ledger/ledger_world.h"
 #include "tests/support/files.h"
 #include "tests/support/records.h"

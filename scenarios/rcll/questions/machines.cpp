@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <map>
 
-#include "scenarios/rcll/machine.h"
 #include "scenarios/rcll/questions/products.h"
 #include "scenarios/rcll/questions/questions.h"
+#include "scenarios/rcll/rules/machine.h"
 
 namespace cxlab::rcll {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/rcll/questions/story.h"
 #include "scenarios/rcll/questions/waiting.h"
+#include "scenarios/rcll/story/story.h"
 
 namespace cxlab::rcll {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/rcll/questions/story.h"
+#include "scenarios/rcll/story/story.h"
 
 namespace cxlab::rcll {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 
 namespace cxlab::rcll {
 

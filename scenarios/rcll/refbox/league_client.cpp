@@ -8,8 +8,8 @@
 
 #include "cx/bus/names.h"
 #include "cx/bus/needed.h"
-#include "scenarios/rcll/layout.h"
-#include "scenarios/rcll/topic.h"
+#include "scenarios/rcll/rules/layout.h"
+#include "scenarios/rcll/topics/topic.h"
 #include "scenarios/rcll/world.h"
 
 namespace cxlab::rcll {

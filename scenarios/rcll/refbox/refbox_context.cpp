@@ -6,7 +6,7 @@
 
 #include "cx/bus/needed.h"
 #include "cx/network/host.h"
-#include "scenarios/rcll/topic.h"
+#include "scenarios/rcll/topics/topic.h"
 
 namespace cxlab::rcll {
 

@@ -17,10 +17,10 @@
 #include "cx/bus/bus.h"
 #include "cx/node/log.h"
 #include "cx/protobuf/types.h"
-#include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/game/factory.h"
 #include "scenarios/rcll/refbox/messages.h"
-#include "scenarios/rcll/topic.h"
-#include "scenarios/rcll/types.h"
+#include "scenarios/rcll/rules/types.h"
+#include "scenarios/rcll/topics/topic.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cx/base/number_text.h"
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 
 namespace cxlab::rcll {
 

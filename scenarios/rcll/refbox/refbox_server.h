@@ -24,13 +24,13 @@
 #include "cx/protobuf/types.h"
 #include "cx/run/parts.h"
 #include "scenarios/catalogue.h"
-#include "scenarios/rcll/config.h"
-#include "scenarios/rcll/factory.h"
+#include "scenarios/rcll/game/factory.h"
 #include "scenarios/rcll/refbox/channel.h"
 #include "scenarios/rcll/refbox/controllers.h"
 #include "scenarios/rcll/refbox/refbox_context.h"
 #include "scenarios/rcll/refbox/robot_peer.h"
 #include "scenarios/rcll/refbox/team_peer.h"
+#include "scenarios/rcll/rules/config.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {

@@ -22,7 +22,7 @@
 #include "scenarios/rcll/refbox/channel.h"
 #include "scenarios/rcll/refbox/messages.h"
 #include "scenarios/rcll/refbox/refbox_context.h"
-#include "scenarios/rcll/types.h"
+#include "scenarios/rcll/rules/types.h"
 
 namespace cxlab::rcll {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cx/bus/needed.h"
-#include "scenarios/rcll/team_channel.h"
-#include "scenarios/rcll/topic.h"
+#include "scenarios/rcll/topics/team_channel.h"
+#include "scenarios/rcll/topics/topic.h"
 
 namespace cxlab::rcll {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
-#include "scenarios/rcll/machines.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
+#include "scenarios/rcll/rules/machines.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "tests/support/files.h"
 

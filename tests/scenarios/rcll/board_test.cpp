@@ -1,4 +1,4 @@
-#include "scenarios/rcll/board.h"
+#include "scenarios/rcll/story/board.h"
 
 #include <gmock/gmock.h>
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cx/run/loop.h"
-#include "scenarios/rcll/factory.h"
-#include "scenarios/rcll/floor_plan.h"
+#include "scenarios/rcll/game/factory.h"
+#include "scenarios/rcll/game/floor_plan.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/skills/fleet.h"
 #include "tests/support/files.h"

@@ -1,10 +1,10 @@
-#include "scenarios/rcll/config.h"
+#include "scenarios/rcll/rules/config.h"
 
 #include <gmock/gmock.h>
 
 #include <utility>
 
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 
 namespace cxlab::rcll {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/game.h"
 #include "tests/support/statistics.h"
 
 namespace cxlab::rcll {

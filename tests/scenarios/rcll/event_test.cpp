@@ -1,11 +1,11 @@
 // How events of a game are spelt in a journal, and that they come back from there as they were.
 
-#include "scenarios/rcll/event.h"
+#include "scenarios/rcll/rules/event.h"
 
 #include <gmock/gmock.h>
 
 #include "cx/journal/journal_reader.h"
-#include "scenarios/rcll/board.h"
+#include "scenarios/rcll/story/board.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {

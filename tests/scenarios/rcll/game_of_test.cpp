@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/game.h"
 
 namespace cxlab::rcll {
 namespace {

@@ -51,7 +51,7 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {

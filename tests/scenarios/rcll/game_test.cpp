@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "cx/journal/record_bytes.h"
-#include "scenarios/rcll/result.h"
+#include "scenarios/rcll/game/result.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {

@@ -1,4 +1,4 @@
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 
 #include <gmock/gmock.h>
 
@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
 #include "tests/support/statistics.h"
 
 namespace cxlab::rcll {

@@ -1,8 +1,8 @@
 // Robots that stand in the way of an opponent, and maintenance at the ticks at which something is due.
 
-#include "scenarios/rcll/maintenance.h"
+#include "scenarios/rcll/rules/maintenance.h"
 
-#include "scenarios/rcll/layout.h"
+#include "scenarios/rcll/rules/layout.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {

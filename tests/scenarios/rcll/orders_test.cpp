@@ -1,4 +1,4 @@
-#include "scenarios/rcll/orders.h"
+#include "scenarios/rcll/rules/orders.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/game.h"
 
 namespace cxlab::rcll {
 namespace {

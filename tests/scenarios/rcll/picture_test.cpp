@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/overlay.h"
 #include "sim/mujoco/render.h"

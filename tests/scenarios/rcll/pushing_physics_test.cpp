@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "scenarios/rcll/floor_plan.h"
-#include "scenarios/rcll/game.h"
-#include "scenarios/rcll/maintenance.h"
+#include "scenarios/rcll/game/floor_plan.h"
+#include "scenarios/rcll/game/game.h"
+#include "scenarios/rcll/rules/maintenance.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "tests/support/files.h"
 #include "tests/support/records.h"

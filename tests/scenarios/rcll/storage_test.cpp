@@ -1,4 +1,4 @@
-#include "scenarios/rcll/storage.h"
+#include "scenarios/rcll/rules/storage.h"
 
 #include <gmock/gmock.h>
 

@@ -1,0 +1,51 @@
+#pragma once
+// What there is to see of a game, in either tier (docs/rcll.md, The scene): the field, walls, machines with their
+// lights, robots, pieces.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenarios/rcll/game/factory.h"
+#include "scenarios/scene.h"
+#include "sim/skills/fleet.h"
+#include "sim/world.h"
+
+namespace cxlab::rcll {
+
+class GameScene {
+ public:
+  /// All outlive it.
+  GameScene(const sim::World& floor, const Factory& factory, const sim::Fleet& fleet);
+  void list(SceneList& list);
+
+ private:
+  /// Texts are made anew only when what they say has changed.
+  struct MachineText {
+    MachineState state{};
+    sim::Lights lights;
+    std::string text, look;
+    std::uint32_t revision = 0;
+  };
+  struct PieceText {
+    sim::Piece piece;  ///< as it was seen last
+    std::uint64_t way = 0;
+    std::uint32_t revision = 0;
+    std::string name, text, look;
+  };
+  void list_field(SceneList& list) const;
+  void list_machines(SceneList& list);
+  void list_robots(SceneList& list);
+  void list_pieces(SceneList& list);
+  const PieceText& text_of(const sim::Piece& piece);
+
+  const sim::World& floor_;
+  const Factory& factory_;
+  const sim::Fleet& fleet_;
+  std::vector<std::string> walls_, robots_;  // looks
+  std::vector<MachineText> machines_;        // by station
+  std::vector<PieceText> pieces_;            // by number
+  std::vector<sim::WayPoint> way_;
+};
+
+}  // namespace cxlab::rcll
