@@ -1,19 +1,26 @@
 # Targets of our own code.
 #
-#   cxlab_library(<target> FOLDER <folder>... [SOURCES a.cpp...] [ALONE a.cpp...] [DEPS targets...] [PRIVATE_DEPS targets...])
+#   cxlab_library(<target> FOLDER <folder>... [SOURCES a.cpp...] [ALONE a.cpp...] [DEPS targets...] [PRIVATE_DEPS targets...]
+#                 [COLD])
 #   cxlab_executable(<target> SOURCES a.cpp... [DEPS targets...])
-#   cxlab_test(<name> SOURCES a.cpp... [DEPS targets...] [LONG])
+#   cxlab_test(<name> SOURCES a.cpp... [ALONE a.cpp...] [DEPS targets...] [LONG])
 #
 # FOLDER is counted from the root of the project. Its headers (not those of folders below it) are included
 # as "<folder>/name.h", and only by targets that have this one in their DEPS, directly or through the DEPS
 # of another: the root itself is on nobody's include path. A library without SOURCES is an interface.
 #
-# With CXLAB_UNITY (presets release and asan) the SOURCES of a library are compiled together, which takes a third of the time;
-# their anonymous namespaces are then one. Those in ALONE, whose names meet those of other files, are compiled alone.
+# With CXLAB_UNITY (presets release and asan) the SOURCES of a library or test are compiled together, which takes a third of the
+# time; their anonymous namespaces are then one. Those in ALONE, whose names meet those of other files, are compiled alone.
+# COLD: no tick runs through it, so it is compiled with -O1, in half the time.
 
 include_guard(GLOBAL)
 
 set(CXLAB_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Werror)
+
+# What is compiled once for all libraries (CXLAB_UNITY), for all tests, and for the check of installed headers.
+set(CXLAB_COMMON_HEADERS <Eigen/Geometry> <algorithm> <any> <array> <atomic> <charconv> <chrono> <cmath> <deque> <filesystem>
+  <fstream> <functional> <future> <map> <memory> <mutex> <optional> <random> <ranges> <set> <span> <sstream> <string>
+  <string_view> <thread> <unordered_map> <variant> <vector>)
 
 option(CXLAB_UNITY "Compile the sources of a library together: a third of the time for a whole build" OFF)
 
@@ -50,7 +57,7 @@ function(cxlab_check_dependencies)
 endfunction()
 
 function(cxlab_library target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDER;SOURCES;ALONE;DEPS;PRIVATE_DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "FOLDER;SOURCES;ALONE;DEPS;PRIVATE_DEPS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_FOLDER)
     message(FATAL_ERROR "cxlab_library(${target}): needs FOLDER; not understood: ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -61,12 +68,20 @@ function(cxlab_library target)
     target_include_directories(${target} PUBLIC "${headers}")
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
     target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
+    set(precompiled precompiled_for_libraries)
+    if(arg_COLD)
+      target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+      set(precompiled precompiled_for_cold_libraries)
+    endif()
     if(CXLAB_UNITY)
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
       set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
       # A class of a source file is then one of an included file, which may not have members of anonymous types, and a local
       # name may be that of another file.
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
+      if(arg_SOURCES MATCHES "\\.cpp")
+        cxlab_precompiled(${precompiled} ${target} HEADERS <nlohmann/json.hpp>)
+      endif()
     endif()
   else()
     add_library(${target} INTERFACE)
@@ -89,13 +104,27 @@ function(cxlab_executable target)
   endif()
 endfunction()
 
-# Compiles the big headers <header.h>... of a target once, with this level of optimisation.
-function(cxlab_precompile target level)
-  target_compile_options(${target} PRIVATE ${level})
+# Gives a target the common headers and <header.h>..., compiled once for all targets that name the same `name`, as the first of
+# them is compiled: GCC takes the level of optimisation from there, too. LIBRARIES have the headers.
+function(cxlab_precompiled name target)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "HEADERS;LIBRARIES")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE -fpch-preprocess)  # for ccache
   endif()
-  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if(NOT TARGET ${name})
+    file(WRITE "${CMAKE_BINARY_DIR}/${name}.cpp" "int main() {}\n")
+    get_target_property(type ${target} TYPE)
+    if(type STREQUAL "EXECUTABLE")
+      add_executable(${name} EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/${name}.cpp")
+    else()
+      add_library(${name} OBJECT EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/${name}.cpp")
+    endif()
+    get_target_property(options ${target} COMPILE_OPTIONS)
+    target_compile_options(${name} PRIVATE ${options})
+    target_link_libraries(${name} PRIVATE Eigen3::Eigen ${arg_LIBRARIES})
+    target_precompile_headers(${name} PRIVATE ${arg_HEADERS} ${CXLAB_COMMON_HEADERS})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${name})
 endfunction()
 
 # The target of a test in CXLAB_CORE_TESTS (tests/CMakeLists.txt) belongs to core_tests, and the test has the label core.
@@ -110,21 +139,19 @@ endfunction()
 # One GoogleTest program, one entry of ctest, label short or long, with the headers of tests/support. It finds data
 # under $CXLAB_SOURCE_DIR, by default the sources that it was made from.
 function(cxlab_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;ALONE;DEPS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
     message(FATAL_ERROR "cxlab_test(${name}): needs SOURCES; not understood: ${arg_UNPARSED_ARGUMENTS}")
   endif()
-  cxlab_executable(${name} SOURCES ${arg_SOURCES} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
+  cxlab_executable(${name} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
   target_link_libraries(${name} PRIVATE test_main)
-  if(NOT TARGET precompiled_for_tests)
-    file(WRITE "${CMAKE_BINARY_DIR}/precompiled_for_tests.cpp" "")
-    add_executable(precompiled_for_tests EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/precompiled_for_tests.cpp")
-    target_link_libraries(precompiled_for_tests PRIVATE GTest::gmock GTest::gtest GTest::gtest_main)
-    target_compile_options(precompiled_for_tests PRIVATE ${CXLAB_WARNINGS})
-    cxlab_precompile(precompiled_for_tests -O0 <gmock/gmock.h> <gtest/gtest.h> <filesystem> <functional> <map>)
-  endif()
   target_compile_options(${name} PRIVATE -O0)
-  target_precompile_headers(${name} REUSE_FROM precompiled_for_tests)
+  if(CXLAB_UNITY)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+    set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    target_compile_options(${name} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
+  endif()
+  cxlab_precompiled(precompiled_for_tests ${name} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
   add_test(NAME ${name} COMMAND ${name})
   set(label short)
   set(timeout 120)
