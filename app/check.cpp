@@ -3,20 +3,18 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/suggestions.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/check.h"
 
 namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct CheckCommand {
   lab::CheckOptions check;

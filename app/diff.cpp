@@ -1,12 +1,11 @@
 // cxlab diff: where the rules of two recorded runs part first, what led to it, and what came of it.
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/inspect/text.h"
 #include "lab/comparison.h"
 
@@ -14,7 +13,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct DiffOptions {
   std::string a, b;
@@ -47,7 +45,7 @@ Json json_of(const lab::Comparison& found) {
   json["outcomes"] = Json::array();
   for (const auto& o : found.outcomes) {
     const auto value = [](const std::string& text) {
-      return text.empty() ? Json() : Json::parse(text, nullptr, false);
+      return text.empty() ? Json() : parse_json(text);
     };
     json["outcomes"].push_back({{"path", o.path}, {"a", value(o.a)}, {"b", value(o.b)}});
   }

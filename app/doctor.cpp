@@ -1,10 +1,9 @@
 // cxlab doctor: what this machine has, what is missing, and the remedy.
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "app/command.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/doctor.h"
 
 namespace cxlab::app {
@@ -24,7 +23,7 @@ const char* word(Verdict verdict) {
 
 int doctor(bool json) {
   bool complete = true;
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const lab::Finding& f : lab::examine_machine()) {
     complete = complete && f.verdict != Verdict::kMissing;
     if (json)

@@ -1,12 +1,11 @@
 // cxlab help, man and completion.
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/suggestions.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/page.h"
 #include "lab/versions.h"
 
@@ -14,7 +13,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands(nullptr); }
 

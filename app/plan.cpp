@@ -7,7 +7,6 @@
 #include <functional>
 #include <mutex>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
@@ -16,7 +15,7 @@
 #include "app/console.h"
 #include "app/planning.h"
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/page.h"
 #include "planner/pddl/parser.h"
 #include "planner/planner.h"
@@ -25,7 +24,6 @@ namespace cxlab::app {
 
 namespace {
 
-using nlohmann::ordered_json;
 using planner::PlanStatus;
 
 constexpr double kLongestTimeout = 1e9;  ///< s; clocks end some time after it
@@ -50,8 +48,8 @@ const char* word(PlanStatus status) {
 }
 
 /// `timed`: with wall times; without, the same budget gives the same bytes.
-ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool timed) {
-  ordered_json out;
+Json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool timed) {
+  Json out;
   out["status"] = word(answer.status);
   out["reason"] = answer.reason;
   out["units"] = answer.units;
@@ -62,10 +60,10 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
   if (answer.plan->metric) out["metric"] = rounded_metric(*answer.plan->metric);
   if (answer.metric_bound) out["metric_bound"] = rounded_metric(*answer.metric_bound);
   if (timed) out["first_plan_wall_s"] = answer.first_plan_s;
-  out["steps"] = out["orderings"] = ordered_json::array();
+  out["steps"] = out["orderings"] = Json::array();
   for (std::size_t i = 0; i < answer.plan->steps.size(); ++i) {
     const planner::PlanStep& step = answer.plan->steps[i];
-    ordered_json arguments = ordered_json::array();
+    Json arguments = Json::array();
     for (const planner::ObjectId object : step.arguments)
       arguments.push_back(task.problem.objects[static_cast<std::size_t>(object)].name);
     const auto latest = [&](std::size_t point) {
@@ -79,10 +77,10 @@ ordered_json to_json(const planner::PlanAnswer& answer, const planner::Task& tas
                             {"arguments", std::move(arguments)}});
   }
   const auto point = [](int p) {
-    return p < 0 ? ordered_json("origin") : ordered_json({{"step", p / 2}, {"at", p % 2 ? "end" : "start"}});
+    return p < 0 ? Json("origin") : Json({{"step", p / 2}, {"at", p % 2 ? "end" : "start"}});
   };
   for (const planner::Ordering& ordering : answer.plan->orderings) {
-    ordered_json edge = {{"from", point(ordering.from)},
+    Json edge = {{"from", point(ordering.from)},
                          {"to", point(ordering.to)},
                          {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
     if (ordering.most < planner::DurationRange::kForever)

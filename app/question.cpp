@@ -4,14 +4,13 @@
 
 #include "app/arguments.h"
 #include "app/console.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 /// What happens before the first tick has a time below 0.
 constexpr SimTime kEarliest = SimTime::min() + SimTime(1);

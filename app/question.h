@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <nlohmann/json.hpp>
+#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +27,7 @@ void add_question(CLI::App& command, Question& question, Times times);
 /// What is asked of each environment.
 struct Answer {
   std::string text;             ///< lines
-  nlohmann::ordered_json json;  ///< null: the text is the whole answer, of one environment
+  Json json;  ///< null: the text is the whole answer, of one environment
 };
 using Ask = std::function<Expected<Answer>(inspect::Inspector&)>;
 /// Plays the run's rules up to the time, asks each environment, and prints. An environment that does not know what is

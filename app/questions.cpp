@@ -7,14 +7,13 @@
 #include "app/arguments.h"
 #include "app/console.h"
 #include "app/question.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 Json json_of(const Value& value) {
   switch (value.type()) {

@@ -1,20 +1,18 @@
 // cxlab replay: plays one half of a run again, rules or physics, without the other, and compares the hashes.
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/replay.h"
 
 namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct ReplayOptions {
   std::string run;

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/rerun.h"
 
 namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct RerunOptions {
   std::string run, out;
@@ -78,7 +76,7 @@ void print_what_if_json(const RerunOptions& options, const lab::Run& run, const 
     out["changes"].push_back({{"t", to_seconds(act.t)}, {"env", act.environment}, {"what", act.what}});
   for (const lab::ResultChange& result : again.results) {
     const auto value = [](const std::string& text) {
-      Json number = Json::parse(text, nullptr, false);
+      Json number = parse_json(text);
       return number.is_number() ? number : Json(text);
     };
     out["then"][result.what] = value(result.then);

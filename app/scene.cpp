@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/table.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "lab/run.h"
 #include "scenarios/scene_log.h"
@@ -18,7 +17,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct SceneOptions {
   std::string run, what;

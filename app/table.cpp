@@ -1,4 +1,5 @@
 #include "app/table.h"
+#include "cx/base/json.h"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -13,7 +14,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using CellKind = Column::Kind;
 
 std::string shown(const TableCell& cell, CellKind kind) {
@@ -138,7 +138,7 @@ std::string table_text(const Table& table) {
   return out;
 }
 
-nlohmann::ordered_json table_json(const Table& table) {
+Json table_json(const Table& table) {
   Json rows = Json::array();
   for (const auto& row : table.rows) {
     Json one = Json::object();

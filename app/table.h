@@ -1,7 +1,7 @@
 #pragma once
 // Tables (scenarios/question.h) as text for people, and as JSON.
 
-#include <nlohmann/json.hpp>
+#include "cx/base/json.h"
 #include <string>
 
 #include "cx/base/expected.h"
@@ -12,7 +12,7 @@ namespace cxlab::app {
 /// Lines, as wide as the terminal; "none" where there are no rows.
 std::string table_text(const Table& table);
 /// A list with an object for each row.
-nlohmann::ordered_json table_json(const Table& table);
+Json table_json(const Table& table);
 /// Orders the rows by the column of that key: numbers from the greatest, texts from the first letter.
 Status sort_table(Table& table, const std::string& key);
 

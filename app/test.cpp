@@ -2,14 +2,13 @@
 
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/confine.h"
 #include "lab/stories.h"
 #include "scenarios/share.h"
@@ -81,7 +80,7 @@ int test(const TestOptions& options) {
   }
   std::size_t passed = 0;
   bool bad = false;
-  nlohmann::json rows = nlohmann::json::array();
+  Json rows = Json::array();
   for (const PlayedStory& p : *stories) {
     passed += p.result.passed();
     bad |= p.result.bad.has_value();
@@ -95,8 +94,8 @@ int test(const TestOptions& options) {
                     {"sim_time_s", p.result.sim_time_s}});
   }
   const Coverage coverage = lab::coverage_of(*stories);
-  nlohmann::json report{{"passed", passed}, {"failed", stories->size() - passed}, {"stories", rows}};
-  if (setup.coverage) report["rules"] = nlohmann::json::parse(lab::to_json(coverage));
+  Json report{{"passed", passed}, {"failed", stories->size() - passed}, {"stories", rows}};
+  if (setup.coverage) report["rules"] = parse_json(lab::to_json(coverage));
   if (setup.coverage && !options.json) print(coverage);
   if (options.json)
     std::printf("%s\n", json_text(report, 2).c_str());

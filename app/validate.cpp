@@ -3,13 +3,12 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/planning.h"
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "planner/ground/budget.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
@@ -21,7 +20,6 @@ namespace cxlab::app {
 namespace {
 
 using planner::time_text;
-using Json = nlohmann::ordered_json;
 
 struct ValidateOptions {
   std::string domain, problem, plan, data;
@@ -121,7 +119,7 @@ Expected<std::string> read_template_data(const std::string& file, const std::str
   if (file.empty()) return std::string("{}");
   auto text = read_file(file);
   if (!text) return text.error();
-  const Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  const Json json = parse_json(*text);
   if (json.is_discarded()) return input_error("found no JSON, expected an object such as {\"robots\": 2}", file);
   if (!json.is_object())
     return input_error(std::string("found ") + json.type_name() + ", expected an object such as {\"robots\": 2}", file);

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "app/question.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/inspect/users.h"
 #include "lab/why_not.h"
 
@@ -16,7 +15,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct WhyNotOptions {
   Question question;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/arguments.h"
@@ -10,7 +9,7 @@
 #include "app/console.h"
 #include "app/table.h"
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "lab/run.h"
 #include "scenarios/question.h"
@@ -19,7 +18,6 @@ namespace cxlab::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 struct WorldAsk {
   std::string name;  ///< of the question

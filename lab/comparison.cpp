@@ -1,8 +1,8 @@
 #include "lab/comparison.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "cx/base/file.h"
@@ -16,7 +16,6 @@ namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using inspect::Inspector;
 using inspect::Timeline;
 
@@ -39,14 +38,14 @@ void flatten(const Json& json, const std::string& path, std::map<std::string, st
     }
     return;
   }
-  if (out.emplace(path, json.dump(-1, ' ', false, Json::error_handler_t::replace)).second) order.push_back(path);
+  if (out.emplace(path, json_text(json)).second) order.push_back(path);
 }
 
 std::vector<Comparison::Outcome> outcomes_that_differ(const Run& a, const Run& b) {
   std::map<std::string, std::string> of_a, of_b;
   std::vector<std::string> order;
   for (const auto& [run, out] : {std::pair(&a, &of_a), std::pair(&b, &of_b)})
-    flatten(Json::parse(run->result), {}, *out, order);
+    flatten(parse_json(run->result), {}, *out, order);
   std::vector<Comparison::Outcome> differ;
   for (const std::string& path : order) {
     const auto there = of_a.find(path), here = of_b.find(path);

@@ -9,7 +9,7 @@
 // A field is what JSON has, an enumeration with its words (`named`), another such struct, or a list of these.
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,27 +20,27 @@
 namespace cxlab::lab {
 
 /// The object in a text, which is that of `file`.
-Expected<nlohmann::json> parse_object(const std::string& text, const std::filesystem::path& file);
+Expected<Json> parse_object(const std::string& text, const std::filesystem::path& file);
 /// The object in a file.
-Expected<nlohmann::json> read_json(const std::filesystem::path& file);
+Expected<Json> read_json(const std::filesystem::path& file);
 
 /// What the library says, without its code.
-std::string without_code(const nlohmann::json::exception& e);
+std::string without_code(const Json::exception& e);
 
 /// Throws where no run is so long; `time` in s.
-void check_time(const char* name, double time, const nlohmann::json& in);
+void check_time(const char* name, double time, const Json& in);
 
-nlohmann::json::other_error unknown_word(const char* name, const nlohmann::json& found,
+Json::other_error unknown_word(const char* name, const Json& found,
                                          const std::vector<std::string>& words);
 
 /// Writes each field under its name, in order.
 class JsonWriter {
  public:
   template <class T>
-  static nlohmann::ordered_json json(T& value) {
-    nlohmann::ordered_json out;
+  static Json json(T& value) {
+    Json out;
     if constexpr (requires(JsonWriter keys) { value.fields(keys); }) {
-      JsonWriter keys(out = nlohmann::ordered_json::object());
+      JsonWriter keys(out = Json::object());
       value.fields(keys);
     } else {
       out = value;
@@ -48,13 +48,13 @@ class JsonWriter {
     return out;
   }
   template <class T>
-  static nlohmann::ordered_json json(std::vector<T>& values) {
-    auto out = nlohmann::ordered_json::array();
+  static Json json(std::vector<T>& values) {
+    auto out = Json::array();
     for (T& value : values) out.push_back(json(value));
     return out;
   }
   template <class Enum>
-  static nlohmann::ordered_json json(NamedValue<Enum>& named) {
+  static Json json(NamedValue<Enum>& named) {
     return named.word();
   }
 
@@ -72,19 +72,19 @@ class JsonWriter {
   }
   void time(const char* name, double& time) { required(name, time); }
   void time(const char* name, std::optional<double>& time) {
-    out_[name] = time ? nlohmann::ordered_json(*time) : nlohmann::ordered_json(nullptr);
+    out_[name] = time ? Json(*time) : Json(nullptr);
   }
 
  private:
-  explicit JsonWriter(nlohmann::ordered_json& out) : out_(out) {}
+  explicit JsonWriter(Json& out) : out_(out) {}
 
-  nlohmann::ordered_json& out_;
+  Json& out_;
 };
 
-/// Reads each field from its name. Throws nlohmann::json::exception.
+/// Reads each field from its name. Throws Json::exception.
 class JsonReader {
  public:
-  explicit JsonReader(const nlohmann::json& in) : in_(in) {}
+  explicit JsonReader(const Json& in) : in_(in) {}
 
   template <class T>
   void required(const char* name, T&& value) {
@@ -109,7 +109,7 @@ class JsonReader {
 
  private:
   template <class T>
-  static void read(const char*, const nlohmann::json& in, T& value) {
+  static void read(const char*, const Json& in, T& value) {
     if constexpr (requires(JsonReader keys) { value.fields(keys); }) {
       JsonReader keys(in);
       value.fields(keys);
@@ -118,26 +118,26 @@ class JsonReader {
     }
   }
   template <class T>
-  static void read(const char* name, const nlohmann::json& in, std::vector<T>& values) {
+  static void read(const char* name, const Json& in, std::vector<T>& values) {
     values.clear();
-    for (const nlohmann::json& item : in.get<std::vector<nlohmann::json>>()) read(name, item, values.emplace_back());
+    for (const Json& item : in.get<std::vector<Json>>()) read(name, item, values.emplace_back());
   }
   template <class Enum>
-  static void read(const char* name, const nlohmann::json& in, NamedValue<Enum>& named) {
+  static void read(const char* name, const Json& in, NamedValue<Enum>& named) {
     if (!named.set(in.get<std::string>())) throw unknown_word(name, in, {named.begin, named.end});
   }
 
-  const nlohmann::json& in_;
+  const Json& in_;
 };
 
 /// The error is what is missing, or has another type.
 template <class T>
-Status read_fields(const nlohmann::json& in, T& value) {
+Status read_fields(const Json& in, T& value) {
   try {
     JsonReader keys(in);
     value.fields(keys);
     return {};
-  } catch (const nlohmann::json::exception& e) {
+  } catch (const Json::exception& e) {
     return input_error(without_code(e));
   }
 }

@@ -1,7 +1,7 @@
 #include "lab/manifest.h"
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "lab/json_fields.h"
 
 namespace cxlab::lab {

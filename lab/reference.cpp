@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
@@ -186,11 +185,10 @@ Expected<std::vector<PluginReference>> read_reference(const std::map<std::string
 }
 
 std::string interface_json(const std::string& name, const std::string& text) {
-  return json_text(nlohmann::ordered_json{{"interface", name}, {"text", text}}, 2) + '\n';
+  return json_text(Json{{"interface", name}, {"text", text}}, 2) + '\n';
 }
 
 std::string reference_json(const std::vector<PluginReference>& reference) {
-  using Json = nlohmann::ordered_json;
   Json out = Json::array();
   for (const PluginReference& plugin : reference) {
     Json functions = Json::array(), constructs = Json::array();

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "lab/page.h"
@@ -15,7 +14,6 @@ namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 std::string base64(const std::filesystem::path& file) {
   static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -134,13 +132,13 @@ Status write_report(const Played& played) {
   const std::filesystem::path& folder = played.folder;
   if (folder.empty() || played.result.journal_hash.empty()) return {};
   Json report;
-  report["result"] = Json::parse(played.result.to_json());
+  report["result"] = parse_json(played.result.to_json());
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
   const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
   const auto of_world = page_of_world(played, *records);
   if (!of_world) return of_world.error();
-  for (const Result::Section& section : of_world->data) report[section.key] = Json::parse(section.json);
+  for (const Result::Section& section : of_world->data) report[section.key] = parse_json(section.json);
   report["decisions"] = decisions_of(*records);
   if (std::error_code none; is_file(folder / "journal.jsonl"))
     report["journal_bytes"] = std::filesystem::file_size(folder / "journal.jsonl", none);

@@ -1,9 +1,9 @@
 #include "lab/run.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "cx/base/file.h"
@@ -20,7 +20,6 @@
 namespace cxlab::lab {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 namespace {
 

@@ -9,10 +9,9 @@
 #include <chrono>
 #include <cstring>
 #include <list>
-#include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/process.h"
 #include "cx/base/servant.h"
 #include "cx/testing/story.h"
@@ -23,7 +22,6 @@ namespace cxlab::lab {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 Expected<std::vector<fs::path>> find_files(const std::vector<std::string>& paths) {
   std::vector<fs::path> out;
@@ -53,14 +51,14 @@ void play(PlayedStory& story, const testing::StorySetup& setup) {
 
 /// From the process that played the story.
 std::string to_line(const PlayedStory& p) {
-  json rules = json::array(), bad;
+  Json rules = Json::array(), bad;
   for (const auto& r : p.result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
   if (const auto& error = p.result.bad)
     bad = {{"kind", static_cast<int>(error->kind)},
            {"message", error->message},
            {"file", error->file},
            {"line", error->line}};
-  const json line{{"failures", p.result.failures},
+  const Json line{{"failures", p.result.failures},
                   {"notes", p.result.notes},
                   {"sim_time_s", p.result.sim_time_s},
                   {"wall_s", p.wall_s},
@@ -72,7 +70,7 @@ std::string to_line(const PlayedStory& p) {
 /// Whether the text is the whole result of the story.
 bool read_line(const std::string& text, PlayedStory& p) {
   try {
-    const json line = json::parse(text);
+    const Json line = parse_json(text);
     testing::StoryResult result;
     result.failures = line.at("failures").get<std::vector<std::string>>();
     result.notes = line.at("notes").get<std::vector<std::string>>();
@@ -84,7 +82,7 @@ bool read_line(const std::string& text, PlayedStory& p) {
     p.wall_s = line.at("wall_s").get<double>();
     p.result = std::move(result);
     return true;
-  } catch (const json::exception&) {
+  } catch (const Json::exception&) {
     return false;
   }
 }
@@ -217,14 +215,14 @@ Coverage coverage_of(const std::vector<PlayedStory>& stories) {
 }
 
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories) {
-  nlohmann::json cases = nlohmann::json::array();
+  Json cases = Json::array();
   int failures = 0, errors = 0;
   double total = 0;
   for (const PlayedStory& p : stories) {
     failures += !p.result.bad && !p.result.passed();
     errors += p.result.bad.has_value();
     total += p.wall_s;
-    nlohmann::json messages = nlohmann::json::array();
+    Json messages = Json::array();
     for (const std::string& c : p.complaints()) messages.push_back(for_xml(c));
     cases.push_back({{"file", for_xml(p.spec.file)},
                      {"name", for_xml(p.spec.name)},
@@ -232,12 +230,12 @@ Expected<std::string> to_junit(const std::vector<PlayedStory>& stories) {
                      {"word", p.result.bad ? "error" : "failure"},
                      {"messages", messages}});
   }
-  const nlohmann::json report = {{"stories", cases}, {"failures", failures}, {"errors", errors}, {"wall_s", total}};
+  const Json report = {{"stories", cases}, {"failures", failures}, {"errors", errors}, {"wall_s", total}};
   return render_page("junit.xml", json_text(report));
 }
 
 std::string to_json(const Coverage& coverage) {
-  nlohmann::json rows = nlohmann::json::array();
+  Json rows = Json::array();
   for (const auto& [file, rules] : coverage)
     for (const auto& [rule, covered] : rules)
       rows.push_back({{"file", file},

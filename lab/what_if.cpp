@@ -4,12 +4,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
 #include "cx/explain/names.h"
@@ -23,7 +22,6 @@ namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::json;
 
 std::string seconds(double s) { return general_text(s, 9) + " s"; }
 
@@ -346,7 +344,7 @@ std::string size_of(const Json& value) { return value.is_array() ? std::to_strin
 
 std::vector<ResultChange> compare_results(const WorldKind& world, const std::string& then_json,
                                           const std::string& now_json) {
-  const Json then = Json::parse(then_json, nullptr, false), now = Json::parse(now_json, nullptr, false);
+  const Json then = parse_json(then_json), now = parse_json(now_json);
   std::vector<ResultChange> out;
   const auto add = [&](const std::string& what, std::string before, std::string after, bool always) {
     if (always || before != after) out.push_back({what, std::move(before), std::move(after)});

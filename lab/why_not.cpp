@@ -1,8 +1,8 @@
 #include "lab/why_not.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "cx/engine/form_reader.h"
@@ -121,7 +121,7 @@ Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, c
 
 namespace {
 
-nlohmann::ordered_json to_json(const inspect::FactChange& change) {
+Json to_json(const inspect::FactChange& change) {
   return {{"fact", change.after.print()},
           {"what", std::string(to_string(change.kind))},
           {"t_s", to_seconds(change.t)},
@@ -130,12 +130,12 @@ nlohmann::ordered_json to_json(const inspect::FactChange& change) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const inspect::Makers& makers) {
-  nlohmann::ordered_json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
+Json to_json(const inspect::Makers& makers) {
+  Json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
   if (makers.changed) json["nearest_changed"] = to_json(*makers.changed);
   if (makers.made) json["last_made"] = to_json(*makers.made);
   if (makers.gone) json["then"] = to_json(*makers.gone);
-  auto rules = nlohmann::ordered_json::array();
+  auto rules = Json::array();
   for (const auto& maker : makers.makers) {
     rules.push_back({{"rule", maker.rule},
                      {"place", maker.file + ':' + std::to_string(maker.line)},
@@ -149,8 +149,7 @@ nlohmann::ordered_json to_json(const inspect::Makers& makers) {
   return json;
 }
 
-nlohmann::ordered_json to_json(const WhyNotAnswer& answer) {
-  using Json = nlohmann::ordered_json;
+Json to_json(const WhyNotAnswer& answer) {
   Json explanations = Json::array();
   for (const auto& [environment, found, makers] : answer.environments) {
     Json json{{"environment", environment}};

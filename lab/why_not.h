@@ -1,12 +1,13 @@
 #pragma once
 // Why a rule of a recorded run has not fired at a time: the run's rules are played again up to then.
 
-#include <nlohmann/json_fwd.hpp>
+#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/json.h"
 #include "cx/explain/why_not.h"
 #include "cx/inspect/makers.h"
 #include "lab/host.h"
@@ -32,8 +33,8 @@ struct WhyNotAnswer {
   std::vector<InEnvironment> environments;  ///< that have the rule; one of several modules comes more than once
   bool stopped = false;                     ///< by the host; then there is no answer
 };
-nlohmann::ordered_json to_json(const WhyNotAnswer& answer);
-nlohmann::ordered_json to_json(const inspect::Makers& makers);
+Json to_json(const WhyNotAnswer& answer);
+Json to_json(const inspect::Makers& makers);
 
 Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host = {});
 

@@ -1,7 +1,7 @@
 #include "scenarios/metric.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "scenarios/catalogue.h"
@@ -11,7 +11,6 @@ namespace cxlab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 constexpr Metric kCommon[]{
     {.name = "real_time_factor",
@@ -82,14 +81,14 @@ std::vector<const Metric*> metrics_of(const WorldKind& world) {
 }
 
 std::vector<std::optional<double>> measure(const std::vector<const Metric*>& metrics, const std::string& result_json) {
-  const Json result = Json::parse(result_json, nullptr, /*allow_exceptions=*/false);
+  const Json result = parse_json(result_json);
   std::vector<std::optional<double>> out;
   for (const Metric* metric : metrics) out.push_back(value_of(*metric, result));
   return out;
 }
 
 std::vector<std::pair<std::string, double>> measure_apart(const Metric& metric, const std::string& result_json) {
-  const Json result = Json::parse(result_json, nullptr, /*allow_exceptions=*/false);
+  const Json result = parse_json(result_json);
   std::vector<std::pair<std::string, double>> out;
   constexpr std::string_view kEach = ".*.";
   const std::size_t each = metric.from.find(kEach);
@@ -109,7 +108,7 @@ std::vector<std::pair<std::string, double>> measure_apart(const Metric& metric, 
 
 Status check_metrics(const Scenario& scenario) {
   const WorldKind& world = *scenario.world.kind;
-  const Json sample = Json::parse(sample_result(scenario).to_json());
+  const Json sample = parse_json(sample_result(scenario).to_json());
   std::set<std::string_view> names;
   for (const Metric* metric : metrics_of(world)) {
     const std::string what =

@@ -1,14 +1,12 @@
 #include "scenarios/result.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab {
 
-using Json = nlohmann::ordered_json;
 
 const char* to_string(RunStatus status) {
   switch (status) {
@@ -59,7 +57,7 @@ Json result_json(const Result& r) {
   out["steps"] = r.steps;
   out["peak_rss_mb"] = r.peak_rss_mb;
   for (const Result::Section& section : r.sections) {
-    Json value = Json::parse(section.json, nullptr, /*allow_exceptions=*/false);
+    Json value = parse_json(section.json);
     out[section.key] = value.is_discarded() ? Json(section.json) : std::move(value);
   }
   out["plans"] = r.plans;
@@ -198,7 +196,7 @@ Status check_result_path(const std::string& path, const Scenario& scenario) {
 }
 
 Status check_expectations(const std::vector<Expectation>& expectations, const std::string& result_json) {
-  const Json result = Json::parse(result_json);
+  const Json result = parse_json(result_json);
   for (const Expectation& e : expectations) {
     const Json value = value_at(result, e.path);
     const std::string found = value.is_string() ? value.get<std::string>() : json_text(value);

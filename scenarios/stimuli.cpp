@@ -1,9 +1,8 @@
 #include "scenarios/stimuli.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/node/parameter_services.h"
 
 namespace cxlab {
@@ -68,7 +67,7 @@ Expected<Stimulus> StimuliServer::as_call(const Stimulus& asked) const {
                                      " environment managers: say which with 'manager: /NAMESPACE/clips_manager'"));
     manager = managers_.front();
   }
-  nlohmann::json request{{"env_name", asked.target}};
+  Json request{{"env_name", asked.target}};
   if (!asked.plugin.empty()) request["plugin_name"] = asked.plugin;
   call.content = json_text(request);
   const bool plugin = asked.verb == Verb::kLoadPlugin || asked.verb == Verb::kUnloadPlugin;

@@ -44,7 +44,7 @@ std::map<std::string, Doers> doers_of(const RuleBase& base) {
   return out;
 }
 
-std::string quoted(const std::string& text) {
+std::string dot_text(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += (c == '"' || c == '\\') ? std::string("\\") + c : std::string(1, c);
   return out + '"';
@@ -113,19 +113,19 @@ std::string graph_dot(const RuleBase& base, const std::string& title) {
   std::string nodes, arrows;
   std::set<std::string> rules;
   for (const auto& [name, doers] : doers_of(base)) {
-    nodes += "  " + quoted("(" + name + ")") + " [shape=ellipse, style=filled, fillcolor=\"#fff2cc\"];\n";
+    nodes += "  " + dot_text("(" + name + ")") + " [shape=ellipse, style=filled, fillcolor=\"#fff2cc\"];\n";
     for (const auto& [doer, deeds] : doers) {
       rules.insert(doer);
       if (deeds.produces())
-        arrows += "  " + quoted(doer) + " -> " + quoted("(" + name + ")") +
-                  " [color=\"#2e7d32\", tooltip=" + quoted(makes(deeds)) + "];\n";
+        arrows += "  " + dot_text(doer) + " -> " + dot_text("(" + name + ")") +
+                  " [color=\"#2e7d32\", tooltip=" + dot_text(makes(deeds)) + "];\n";
       if (deeds.consumes())
-        arrows += "  " + quoted("(" + name + ")") + " -> " + quoted(doer) + " [tooltip=" + quoted(takes(deeds)) +
+        arrows += "  " + dot_text("(" + name + ")") + " -> " + dot_text(doer) + " [tooltip=" + dot_text(takes(deeds)) +
                   (deeds.reads ? "" : ", style=dashed") + "];\n";
     }
   }
-  for (const std::string& rule : rules) nodes += "  " + quoted(rule) + " [shape=box];\n";
-  return "digraph rules {\n  rankdir=LR;\n  label=" + quoted(title) + ";\n" + nodes + arrows + "}\n";
+  for (const std::string& rule : rules) nodes += "  " + dot_text(rule) + " [shape=box];\n";
+  return "digraph rules {\n  rankdir=LR;\n  label=" + dot_text(title) + ";\n" + nodes + arrows + "}\n";
 }
 
 std::string graph_svg(const RuleBase& base, const std::string& title) {

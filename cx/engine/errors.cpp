@@ -74,7 +74,7 @@ void add_rules_below(const joinNode& join, std::vector<std::string>& rules) {
 }
 
 /// The texts of a message in single quotes.
-std::vector<std::string> quoted(const std::string& message) {
+std::vector<std::string> quoted_words(const std::string& message) {
   std::vector<std::string> names;
   for (std::size_t at = message.find('\''); at != std::string::npos; at = message.find('\'', at + 1)) {
     const std::size_t end = message.find('\'', at + 1);
@@ -229,7 +229,7 @@ std::string with_export(const RuleEngine::Impl& impl, const std::string& message
 
 /// The message, with the name that is nearest to one that is not known, whatever form it stands in.
 std::string with_near_name(const RuleEngine::Impl& impl, const std::string& message) {
-  const std::vector<std::string> names = quoted(message);
+  const std::vector<std::string> names = quoted_words(message);
   if (names.empty()) return message;
   if (message.starts_with("[TMPLTDEF1]") && names.size() == 2)
     return with_nearest(message, names[0], slots_of_template(impl.env, names[1]));
@@ -245,7 +245,7 @@ std::string with_near_name(const RuleEngine::Impl& impl, const std::string& mess
 /// The message, with what a function that is missing should be: the nearest one, or the slot of a deftemplate that is
 /// missing.
 std::string with_remedy(Environment* env, const std::string& message, const Term& form) {
-  const std::vector<std::string> names = quoted(message);
+  const std::vector<std::string> names = quoted_words(message);
   if (message.starts_with("[PRNTUTIL2]") && form.head() == "defrule") {
     const std::vector<std::string> defined = known_templates(env);
     const std::string pattern = unknown_pattern(form, defined);
@@ -296,7 +296,7 @@ void add_call(const RuleEngine::Impl& impl, const std::string& head, RuleError& 
   if (at == std::string::npos) return;
   std::string call = head.substr(at + kBefore.size());
   if (call.ends_with('.')) call.pop_back();
-  const std::vector<std::string> names = quoted(call);
+  const std::vector<std::string> names = quoted_words(call);
   if (names.empty() || call.starts_with("defrule") ||
       (error.side == ErrorSide::kCallback && names.front() == error.rule))
     return;
@@ -576,7 +576,7 @@ int RuleEngine::Impl::line_of_error(const ConstructInfo& info, ErrorSide side, c
       break;
     }
   }
-  for (const std::string& name : quoted(message)) {
+  for (const std::string& name : quoted_words(message)) {
     int line = 0;
     int places = 0;
     for (std::size_t i = begin + 1; i < end; ++i) {

@@ -1,12 +1,13 @@
 #pragma once
 // Answers as JSON, for `--json`.
 
-#include <nlohmann/json_fwd.hpp>
+#include "cx/base/json.h"
 
 #include "cx/explain/why_not.h"
+#include "cx/base/json.h"
 
 namespace cxlab::explain {
 
-nlohmann::ordered_json to_json(const WhyNot& answer);
+Json to_json(const WhyNot& answer);
 
 }  // namespace cxlab::explain

@@ -1,7 +1,7 @@
 #include "cx/explain/why_not.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "cx/explain/json.h"
 #include "cx/explain/matcher.h"
@@ -376,8 +376,7 @@ Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& 
   return answer;
 }
 
-nlohmann::ordered_json to_json(const WhyNot& answer) {
-  using Json = nlohmann::ordered_json;
+Json to_json(const WhyNot& answer) {
   const auto object = [](const Values& values) {
     Json out = Json::object();
     for (const auto& [name, value] : values) out[name] = value;

@@ -5,11 +5,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
 
@@ -17,7 +16,6 @@ namespace cxlab {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// A name stays inside the folder under which it is laid out.
 bool is_logical_name(const std::string& name) {
@@ -90,7 +88,7 @@ Expected<StoredFiles> StoredFiles::open(const fs::path& run) {
   int number = 1;
   // A last line without its end is that of a process that was killed.
   for (std::size_t end = text->find('\n'); end != text->npos; end = text->find('\n', begin = end + 1), ++number) {
-    const Json line = Json::parse(text->substr(begin, end - begin), nullptr, /*allow_exceptions=*/false);
+    const Json line = parse_json(text->substr(begin, end - begin));
     const auto word = [&line](const char* key) {
       const auto known = line.is_object() ? line.find(key) : line.end();
       return known != line.end() && known->is_string() ? known->get<std::string>() : std::string();

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 
 namespace cxlab {
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 constexpr int kDeepest = 64;
 
@@ -118,7 +116,7 @@ bool is_planned(const JournalRecord& record) {
 }
 
 Expected<JournalRecord> parse_journal_line(std::string_view line) {
-  const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+  const Json json = parse_json(line);
   if (!json.is_object()) return input_error("expected a record, a JSON object");
   const Json missing;
   const auto member = [&](const char* key) -> const Json& { return json.contains(key) ? json[key] : missing; };

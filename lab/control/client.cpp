@@ -9,15 +9,13 @@
 #include <asio/local/stream_protocol.hpp>
 #include <asio/read_until.hpp>
 #include <asio/write.hpp>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 
 namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::json;
 
 std::string text_of(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -52,7 +50,7 @@ struct ControlClient::State {
     std::error_code error;
     const std::size_t size = asio::read_until(socket, asio::dynamic_buffer(unread), '\n', error);
     if (error) return gone();
-    Json line = Json::parse(unread.substr(0, size), nullptr, false);
+    Json line = parse_json(unread.substr(0, size));
     unread.erase(0, size);
     if (!line.is_object()) return input_error("found a line that is no JSON object; is a cxlab there?");
     return line;

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 
 namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLinesKept = 10'000;  // of the log, for those who come late
 
@@ -249,7 +247,7 @@ void Debugger::answer(const ControlLines::Line& line) {
     then_ = line;
     return go_to(here_ && !at_end_ ? Target{passed_ - 1, place_.fired} : kEnd);
   }
-  const Json request = Json::parse(line.text, nullptr, false);
+  const Json request = parse_json(line.text);
   const auto refuse = [&](const std::string& why) {
     lines_.send(line.client,
                 json_text(Json{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()},

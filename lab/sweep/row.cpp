@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 
 #include "cx/base/file.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/journal/file_store.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/metric.h"
@@ -15,7 +14,6 @@ namespace cxlab::lab {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 2;
 /// Of the JSON of a row, without the figures.
@@ -23,7 +21,7 @@ constexpr std::string_view kKeys[] = {"schema",    "scenario",     "strategy", "
                                       "overrides", "status",       "exit",     "errors", "world", "compared",
                                       "metrics",   "journal_hash", "program",  "files"};
 
-std::string quoted(const std::string& field) {
+std::string csv_field(const std::string& field) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
   std::string out = "\"";
   for (const char c : field) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -101,7 +99,7 @@ std::string Row::to_json() const {
 
 Expected<Row> Row::parse(const std::string& text) {
   try {
-    const Json json = Json::parse(text);
+    const Json json = parse_json(text);
     if (json.at("schema") != kSchema) return input_error("a row of another version of cxlab");
     Row row;
     row.cell.scenario = json.at("scenario");
@@ -146,10 +144,10 @@ std::string to_csv(const std::vector<Row>& rows) {
     for (const Figure& figure : row.figures)
       if (std::ranges::find(metrics, figure.metric) == metrics.end()) metrics.push_back(figure.metric);
   std::string out = "scenario,strategy,game,seed,status,exit";
-  for (const std::string& metric : metrics) out += ',' + quoted(metric);
+  for (const std::string& metric : metrics) out += ',' + csv_field(metric);
   out += ",journal_hash\n";
   for (const Row& row : rows) {
-    out += quoted(row.cell.scenario) + ',' + quoted(row.cell.strategy) + ',' + quoted(row.cell.game) + ',' +
+    out += csv_field(row.cell.scenario) + ',' + csv_field(row.cell.strategy) + ',' + csv_field(row.cell.game) + ',' +
            std::to_string(row.cell.seed) + ',' + row.status + ',' + std::to_string(row.exit_code);
     for (const std::string& metric : metrics) {
       const std::optional<double> value = row.figure(metric);

@@ -5,10 +5,9 @@
 #include <cstdio>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "scenarios/catalogue.h"
 
@@ -16,7 +15,6 @@ namespace cxlab::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 /// "12.5 +- 3.1"; with the sign of the mean where it is a difference.
 std::string text(const Summary& s, int digits, bool difference = false) {

@@ -37,7 +37,7 @@ std::string filled(std::string command, const std::string& placeholder, const st
 }
 
 /// For the shell, as one word.
-std::string quoted(const std::string& word) { return "'" + filled(word, "'", "'\\''") + "'"; }
+std::string shell_word(const std::string& word) { return "'" + filled(word, "'", "'\\''") + "'"; }
 
 /// The last line that is not empty.
 std::string last_line(const std::string& text) {
@@ -133,7 +133,7 @@ Expected<PlanAnswer> without_plan(const ExternalPlanner& planner, std::optional<
 }  // namespace
 
 ExternalPlanner up_engine(const fs::path& script, const std::string& python, const std::string& engine) {
-  return {quoted(python) + " -W ignore " + quoted(script.string()) + " " + quoted(engine) +
+  return {shell_word(python) + " -W ignore " + shell_word(script.string()) + " " + shell_word(engine) +
               " {domain} {problem} {plan} --timeout {timeout}",
           true,
           "set the parameter `python` to a Python interpreter that has the Unified Planning Framework; found '" +

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 
 namespace cxlab::rl {
 
@@ -38,10 +37,10 @@ double QTable::exploration(int episode) const {
   return rates_.exploration * std::pow(rates_.exploration_decay, episode);
 }
 
-std::string QTable::to_text() const { return json_text(nlohmann::ordered_json(values_), 1) + '\n'; }
+std::string QTable::to_text() const { return json_text(Json(values_), 1) + '\n'; }
 
 Expected<QTable> QTable::from_text(std::string_view text, LearningRates rates, const std::string& file) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = parse_json(text);
   QTable table(rates);
   const auto refuse = [&file](const std::string& what) {
     return input_error("not a table of values: " + what + ", expected {\"STATE\": {\"ACTION\": NUMBER}}", file);

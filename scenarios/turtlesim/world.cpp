@@ -1,9 +1,8 @@
 #include "scenarios/turtlesim/world.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/hash_text.h"
 #include "scenarios/result.h"
@@ -14,7 +13,6 @@ namespace cxlab::turtlesim {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 class CanvasView final : public View {
  public:
@@ -143,7 +141,7 @@ constexpr Metric kMetrics[]{
 
 Expected<RunPage> page_of(const AskedRun&, const Result& result) {
   PageTable table{"Turtles", {"turtle", "x", "y", "driven", "walls", "touches", "teleports"}, {}};
-  const Json all = Json::parse(result.to_json());
+  const Json all = parse_json(result.to_json());
   for (const Json& turtle : all["turtles"]) {
     const auto number = [&turtle](const char* key, int digits) {
       return fixed_text(turtle[key].get<double>(), digits);

@@ -1,15 +1,13 @@
 #include "scenarios/rcll/game/result.h"
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 namespace cxlab::rcll {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 Json team_json(const Score& score) {
   Json kinds = Json::object();

@@ -1,9 +1,8 @@
 #include "scenarios/rcll/story/page.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "cx/base/json_text.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "scenarios/rcll/story/story.h"
 
@@ -11,7 +10,6 @@ namespace cxlab::rcll {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 
 constexpr const char *kHoldsKind = "holds", *kFailedKind = "failed", *kAwayKind = "maintenance", *kFaultKind = "fault",
                      *kPauseKind = "pause";
@@ -286,7 +284,7 @@ void Page::build() {
 Expected<RunPage> page_of(const AskedRun& run, const Result& result) {
   const auto story = GameStory::read(run);
   if (!story) return story.error();
-  Page page{*story, Json::parse(result.to_json())};
+  Page page{*story, parse_json(result.to_json())};
   page.build();
   return std::move(page.out);
 }
