@@ -31,12 +31,11 @@ void check_time(const char* name, double time, const Json& in) {
         500, "'" + std::string(name) + "': found " + general_text(time, 9) + ", expected s from 0 to 1e9", &in);
 }
 
-Json::other_error unknown_word(const char* name, const Json& found,
-                                         const std::vector<std::string>& words) {
+Json::other_error unknown_word(const char* name, const Json& found, const std::vector<std::string>& words) {
   return Json::other_error::create(500,
-                                             "'" + std::string(name) + "': found '" + found.get<std::string>() +
-                                                 "', expected one of: " + some_of(words, words.size()),
-                                             &found);
+                                   "'" + std::string(name) + "': found '" + found.get<std::string>() +
+                                       "', expected one of: " + some_of(words, words.size()),
+                                   &found);
 }
 
 }  // namespace cxlab::lab

@@ -9,10 +9,10 @@
 // A field is what JSON has, an enumeration with its words (`named`), another such struct, or a list of these.
 
 #include <filesystem>
-#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
+#include "cx/base/json.h"
 
 #include "cx/base/expected.h"
 #include "cx/base/named_value.h"
@@ -30,8 +30,7 @@ std::string without_code(const Json::exception& e);
 /// Throws where no run is so long; `time` in s.
 void check_time(const char* name, double time, const Json& in);
 
-Json::other_error unknown_word(const char* name, const Json& found,
-                                         const std::vector<std::string>& words);
+Json::other_error unknown_word(const char* name, const Json& found, const std::vector<std::string>& words);
 
 /// Writes each field under its name, in order.
 class JsonWriter {
@@ -71,9 +70,7 @@ class JsonWriter {
     if (!value.empty()) required(name, value);
   }
   void time(const char* name, double& time) { required(name, time); }
-  void time(const char* name, std::optional<double>& time) {
-    out_[name] = time ? Json(*time) : Json(nullptr);
-  }
+  void time(const char* name, std::optional<double>& time) { out_[name] = time ? Json(*time) : Json(nullptr); }
 
  private:
   explicit JsonWriter(Json& out) : out_(out) {}

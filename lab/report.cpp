@@ -14,7 +14,6 @@ namespace cxlab::lab {
 
 namespace {
 
-
 std::string base64(const std::filesystem::path& file) {
   static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const auto read = read_file(file);

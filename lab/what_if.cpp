@@ -22,7 +22,6 @@ namespace cxlab::lab {
 
 namespace {
 
-
 std::string seconds(double s) { return general_text(s, 9) + " s"; }
 
 bool is_global(const std::string& name) { return name.starts_with("?*") && name.size() > 3 && name.ends_with('*'); }

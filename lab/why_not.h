@@ -1,10 +1,10 @@
 #pragma once
 // Why a rule of a recorded run has not fired at a time: the run's rules are played again up to then.
 
-#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
+#include "cx/base/json.h"
 
 #include "cx/base/expected.h"
 #include "cx/base/json.h"

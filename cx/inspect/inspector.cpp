@@ -231,15 +231,15 @@ Values Inspector::values_of(const ConstructInfo& rule, const std::vector<FactCop
   return values;
 }
 
-std::optional<std::uint64_t> Inspector::last_firing(const std::string& rule) const {
+std::optional<std::uint64_t> Inspector::last_firing(const std::string& rule, std::uint64_t end) const {
   const auto& all = timeline_->firings();
-  const auto last =
-      std::find_if(all.rbegin(), all.rend(), [&](std::uint64_t n) { return names(rule, timeline_->name(n)); });
+  const auto last = std::find_if(all.rbegin(), all.rend(),
+                                 [&](std::uint64_t n) { return n < end && names(rule, timeline_->name(n)); });
   return last == all.rend() ? std::nullopt : std::optional(*last);
 }
 
-std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& pattern) const {
-  for (std::uint64_t n = timeline_->end(); n-- > timeline_->begin();) {
+std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& pattern, std::uint64_t end) const {
+  for (std::uint64_t n = std::min(timeline_->end(), end); n-- > timeline_->begin();) {
     const std::int64_t fact = timeline_->fact(n);
     if (fact == 0 || timeline_->kind(n) == RecordKind::kRetract || timeline_->name(n) != pattern.template_name() ||
         !pattern.matches(timeline_->fact_after(n)))

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -132,10 +133,11 @@ class Inspector {
   /// matches now may name one that has gone.
   Expected<Derivation> why(const std::string& what) const;
 
-  /// The record of the rule's last firing; none if it has not fired.
-  std::optional<std::uint64_t> last_firing(const std::string& rule) const;
-  /// The last record that made a fact match the pattern.
-  std::optional<std::uint64_t> last_made(const explain::Pattern& pattern) const;
+  static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+  /// The record of the rule's last firing, of those before `end`; none if it has not fired.
+  std::optional<std::uint64_t> last_firing(const std::string& rule, std::uint64_t end = kAll) const;
+  /// The last record that made a fact match the pattern, of those before `end`.
+  std::optional<std::uint64_t> last_made(const explain::Pattern& pattern, std::uint64_t end = kAll) const;
 
   /// How record `n` came about.
   Derivation why(std::uint64_t n) const;

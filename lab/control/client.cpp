@@ -16,7 +16,6 @@ namespace cxlab::lab {
 
 namespace {
 
-
 std::string text_of(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();

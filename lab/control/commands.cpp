@@ -450,14 +450,10 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
   const auto time = time_in(text);
   if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
   const auto there = std::ranges::lower_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
-  if (there != visits_.end()) {
-    go_to({static_cast<std::size_t>(there - visits_.begin()), there->place.fired});
-  } else if (at_end_) {
-    return {false, "the run ends at " + general_text(to_seconds(place_.t), 9) + " s"};
-  } else {
-    breaks_.push_back({.text = text + " s", .time = *time, .once = true});
-    stopped_ = false;
-  }
+  if (there != visits_.end()) return show({static_cast<std::size_t>(there - visits_.begin()), there->place.fired});
+  if (at_end_) return {false, "the run ends at " + general_text(to_seconds(place_.t), 9) + " s"};
+  breaks_.push_back({.text = text + " s", .time = *time, .once = true});
+  stopped_ = false;
   return {true, {}, true};
 }
 
@@ -467,8 +463,7 @@ Debugger::Answer Debugger::back(const std::string& rest) {
   if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
   const auto there = before_firing(*n);
   if (!there) return {false, "no rule fired before" + std::string(rest.empty() ? "" : " that often")};
-  go_to(*there);
-  return {true, {}, true};
+  return show(*there);
 }
 
 Debugger::Answer Debugger::back_until(const std::string& what) {
@@ -486,13 +481,13 @@ Debugger::Answer Debugger::back_until(const std::string& what) {
   for (cx::Environment* environment : environments_()) {
     if (!selected_.empty() && environment->unique_name() != selected_) continue;
     const inspect::Inspector inspector = inspect_(*environment);
-    const auto n = is_fact ? inspector.last_made(*pattern) : inspector.last_firing(what);
+    const std::uint64_t end = end_here(*environment);
+    const auto n = is_fact ? inspector.last_made(*pattern, end) : inspector.last_firing(what, end);
     const auto there = n ? before_record(*environment, *n) : std::nullopt;
     if (there && (!last || *there > *last)) last = there;
   }
   if (!last) return {false, what + (is_fact ? " was not made before" : " did not fire before")};
-  go_to(*last);
-  return {true, {}, true};
+  return show(*last);
 }
 
 }  // namespace cxlab::lab

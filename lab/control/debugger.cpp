@@ -11,13 +11,45 @@ namespace cxlab::lab {
 
 namespace {
 
-
 constexpr std::size_t kLinesKept = 10'000;  // of the log, for those who come late
 
 std::string seconds(SimTime t) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3f s", to_seconds(t));
   return text;
+}
+
+constexpr const char* kBeginOfTick = ", at the beginning of a tick";
+
+std::string before(const std::string& environment, SimTime t, const std::string& rule,
+                   const std::vector<std::int64_t>& facts) {
+  std::string text = environment + " at " + seconds(t) + ", before rule " + rule + " fires for";
+  for (const std::int64_t fact : facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
+  return text;
+}
+
+/// Of the facts of a firing; -1 where a condition matched none.
+std::vector<std::int64_t> numbers_in(const RecordValue& firing) {
+  std::vector<std::int64_t> numbers;
+  const RecordValue* facts = firing.find("facts");
+  if (const auto* list = facts ? std::get_if<RecordValue::List>(&facts->value) : nullptr)
+    for (const RecordValue& fact : *list) {
+      const auto* number = std::get_if<std::int64_t>(&fact.value);
+      numbers.push_back(number ? *number : -1);
+    }
+  return numbers;
+}
+
+/// Whether it can be answered while the run is still at another place than the person.
+bool is_of_no_place(const Json& request) {
+  if (!request.is_object()) return true;
+  const auto line = request.find("line");
+  if (line == request.end() || !line->is_string()) return true;
+  const std::string text = line->get<std::string>();
+  const auto begin = text.find_first_not_of(" \t");
+  const std::string word =
+      begin == std::string::npos ? "" : text.substr(begin, text.find_first_of(" \t", begin) - begin);
+  return word == "at" || word == "back" || word == "back-until" || word == "help" || word == "where";
 }
 
 bool names(const std::string& wanted, const ActivationInfo& activation) {
@@ -153,9 +185,45 @@ void Debugger::settle_breaks() {
 
 void Debugger::go_to(Target target) {
   target_ = target;
-  const Target here{passed_ - 1, place_.fired};
-  gives_up_ = at_end_ || changed_ || !here_ || target == kEnd || target <= here;
+  shown_.reset();
+  gives_up_ = changed_ || !here_ || target == kEnd || is_behind(target);
   stopped_ = false;
+}
+
+/// Whether the run came by, or is there.
+bool Debugger::is_behind(Target target) const { return at_end_ || target <= Target{passed_ - 1, place_.fired}; }
+
+/// Tells where that is, and leaves the run where it is, if what was recorded tells enough; else plays it up to there.
+Debugger::Answer Debugger::show(Target target) {
+  const auto text = is_behind(target) ? text_of(target) : std::nullopt;
+  if (!text) {
+    go_to(target);
+    return {true, {}, true};
+  }
+  shown_ = target;
+  return {true, "at: " + *text};
+}
+
+Debugger::Target Debugger::here() const {
+  if (shown_) return *shown_;
+  return at_end_ ? kEnd : Target{passed_ - 1, place_.fired};
+}
+
+/// The first record of the environment that is not yet written at the place where the person is.
+std::uint64_t Debugger::end_here(cx::Environment& environment) const {
+  const inspect::Timeline& timeline = inspect_(environment).timeline();
+  if (!shown_) return timeline.end();
+  const auto number = number_of(environment.unique_name());
+  const Visit& there = visits_[shown_->visit];
+  if (number == there.environment) {
+    if (shown_->fired <= 0) return there.next;
+    const auto first = std::ranges::lower_bound(timeline.firings(), there.next);
+    const auto next = first + std::min<std::ptrdiff_t>(shown_->fired, timeline.firings().end() - first);
+    return next == timeline.firings().end() ? timeline.end() : *next;
+  }
+  for (std::size_t visit = shown_->visit + 1; visit < passed_; ++visit)
+    if (visits_[visit].environment == number) return visits_[visit].next;
+  return timeline.end();
 }
 
 void Debugger::stay_at_end(SimTime t, const Status& how) {
@@ -188,9 +256,11 @@ std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
   std::map<std::uint32_t, std::span<const std::uint64_t>> firings;  // by environment, those still to be counted
   for (cx::Environment* environment : environments_())
     if (const auto number = number_of(environment->unique_name());
-        number && (selected_.empty() || selected_ == environment->unique_name()))
-      firings[*number] = inspect_(*environment).timeline().firings();
-  for (std::size_t visit = passed_; visit-- > 0;) {
+        number && (selected_.empty() || selected_ == environment->unique_name())) {
+      const std::vector<std::uint64_t>& all = inspect_(*environment).timeline().firings();
+      firings[*number] = {all.begin(), std::ranges::lower_bound(all, end_here(*environment))};
+    }
+  for (std::size_t visit = shown_ ? shown_->visit + 1 : passed_; visit-- > 0;) {
     const auto of = firings.find(visits_[visit].environment);
     if (of == firings.end()) continue;
     auto& left = of->second;
@@ -221,14 +291,32 @@ std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environ
 
 std::string Debugger::where() const {
   if (!here_) return "running";
+  if (shown_) return text_of(*shown_).value_or("");
   if (at_end_) return "at the end of the run, " + seconds(place_.t);
-  std::string text = here_->unique_name() + " at " + seconds(place_.t);
-  if (place_.fired < 0) return text + ", at the beginning of a tick";
-  const auto next = next_activation(here_->engine());
-  if (!next) return text + ", no rule is on its agenda";
-  text += ", before rule " + next->rule + " (salience " + std::to_string(next->salience) + ") fires for";
-  for (const std::int64_t fact : next->facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
-  return text;
+  const auto next = place_.fired < 0 ? std::nullopt : next_activation(here_->engine());
+  if (next) return before(here_->unique_name(), place_.t, next->rule, next->facts);
+  return here_->unique_name() + " at " + seconds(place_.t) +
+         (place_.fired < 0 ? kBeginOfTick : ", no rule is on its agenda");
+}
+
+/// As `where` will say it there; none if no firing that was recorded tells which rule comes next.
+std::optional<std::string> Debugger::text_of(Target target) const {
+  const Visit& visit = visits_[target.visit];
+  const std::string& name = environment_names_[visit.environment];
+  if (visit.place.fired < 0) return name + " at " + seconds(visit.place.t) + kBeginOfTick;
+  for (cx::Environment* environment : environments_()) {
+    if (environment->unique_name() != name) continue;
+    const inspect::Inspector inspector = inspect_(*environment);
+    const inspect::Timeline& timeline = inspector.timeline();
+    const auto first = std::ranges::lower_bound(timeline.firings(), visit.next);
+    if (timeline.firings().end() - first <= target.fired) return std::nullopt;
+    const std::uint64_t n = first[target.fired];
+    for (std::size_t later = target.visit + 1; later < passed_ && visits_[later].next <= n; ++later)
+      if (visits_[later].environment == visit.environment) return std::nullopt;  // it fired in another run of the rules
+    const JournalRecord firing = timeline.read(n);
+    return before(name, visit.place.t, std::string(firing.data.text("rule")), numbers_in(firing.data));
+  }
+  return std::nullopt;
 }
 
 void Debugger::answer(const ControlLines::Line& line) {
@@ -243,11 +331,12 @@ void Debugger::answer(const ControlLines::Line& line) {
     lines_.send(line.client, json_text(Json{{"event", "hello"}, {"text", (stopped_ ? "stopped: " : "") + where()}}));
     return;
   }
-  if (changed_) {  // what was evaluated is undone first
-    then_ = line;
-    return go_to(here_ && !at_end_ ? Target{passed_ - 1, place_.fired} : kEnd);
-  }
   const Json request = parse_json(line.text);
+  // What was evaluated is undone first, and what is asked about the place where the person is, is asked there.
+  if (changed_ || (shown_ && !is_of_no_place(request))) {
+    then_ = line;
+    return go_to(here());
+  }
   const auto refuse = [&](const std::string& why) {
     lines_.send(line.client,
                 json_text(Json{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()},

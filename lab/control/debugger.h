@@ -1,9 +1,9 @@
 #pragma once
 // Stops a run where a person wants, and answers what the person asks: the other side of `cxlab attach`.
 //
-// A recorded run is played again for the same commands, and time goes back as well: to go back is to play it again, at
-// full speed up to the tick of the place that is wanted, and there from firing to firing. What a person evaluates is
-// undone in the same way.
+// A recorded run is played again for the same commands, and time goes back as well. What is known of a place that was
+// passed tells where it is; only a question about it plays the run again, at full speed up to its tick, and there from
+// firing to firing. What a person evaluates is undone in the same way.
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
@@ -107,6 +107,11 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   void stay(cx::Environment& environment);
   void answer(const ControlLines::Line& line);
   void go_to(Target target);
+  Answer show(Target target);
+  std::optional<std::string> text_of(Target target) const;
+  bool is_behind(Target target) const;
+  Target here() const;
+  std::uint64_t end_here(cx::Environment& environment) const;
   bool passes_by(cx::Environment& environment, const cx::ControlPlace& place);
   void settle_breaks();
   std::optional<Target> before_firing(std::int64_t n) const;
@@ -151,6 +156,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   std::size_t passed_ = 0;     // of them, in this pass
   std::vector<std::string> environment_names_;
   std::optional<Target> target_;            // to be played up to
+  std::optional<Target> shown_;             // where the person is, while the run is still at another place
   std::optional<ControlLines::Line> then_;  // is answered there
   std::atomic<bool> gives_up_ = false;
   bool left_ = false, at_end_ = false;

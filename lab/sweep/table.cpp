@@ -15,7 +15,6 @@ namespace cxlab::lab {
 
 namespace {
 
-
 /// "12.5 +- 3.1"; with the sign of the mean where it is a difference.
 std::string text(const Summary& s, int digits, bool difference = false) {
   if (s.n == 0) return "-";

@@ -74,7 +74,7 @@ class Attach(Lab):
 
     def test_short_looks(self):
         self.begin()
-        self.assertRegex(self.attach("where"), r"^main at 0\.000 s, before rule begin \(salience 0\) fires for f-2\n$")
+        self.assertRegex(self.attach("where"), r"^main at 0\.000 s, before rule begin fires for f-2\n$")
         self.assertRegex(self.attach("envs"), r"main  \d+ facts, 2 on the agenda")
         self.assertRegex(self.attach("facts order"), r"f-\d+  \(order \(id 1\) \(state new\)\)\nf-\d+  \(order \(id 2\)")
         self.assertRegex(self.attach("facts (order (id 2))"), r"^f-\d+  \(order \(id 2\) \(state new\)\)\n$")
