@@ -15,7 +15,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct CheckCommand {
   lab::CheckOptions check;
   std::string graph;

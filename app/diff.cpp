@@ -13,7 +13,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct DiffOptions {
   std::string a, b;
   bool trust_programs = false, json = false;
@@ -44,9 +43,7 @@ Json json_of(const lab::Comparison& found) {
                                       {"b", json_of(found.first->b)}};
   json["outcomes"] = Json::array();
   for (const auto& o : found.outcomes) {
-    const auto value = [](const std::string& text) {
-      return text.empty() ? Json() : parse_json(text);
-    };
+    const auto value = [](const std::string& text) { return text.empty() ? Json() : parse_json(text); };
     json["outcomes"].push_back({{"path", o.path}, {"a", value(o.a)}, {"b", value(o.b)}});
   }
   return json;

@@ -13,7 +13,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands(nullptr); }
 
 /// "--seed", "-j": as it is written on the command line.

@@ -81,8 +81,8 @@ Json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool 
   };
   for (const planner::Ordering& ordering : answer.plan->orderings) {
     Json edge = {{"from", point(ordering.from)},
-                         {"to", point(ordering.to)},
-                         {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
+                 {"to", point(ordering.to)},
+                 {"least_s", static_cast<double>(ordering.least) / planner::kMicrosPerSecond}};
     if (ordering.most < planner::DurationRange::kForever)
       edge["most_s"] = static_cast<double>(ordering.most) / planner::kMicrosPerSecond;
     out["orderings"].push_back(std::move(edge));

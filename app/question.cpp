@@ -11,7 +11,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 /// What happens before the first tick has a time below 0.
 constexpr SimTime kEarliest = SimTime::min() + SimTime(1);
 

@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include "cx/base/json.h"
 #include <optional>
 #include <string>
 #include <vector>
+#include "cx/base/json.h"
 
 #include "app/command.h"
 #include "lab/moment.h"
@@ -26,8 +26,8 @@ void add_question(CLI::App& command, Question& question, Times times);
 
 /// What is asked of each environment.
 struct Answer {
-  std::string text;             ///< lines
-  Json json;  ///< null: the text is the whole answer, of one environment
+  std::string text;  ///< lines
+  Json json;         ///< null: the text is the whole answer, of one environment
 };
 using Ask = std::function<Expected<Answer>(inspect::Inspector&)>;
 /// Plays the run's rules up to the time, asks each environment, and prints. An environment that does not know what is

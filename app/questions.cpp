@@ -14,7 +14,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 Json json_of(const Value& value) {
   switch (value.type()) {
     case ValueType::kInteger: return value.as_integer();

@@ -13,7 +13,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct ReplayOptions {
   std::string run;
   bool rules = false, physics = false, trust_programs = false, json = false;

@@ -14,7 +14,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct RerunOptions {
   std::string run, out;
   bool force = false, json = false, quiet = false, trust_rules = false, trust_programs = false;

@@ -17,7 +17,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct SceneOptions {
   std::string run, what;
   std::optional<double> at;

@@ -1,8 +1,8 @@
 #pragma once
 // Tables (scenarios/question.h) as text for people, and as JSON.
 
-#include "cx/base/json.h"
 #include <string>
+#include "cx/base/json.h"
 
 #include "cx/base/expected.h"
 #include "scenarios/question.h"

@@ -15,7 +15,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct WhyNotOptions {
   Question question;
   std::string rule;

@@ -18,7 +18,6 @@ namespace cxlab::app {
 
 namespace {
 
-
 struct WorldAsk {
   std::string name;  ///< of the question
   std::string run, about, sort;

@@ -11,7 +11,6 @@ namespace cxlab {
 
 namespace {
 
-
 constexpr Metric kCommon[]{
     {.name = "real_time_factor",
      .what = "simulated time per second of wall time",

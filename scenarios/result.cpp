@@ -7,7 +7,6 @@
 
 namespace cxlab {
 
-
 const char* to_string(RunStatus status) {
   switch (status) {
     case RunStatus::kCompleted: return "completed";

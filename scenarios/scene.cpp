@@ -168,11 +168,11 @@ bool SceneList::knows_way(EntityId number, std::uint64_t way_number) const {
   return at < tracks_.size() && tracks_[at].way_number == way_number;
 }
 
-bool SceneList::keep(EntityId number, std::uint32_t revision) {
+bool SceneList::keep(EntityId number, std::uint32_t revision, std::size_t count) {
   const std::size_t at = position_of(layer_ + number);
   if (at == tracks_.size() || revision == 0 || tracks_[at].revision != revision) return false;
-  tracks_[at].seen = round_;
-  next_ = at + 1;
+  next_ = std::min(at + count, tracks_.size());
+  for (std::size_t i = at; i < next_; ++i) tracks_[i].seen = round_;
   return true;
 }
 

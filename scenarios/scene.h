@@ -118,8 +118,9 @@ class SceneList {
   // --- For functions that list entities
   /// Texts of more than kLongestText bytes are cut. Beyond kMostEntities entities those that come last are left out.
   void put(const EntityView& entity);
-  /// It is still there, as `put` has taken it with that revision. False: it has not, `put` it.
-  bool keep(EntityId number, std::uint32_t revision);
+  /// It is still there, as `put` has taken it with that revision, and so are all of the `count` that were put from it
+  /// on. False: it has not, `put` it.
+  bool keep(EntityId number, std::uint32_t revision, std::size_t count = 1);
   /// Whether `put` has taken that way already, and needs no points.
   bool knows_way(EntityId number, std::uint64_t way_number) const;
   static constexpr std::size_t kMostEntities = 2000, kLongestText = 4000;

@@ -3,8 +3,8 @@
 
 #include "cx/base/json.h"
 
-#include "cx/explain/why_not.h"
 #include "cx/base/json.h"
+#include "cx/explain/why_not.h"
 
 namespace cxlab::explain {
 

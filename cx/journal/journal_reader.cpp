@@ -9,7 +9,6 @@
 namespace cxlab {
 namespace {
 
-
 constexpr int kDeepest = 64;
 
 bool convert(const Json& json, RecordValue& out, int depth) {

@@ -13,7 +13,6 @@ namespace cxlab::turtlesim {
 
 namespace {
 
-
 class CanvasView final : public View {
  public:
   CanvasView(const sim::TurtleWorld& world, int side) : world_(world), side_(side) {}

@@ -8,7 +8,6 @@ namespace cxlab::rcll {
 
 namespace {
 
-
 Json team_json(const Score& score) {
   Json kinds = Json::object();
   for (std::size_t kind = 0; kind < kPointKinds; ++kind)

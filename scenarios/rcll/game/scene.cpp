@@ -139,7 +139,6 @@ GameScene::GameScene(const sim::World& floor, const Factory& factory, const sim:
   std::size_t in_team[2]{};
   for (const sim::RobotStart& robot : plan.robots)
     robots_.push_back(robot_look(robot, in_team[static_cast<std::size_t>(team_of(robot))]++));
-  for (std::size_t i = 0; i < machines_.size(); ++i) machines_[i].look = machine_look(plan.stations[i], {});
 }
 
 void GameScene::list(SceneList& list) {
@@ -152,16 +151,15 @@ void GameScene::list(SceneList& list) {
 void GameScene::list_field(SceneList& list) const {
   const sim::FloorPlan& plan = floor_.plan();
   static const std::string look = field_look(sim::FloorPlan());
-  if (!list.keep(kField, kNeverChanged))
-    list.put({.number = kField,
-              .kind = "field",
-              .name = "field",
-              .look = look,
-              .pose = {{(plan.min_x + plan.max_x) / 2, (plan.min_y + plan.max_y) / 2, 0}},
-              .fixed = true,
-              .revision = kNeverChanged});
+  if (list.keep(kField, kNeverChanged, 1 + walls_.size())) return;
+  list.put({.number = kField,
+            .kind = "field",
+            .name = "field",
+            .look = look,
+            .pose = {{(plan.min_x + plan.max_x) / 2, (plan.min_y + plan.max_y) / 2, 0}},
+            .fixed = true,
+            .revision = kNeverChanged});
   for (std::size_t i = 0; i < walls_.size(); ++i) {
-    if (list.keep(kWalls + static_cast<EntityId>(i), kNeverChanged)) continue;
     const sim::Vec2 &a = plan.walls[i].a, &b = plan.walls[i].b;
     list.put({.number = kWalls + static_cast<EntityId>(i),
               .kind = "wall",
@@ -179,15 +177,21 @@ void GameScene::list_machines(SceneList& list) {
     const sim::StationId id = machine->id();
     MachineText& known = machines_[sim::index_of(id)];
     const sim::Lights lights = floor_.lights(id);
-    if (known.text.empty() || known.state != machine->state() || known.lights != lights)
-      known = {machine->state(), lights, machine_text(machine->state(), lights), machine_look(plan.station(id), lights),
-               known.revision + 1};
+    if (known.text.empty() || known.state != machine->state() || known.lights != lights) {
+      known.state = machine->state();
+      known.lights = lights;
+      known.text = machine_text(machine->state(), lights);
+      const auto [look, is_new] = known.looks.try_emplace({lights.red, lights.yellow, lights.green});
+      if (is_new) look->second = machine_look(plan.station(id), lights);
+      known.look = &look->second;
+      ++known.revision;
+    }
     if (list.keep(number(id), known.revision)) continue;
     list.put({.number = number(id),
               .kind = "machine",
               .name = machine->name(),
               .state = known.text,
-              .look = known.look,
+              .look = *known.look,
               .pose = sim::pose_in_space(plan.station(id).pose_in_world),
               .fixed = true,
               .revision = known.revision});

@@ -2,7 +2,9 @@
 // What there is to see of a game, in either tier (docs/rcll.md, The scene): the field, walls, machines with their
 // lights, robots, pieces.
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,8 +26,10 @@ class GameScene {
   struct MachineText {
     MachineState state{};
     sim::Lights lights;
-    std::string text, look;
+    std::string text;
+    const std::string* look = nullptr;
     std::uint32_t revision = 0;
+    std::map<std::array<sim::Light, 3>, std::string> looks;  ///< by lights: those that were seen
   };
   struct PieceText {
     sim::Piece piece;  ///< as it was seen last

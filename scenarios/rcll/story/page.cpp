@@ -10,7 +10,6 @@ namespace cxlab::rcll {
 
 namespace {
 
-
 constexpr const char *kHoldsKind = "holds", *kFailedKind = "failed", *kAwayKind = "maintenance", *kFaultKind = "fault",
                      *kPauseKind = "pause";
 
