@@ -83,9 +83,9 @@
   (modify ?c (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule skill-result
-  "The skill ended: its result goes into the command."
-  ?c <- (command (server ?server) (state RUNNING) (skill ?skill) (goal-id ?goal-id) (handle ?handle))
-  ?wrapped <- (ros-msgs-wrapped-result (server ?server) (goal-id ?goal-id) (code ?code) (result-ptr ?result))
+  "The skill ended: its result goes into the command, which is that of the goal, whatever its server."
+  ?c <- (command (state RUNNING) (skill ?skill) (goal-id ?goal-id) (handle ?handle))
+  ?wrapped <- (ros-msgs-wrapped-result (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
   (bind ?error-code (ros-msgs-get-field ?result "error_code"))
   (bind ?error (ros-msgs-get-field ?result "error"))
