@@ -436,11 +436,19 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
 namespace {
 
 /// Words that a person may have misspelt as one another.
-std::size_t near_words(const std::vector<Mismatch>& mismatches) {
-  return static_cast<std::size_t>(std::ranges::count_if(mismatches, [](const Mismatch& mismatch) {
+std::ptrdiff_t near_words(const std::vector<Mismatch>& mismatches) {
+  return std::ranges::count_if(mismatches, [](const Mismatch& mismatch) {
     const std::string expected = mismatch.expected.substr(0, mismatch.expected.find(' '));
     return !nearest_word(expected, {mismatch.found}).empty();
-  }));
+  });
+}
+
+/// Slots in which the fact is about something else: conditions before, or what is asked for, say what it should be.
+std::ptrdiff_t others(const std::vector<Mismatch>& mismatches) {
+  return std::ranges::count_if(mismatches, [](const Mismatch& mismatch) {
+    const std::string expected = mismatch.expected.substr(0, mismatch.expected.find(' '));
+    return expected.starts_with('?') && expected.find_first_of("&|:") == expected.npos;
+  });
 }
 
 }  // namespace
@@ -448,15 +456,15 @@ std::size_t near_words(const std::vector<Mismatch>& mismatches) {
 Nearest nearest(const Pattern& pattern, std::span<const FactCopy* const> facts, const Bindings& bindings,
                 Evaluator* evaluator) {
   Nearest best;
-  std::size_t most_near = 0;
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> most;
   for (const FactCopy* fact : facts) {
     if (fact->template_name != pattern.template_name()) continue;
     std::vector<Mismatch> mismatches = pattern.mismatches(*fact, bindings, evaluator);
     if (best.fact && mismatches.size() > best.mismatches.size()) continue;
-    const std::size_t near = near_words(mismatches);
-    if (best.fact && mismatches.size() == best.mismatches.size() && near < most_near) continue;
+    const std::pair near{near_words(mismatches), -others(mismatches)};
+    if (best.fact && mismatches.size() == best.mismatches.size() && near < most) continue;
     best = {fact, std::move(mismatches)};
-    most_near = near;
+    most = near;
   }
   return best;
 }

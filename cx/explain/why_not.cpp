@@ -12,6 +12,8 @@ namespace {
 
 using Kind = Condition::Kind;
 
+constexpr std::size_t kMostOthers = 3;  // of an `or` that does not hold
+
 std::string print(const Combination& combination, std::size_t from) {
   std::string out;
   for (std::size_t i = from; i < combination.facts.size(); ++i)
@@ -35,6 +37,7 @@ class Explainer {
                                             const std::vector<Combination>& begun) {
     const Alternative* best = nullptr;
     Matcher::Reach furthest;
+    std::vector<std::pair<std::pair<int, std::size_t>, const std::string*>> failed;  // where, and what
     // An alternative gets further if it satisfies more conditions of the rule, then if it satisfies more parts of one.
     const auto place = [](const Alternative& alternative, std::size_t depth) {
       return std::pair(alternative.numbers[depth], depth);
@@ -43,6 +46,7 @@ class Explainer {
       for (const Combination& start : begun) {
         Matcher::Reach reach = matcher_.reach(alternative.conditions, start);
         if (reach.depth == alternative.conditions.size()) return std::nullopt;
+        failed.emplace_back(place(alternative, reach.depth), &alternative.conditions[reach.depth]->text);
         if (best && place(alternative, reach.depth) <= place(*best, furthest.depth)) continue;
         best = &alternative;
         furthest = std::move(reach);
@@ -51,6 +55,15 @@ class Explainer {
     UnmetCondition unmet = describe(*best->conditions[furthest.depth], furthest);
     unmet.number = best->numbers[furthest.depth];
     unmet.text = best->conditions[furthest.depth]->text;
+    std::vector<std::string> others;  // the rest of an `or` of which no part holds: the way may go on there
+    for (const auto& [where, text] : failed)
+      if (where == place(*best, furthest.depth) && *text != unmet.text &&
+          std::ranges::find(others, *text) == others.end())
+        others.push_back(*text);
+    if (!others.empty())
+      unmet.because.insert(0, "nor " +
+                                  std::string(others.size() == 1 ? "does its alternative" : "do its alternatives") +
+                                  " hold: " + some_of(others, kMostOthers) + "; ");
     return unmet;
   }
 

@@ -93,6 +93,18 @@ std::string how_of(const check::Touch& touch, const check::PatternSlots& wanted,
   }
 }
 
+/// The rules that have made, changed or taken away a fact of the template.
+std::set<std::string> doers_of(const Timeline& timeline, const std::string& template_name) {
+  std::set<std::string> doers;
+  for (std::uint64_t n = timeline.begin(); n < timeline.end(); ++n) {
+    if (timeline.fact(n) == 0 || timeline.name(n) != template_name) continue;
+    for (const Timeline::Cause& cause : timeline.causes(n))
+      if (!cause.stream && timeline.has(cause.n) && timeline.kind(cause.n) == RecordKind::kFire)
+        doers.insert(timeline.name(cause.n));
+  }
+  return doers;
+}
+
 }  // namespace
 
 std::optional<Makers> makers_of(const Inspector& inspector, const explain::UnmetCondition& unmet) {
@@ -140,8 +152,12 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
     }
     for (const check::Construct* user : base->users(touch.by->name)) add(*user, how, touch.by->name);
   }
-  std::ranges::stable_sort(out.makers, std::greater(),
-                           [](const Makers::Maker& maker) { return maker.last.value_or(SimTime::min()); });
+  // A function that changes the fact it is given could do so to any: rules that have fired and never had it do so to
+  // such a fact come last.
+  const std::set<std::string> doers = doers_of(inspector.timeline(), pattern->template_name());
+  std::ranges::stable_sort(out.makers, std::greater(), [&](const Makers::Maker& maker) {
+    return std::pair(!maker.last || doers.contains(maker.rule), maker.last.value_or(SimTime::min()));
+  });
 
   if (const auto made = inspector.last_made(*pattern)) {
     out.made = inspector.change(*made);

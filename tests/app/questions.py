@@ -428,6 +428,18 @@ class WhyNotOfAFact(Lab):
         self.assertIn("no fact matches it now\n", text)
         self.assertIn("was asserted at 1.000 s by rule begin, and retracted at 2.000 s by rule end", text)
 
+    def test_rules_that_change_other_facts_only_come_last(self):
+        run = self.agent("""(deftemplate lamp (slot state))
+(deftemplate door (slot state))
+(deffacts house (lamp (state OFF)) (blinks 0) (key OPEN))
+(deffunction becomes (?fact ?state) (modify ?fact (state ?state)))
+(defrule blink (time ?) ?b <- (blinks ?n&:(< ?n 9)) ?lamp <- (lamp) => (retract ?b) (becomes ?lamp ?n) (assert (blinks (+ ?n 1))))
+(defrule open (time ?now&:(< ?now 1)) (key ?state) (not (door)) => (assert (door (state ?state))))
+(defrule lock (lock-it) ?door <- (door) => (becomes ?door LOCKED))
+""")
+        makers = self.ask(run, "(door (state LOCKED))")["makers"]["rules"]
+        self.assertEqual([(r["rule"], r["fired"]) for r in makers], [("open", 1), ("lock", 0), ("blink", 9)])
+
     def test_by_index_in_a_terminal_and_wrong_ones(self):
         run = self.agent()
         index = self.answer("facts", run, "(job (id 2))")["facts"][0]["fact"]

@@ -135,6 +135,10 @@ TEST_F(WhyNotTest, AnOrIsToldByTheAlternativeThatGotFurthest) {
   EXPECT_EQ(found.because, "in the nearest fact its fields are 2, not 9");
   load("(defrule both (or (part (state LOST)) (robot z)) =>)");
   EXPECT_EQ(unmet("both").text, "(part (state LOST))") << "none got further: the first";
+  EXPECT_THAT(unmet("both").because, StartsWith("nor does its alternative hold: (robot z); in the nearest fact"));
+  load("(defrule many (limit 2) (or (robot z) (limit 9) (robot y) (limit 8) (limit 7)) (robot v) =>)");
+  EXPECT_THAT(unmet("many").because,
+              StartsWith("nor do its alternatives hold: (limit 9), (robot y), (limit 8) and 1 more; in the nearest"));
 }
 
 TEST_F(WhyNotTest, ANotNamesTheFactThatForbidsIt) {
@@ -158,7 +162,14 @@ TEST_F(WhyNotTest, AnExistsNamesWhatIsMissingInIt) {
   load(std::string(kParts) + "(defrule r (limit ?l) (exists (part (id ?l) (state BUSY)) (robot x)) =>)");
   const UnmetCondition found = unmet("r");
   EXPECT_EQ(found.number, 2);
-  EXPECT_THAT(found.because, HasSubstr("id is 3, not ?l with ?l = 2"));
+  EXPECT_THAT(found.because, HasSubstr("in the nearest fact state is READY, not BUSY"))
+      << "the part 2, not another one";
+}
+
+TEST_F(WhyNotTest, TheNearestFactIsTheOneThatIsMeantInAnotherState) {
+  load(std::string(kParts) + "(defrule r (limit ?l) (part (id ?l) (state BUSY)) =>)");
+  EXPECT_EQ(unmet("r").fact, "(part (id 2) (state READY) (owner bob))");
+  EXPECT_EQ(unmet("r").slot, "state");
 }
 
 TEST_F(WhyNotTest, AForallNamesTheFactWithoutAPartner) {
