@@ -1,6 +1,7 @@
 // The strategies that find a first plan, each alone; proofs that there is none.
 
 #include "planner/strategies/clock_strategy.h"
+#include "planner/strategies/happening_strategy.h"
 #include "planner/strategies/late_repair.h"
 #include "planner/strategies/unsolvable.h"
 #include "planner/strategies/warm_start.h"
@@ -226,6 +227,40 @@ TEST(ProveUnsolvable, LooksForAnyOrderOfHappenings) {
 TEST(ProveUnsolvable, ProvesNothingWhereAnActionCannotBeCut) {
   Prepared problem(kTank, kSeven);
   EXPECT_EQ(prove_unsolvable(*problem).status, PlanStatus::kEnded);
+}
+
+/// Each of five copies at once counts when it ends, unless it began after the break: then all is lost.
+constexpr const char* kHolds = R"((:predicates (open) (broken) (lost)) (:functions (count))
+  (:durative-action hold :parameters () :duration (= ?duration 10)
+   :condition (and (at start (open)) (at end (not (lost))))
+   :effect (and (at end (increase (count) 1)) (when (CONDITION (broken)) (at end (lost)))))
+  (:action break :parameters () :precondition (open) :effect (broken)))";
+
+std::string holds(const std::string& condition) {
+  std::string domain = kHolds;
+  return domain.replace(domain.find("CONDITION"), 9, condition);
+}
+
+/// The proof follows a few copies only; what the others remember of their start it does not know.
+TEST(HappeningStrategy, ProvesNothingWhereCopiesThatAreNotFollowedDependOnTheirBeginning) {
+  for (const char* condition : {"at start", "over all"}) {
+    Prepared problem(holds(condition),
+                     "(:init (open) (= (count) 0) (at 5 (not (open)))) (:goal (and (>= (count) 5) (not (lost))))");
+    HappeningStrategy strategy(*problem, false);
+    for (std::uint64_t round = 0; round < 100 && !strategy.has_ended_proof(); ++round)
+      EXPECT_FALSE(strategy.prove({round, 20'000})) << condition;
+    EXPECT_TRUE(strategy.has_ended_proof()) << condition;
+  }
+}
+
+/// Its end alone decides: where that is known, it is a proof.
+TEST(HappeningStrategy, ProvesThatCopiesWhoseEndsLoseAllNeverCount) {
+  Prepared problem(holds("at end"), "(:init (open) (broken) (= (count) 0)) (:goal (and (>= (count) 5) (not (lost))))");
+  HappeningStrategy strategy(*problem, false);
+  bool proved = false;
+  for (std::uint64_t round = 0; round < 100 && !strategy.has_ended_proof(); ++round)
+    proved = strategy.prove({round, 20'000});
+  EXPECT_TRUE(proved);
 }
 
 }  // namespace
