@@ -1,5 +1,7 @@
 #include "scenarios/catalogue.h"
 
+#include <algorithm>
+
 namespace cxlab {
 
 constinit const WorldKind kEmptyWorld{.name = "none", .what = "nothing: agents and nodes on the bus alone"};
@@ -18,6 +20,18 @@ const NodeKind* Catalogue::find_node(std::string_view name) const {
   for (const NodeKind* kind : nodes)
     if (kind->name == name) return kind;
   return nullptr;
+}
+
+std::vector<const SectionKind*> Catalogue::sections() const {
+  std::vector<const SectionKind*> out;
+  const auto add = [&out](const auto& kinds) {
+    for (const auto* kind : kinds)
+      for (const SectionKind* section : kind->reads)
+        if (std::ranges::find(out, section) == out.end()) out.push_back(section);
+  };
+  add(worlds);
+  add(nodes);
+  return out;
 }
 
 }  // namespace cxlab

@@ -56,6 +56,16 @@ struct Settings {
   yaml::Writer (*write)(const std::any& config) = nullptr;    ///< the keys that are not the defaults
 };
 
+/// A section of a scenario beside `world:` and `servers:`, for kinds that share it: a key and what is below it.
+/// `section_of` makes one. A key counts only where a kind of the catalogue reads it.
+struct SectionKind {
+  std::string_view key;
+  void (*read)(const yaml::Value& value, std::any& config) = nullptr;
+  yaml::Writer (*write)(std::string_view key, const std::any& config) = nullptr;  ///< nothing for defaults
+  /// What is wrong with it in a world that does not read it; none: it has no effect there.
+  std::string_view elsewhere{};
+};
+
 /// A part of result.json that a kind of world or node adds: the value of a key (Result::set).
 struct ResultSection {
   std::string_view key;
@@ -70,6 +80,7 @@ struct WorldKind {
   std::string_view name;
   std::string_view what;  ///< one line for people
   Settings settings{};
+  std::span<const SectionKind* const> reads{};  ///< sections of the scenario that the world reads (Scenario::section)
   /// Keys of the settings that name a file (Scenario::world_files).
   std::span<const std::string_view> files{};
   /// The one of these whose file says all that chance decides otherwise; `games:` of a suite sets it. Empty: none does.
@@ -82,7 +93,6 @@ struct WorldKind {
   void (*set_defaults)(Scenario& scenario) = nullptr;
   std::span<const Tier> tiers{};  ///< the first is the default; none: neither physics nor timed
   bool any_tick = false;          ///< tick_s need not be a whole multiple of physics_step_s
-  bool takes_faults = false;      ///< has robots and machines that `faults:` can name
 
   Expected<std::unique_ptr<Stage>> (*make_stage)(const StageSetup& setup) = nullptr;
   /// The physics of a recorded run at its start; none: this world cannot be replayed.
@@ -102,6 +112,7 @@ struct NodeKind {
   std::string_view name;
   std::string_view what;  ///< one line for people
   Settings settings{};
+  std::span<const SectionKind* const> reads{};  ///< sections of the scenario that the node reads (Scenario::section)
   /// Puts the node on the stage.
   Status (*add)(const ServerSpec& spec, const StageSetup& setup, Stage& stage) = nullptr;
   std::span<const ResultSection> sections{};  ///< that it adds to result.json
@@ -114,6 +125,8 @@ struct Catalogue {
   /// nullptr if there is none of that name.
   const WorldKind* find_world(std::string_view name) const;
   const NodeKind* find_node(std::string_view name) const;
+  /// All that its worlds and nodes read, in their order, each once.
+  std::vector<const SectionKind*> sections() const;
 };
 
 /// As `games_key`, the path for `--set` and suites: "world.game"; empty where the world has none.
@@ -126,6 +139,23 @@ constexpr Settings settings_of() {
           [](const std::any& config) {
             return config.has_value() ? yaml::Writer::changed(std::any_cast<const Config&>(config)) : yaml::Writer();
           }};
+}
+/// The same for a section.
+template <yaml::Keyed Config>
+constexpr SectionKind section_of(std::string_view key) {
+  return {.key = key,
+          .read =
+              [](const yaml::Value& value, std::any& config) {
+                yaml::Map keys = value.as_map();
+                keys.read(config.emplace<Config>());
+                keys.finish();
+              },
+          .write =
+              [](std::string_view name, const std::any& config) {
+                yaml::Writer out;
+                if (const auto changed = settings_of<Config>().write(config); !changed.empty()) out.put(name, changed);
+                return out;
+              }};
 }
 
 }  // namespace cxlab

@@ -86,7 +86,6 @@ Expected<std::unique_ptr<Episode>> Episode::load(Scenario scenario, EpisodeOptio
 }
 
 Status Episode::open_files() {
-  for (std::size_t i = 0; i < scenario_.faults.size(); ++i) scenario_.faults[i].number = i;
   if (options_.replay)
     shares_ = options_.replay->shares;
   else

@@ -126,10 +126,21 @@ void check_steps(yaml::Map& map, const Scenario& scenario) {
             ", expected a tick of whole steps");
 }
 
-std::string worlds_with_faults(const Catalogue& catalogue) {
-  std::vector<const WorldKind*> kinds = catalogue.worlds;
-  std::erase_if(kinds, [](const WorldKind* kind) { return !kind->takes_faults; });
-  return names_of(kinds);
+bool reads(const WorldKind& world, const SectionKind& section) {
+  return std::ranges::find(world.reads, &section) != world.reads.end();
+}
+
+void read_sections(yaml::Map& map, const Catalogue& catalogue, Scenario& scenario) {
+  for (const SectionKind* kind : catalogue.sections()) {
+    const yaml::Value value = map.get(kind->key);
+    if (!value) continue;
+    scenario.sections.push_back({kind, {}, value.origin()});
+    kind->read(value, scenario.sections.back().config);
+    if (kind->elsewhere.empty() || reads(*scenario.world.kind, *kind)) continue;
+    std::vector<const WorldKind*> worlds = catalogue.worlds;
+    std::erase_if(worlds, [kind](const WorldKind* world) { return !reads(*world, *kind); });
+    value.fail(std::string(kind->elsewhere) + ": expected world.kind " + names_of(worlds));
+  }
 }
 
 void read_expectations(const yaml::Value& list, Scenario& scenario) {
@@ -172,7 +183,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
     schema.fail("found " + schema.text() + ", expected 1");
   if (const yaml::Value world = map.get("world")) read_world(world, catalogue, scenario);
   read_tier(map, scenario);
-  map.read("timed", scenario.timed).read("seed", scenario.seed).read("epoch", scenario.epoch);
+  map.read("seed", scenario.seed).read("epoch", scenario.epoch);
   map.read("duration_s", scenario.duration).read("tick_s", scenario.tick).read("physics_step_s", scenario.physics_step);
   read_packages(map.get("packages"), scenario.packages);
   if (const yaml::Value agents = map.get("agents"))
@@ -180,12 +191,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value servers = map.get("servers"))
     for (const yaml::Value& server : servers.as_list()) read_server(server, catalogue, scenario);
   if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
-  if (const yaml::Value faults = map.get("faults")) {
-    scenario.faults = read_faults(faults);
-    if (!scenario.world.kind->takes_faults)
-      faults.fail("this world has neither robots nor machines: expected world.kind " + worlds_with_faults(catalogue));
-  }
-  map.read("planner", scenario.planner);
+  read_sections(map, catalogue, scenario);
   std::string on_rule_error = "stop";
   map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});
   scenario.stop_on_rule_error = on_rule_error == "stop";

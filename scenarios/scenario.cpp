@@ -69,7 +69,6 @@ std::string Scenario::to_yaml() const {
   out("schema", 1);
   out.put("world", write("kind", world));
   if (!world.kind->tiers.empty()) out("tier", std::string(to_string(tier)));
-  if (const auto changed = yaml::Writer::changed(timed); !changed.empty()) out.put("timed", changed);
   out("seed", seed);
   out("epoch", epoch);
   out("duration_s", duration);
@@ -78,9 +77,8 @@ std::string Scenario::to_yaml() const {
   if (!packages.empty()) out("packages", folders_of(packages));
   for (const AgentSpec& agent : agents) out.append("agents", write(agent));
   for (const ServerSpec& server : servers) out.append("servers", write("node", server));
-  if (const auto changed = yaml::Writer::changed(planner); !changed.empty()) out.put("planner", changed);
   for (const Stimulus& stimulus : stimuli) out.append("stimuli", write_stimulus(stimulus));
-  for (const sim::Fault& fault : faults) out.append("faults", write_fault(fault));
+  for (const SectionSpec& section : sections) out.add(section.kind->write(section.kind->key, section.config));
   out("on_rule_error", stop_on_rule_error ? "stop" : "continue");
   out("max_firings_per_tick", max_firings_per_tick);
   out("trust_rules", trust_rules);

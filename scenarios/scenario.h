@@ -18,14 +18,12 @@
 #include "cx/node/parameters.h"
 #include "cx/yaml/writer.h"
 #include "cx/yaml/yaml.h"
-#include "planner/cost.h"
-#include "sim/faults/fault.h"
-#include "sim/skills/timed_config.h"
 
 namespace cxlab {
 
 struct Catalogue;
 struct NodeKind;
+struct SectionKind;
 struct WorldKind;
 
 enum class Tier : std::uint8_t { kPhysics, kTimed };
@@ -48,7 +46,7 @@ struct AgentSpec {
   bool activate = true;  ///< configured and activated at the start; else only with its parameter `autostart_node`
 };
 
-/// A world or node of a kind (scenarios/catalogue.h) with its settings.
+/// A world, node or section of a kind (scenarios/catalogue.h) with its settings.
 template <class Kind>
 struct Chosen {
   const Kind* kind = nullptr;
@@ -65,6 +63,8 @@ struct Chosen {
 using WorldSpec = Chosen<WorldKind>;
 /// A node beside world and agents.
 using ServerSpec = Chosen<NodeKind>;
+/// A part of the scenario that worlds or nodes read: the key is the kind's.
+using SectionSpec = Chosen<SectionKind>;
 
 /// Something that happens at a time whatever the rules do: exactly one of the verbs.
 struct Stimulus {
@@ -138,7 +138,6 @@ struct Scenario {
   std::vector<ServerSpec> servers;
 
   Tier tier = Tier::kPhysics;
-  sim::TimedSkillsConfig timed;  ///< durations and failures of the timed tier
   std::uint64_t seed = 1;
   double epoch = 1767225600;  ///< s since 1970 at simulated time 0 (default 2026-01-01)
   SimTime duration = from_seconds(60);
@@ -146,9 +145,8 @@ struct Scenario {
   SimTime physics_step = from_seconds(0.01);
   std::map<std::string, PackageSpec> packages;  ///< interface and share folders, for all agents
   std::vector<AgentSpec> agents;
-  planner::PlanningCost planner;               ///< what plans cost in simulated time
   std::vector<Stimulus> stimuli;               ///< in order of time
-  std::vector<sim::Fault> faults;              ///< what goes wrong with robots and machines
+  std::vector<SectionSpec> sections;           ///< at most one of each kind
   bool stop_on_rule_error = true;              ///< on_rule_error: stop | continue
   std::int64_t max_firings_per_tick = 100000;  ///< 0 = no limit
   bool trust_rules = false;
@@ -164,6 +162,14 @@ struct Scenario {
   /// The scenario as YAML, from which `parse` makes it again: for the copy that a run's folder keeps.
   std::string to_yaml() const;
 
+  /// The settings of that section, which are of that type; their defaults if it is not there.
+  template <class Config>
+  const Config& section(const SectionKind& kind) const {
+    static const SectionSpec kNone{};
+    for (const SectionSpec& spec : sections)
+      if (spec.kind == &kind) return spec.get<Config>();
+    return kNone.get<Config>();
+  }
   /// Sets the world, and duration, tick, step and tier to its defaults.
   void set_world(WorldSpec spec);
   /// "physics" or "timed"; "none" in a world that has neither.
@@ -179,8 +185,5 @@ std::vector<Stimulus> read_stimuli(const yaml::Value& list);
 yaml::Writer write_stimulus(const Stimulus& stimulus);
 /// By time; those of one time keep their order.
 void sort_stimuli(std::vector<Stimulus>& stimuli);
-/// The list below `faults:`.
-std::vector<sim::Fault> read_faults(const yaml::Value& list);
-yaml::Writer write_fault(const sim::Fault& fault);
 
 }  // namespace cxlab

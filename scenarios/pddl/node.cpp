@@ -39,6 +39,8 @@ struct Config {
   }
 };
 
+constinit const SectionKind kPlanner = section_of<planner::PlanningCost>("planner");
+
 Status validate(const Config& config) {
   const std::string& command = config.options.other.command;
   if (Status s = bus::check_node(config.options.node.name_space, config.options.node.remaps); !s) return s;
@@ -75,7 +77,7 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
     return usage_error("pddl_manager starts a program, which can read, write and run anything: " +
                        options.other.command + "; if it may: --trust-programs")
         .with_code(kUntrusted);
-  options.cost = config.cost.value_or(setup.scenario.planner);
+  options.cost = config.cost.value_or(setup.scenario.section<planner::PlanningCost>(kPlanner));
   options.log = setup.log;
   options.on_read = setup.keep;
   options.resolve = [&scenario = setup.scenario](const std::string& directory) { return scenario.resolve(directory); };
@@ -107,11 +109,14 @@ Status add_manager(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   return {};
 }
 
+constexpr const SectionKind* kReads[]{&kPlanner};
+
 }  // namespace
 
 constinit const NodeKind kNode{.name = "pddl_manager",
                                .what = "keeps PDDL instances and plans (docs/pddl-manager.md)",
                                .settings = settings_of<Config>(),
+                               .reads = kReads,
                                .add = add_manager};
 
 }  // namespace cxlab::pddl

@@ -7,6 +7,7 @@
 #include "cx/base/file.h"
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
+#include "scenarios/floor/sections.h"
 #include "scenarios/rcll/game/factory.h"
 #include "scenarios/rcll/game/floor_plan.h"
 #include "scenarios/rcll/game/result.h"
@@ -131,7 +132,7 @@ Status GameStage::build(const StageSetup& setup) {
   const Status built =
       scenario.tier == Tier::kPhysics ? build_physics(setup, std::move(plan)) : build_ledger(setup, std::move(plan));
   if (!built) return built;
-  auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, scenario.faults);
+  auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, faults_of(scenario));
   if (!factory) return factory.error();
   factory_ = factory->get();
   if (setup.log)
@@ -167,7 +168,7 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
         physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_)); }, width, height);
   });
   return add_fleet(setup, sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink,
-                                             {scenario.faults, scenario.seed}));
+                                             {faults_of(scenario), scenario.seed}));
 }
 
 Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
@@ -178,8 +179,8 @@ Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
   worlds.push_back(std::move(made));
   without_views =
       "the timed tier has no bodies to look at: play it with --tier physics, or --set tier=physics of render";
-  return add_fleet(setup, sim::Fleet::create(ledger, ledger, scenario.timed, scenario.seed, zone_places(), setup.bus,
-                                             setup.sink, {scenario.faults, scenario.seed}));
+  return add_fleet(setup, sim::Fleet::create(ledger, ledger, timed_of(scenario), scenario.seed, zone_places(),
+                                             setup.bus, setup.sink, {faults_of(scenario), scenario.seed}));
 }
 
 Status GameStage::add_fleet(const StageSetup& setup, Expected<std::unique_ptr<sim::Fleet>> fleet) {
@@ -230,6 +231,7 @@ Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
   return std::unique_ptr<WorldReplay>(std::make_unique<FloorReplay>(std::move(plan), setup, *std::move(physics)));
 }
 
+constexpr const SectionKind* kReads[]{&kTimedSection, &kFaultsSection};
 constexpr std::string_view kFiles[]{"game"};
 constexpr Tier kTiers[]{Tier::kPhysics, Tier::kTimed};
 
@@ -246,6 +248,7 @@ constinit const WorldKind kWorld{
     .name = "rcll",
     .what = "a game of the Logistics League (docs/rcll.md)",
     .settings = settings_of<WorldConfig>(),
+    .reads = kReads,
     .files = kFiles,
     .games_key = kFiles[0],
     .set_defaults =
@@ -257,7 +260,6 @@ constinit const WorldKind kWorld{
           scenario.duration = from_seconds(seconds);
         },
     .tiers = kTiers,
-    .takes_faults = true,
     .make_stage = make_stage,
     .replay = replay,
     .sections = kSections,

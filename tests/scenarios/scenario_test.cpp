@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cx/journal/file_store.h"
+#include "scenarios/floor/sections.h"
 #include "scenarios/rcll/rules/config.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/turtlesim/config.h"
@@ -12,6 +13,7 @@
 namespace cxlab {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -98,9 +100,8 @@ TEST(Scenario, IsWrittenAsItIsRead) {
   EXPECT_TRUE(again->agents[1].activate);
   EXPECT_EQ(again->world.get<rcll::WorldConfig>().orders[0].ring_colors, std::vector<std::string>{"RING_BLUE"});
   EXPECT_EQ(again->servers[1].get<turtlesim::Config>().turtles[0].x, 1);
-  EXPECT_EQ(again->timed.pick_mean_s, 3.25);
-  EXPECT_EQ(again->planner.latency_a, 0.5);
-  EXPECT_EQ(again->planner.budget, 1000);
+  EXPECT_EQ(timed_of(*again).pick_mean_s, 3.25);
+  EXPECT_THAT(text, AllOf(HasSubstr("planner:\n  latency:\n    a: 0.5\n"), HasSubstr("  budget: 1000\n")));
   EXPECT_FALSE(again->stop_on_rule_error);
   ASSERT_THAT(again->stimuli, SizeIs(11));
   for (std::size_t i = 0; i < again->stimuli.size(); ++i) {
@@ -108,9 +109,11 @@ TEST(Scenario, IsWrittenAsItIsRead) {
     EXPECT_EQ(std::tie(now.at, now.verb, now.target, now.type, now.content, now.plugin, now.manager),
               std::tie(then.at, then.verb, then.target, then.type, then.content, then.plugin, then.manager));
   }
-  ASSERT_THAT(again->faults, SizeIs(8));
-  for (std::size_t i = 0; i < again->faults.size(); ++i) {
-    const sim::Fault &now = again->faults[i], &then = scenario.faults[i];
+  const std::vector<sim::Fault> faults_again = faults_of(*again), faults = faults_of(scenario);
+  ASSERT_THAT(faults_again, SizeIs(8));
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    const sim::Fault &now = faults_again[i], &then = faults[i];
+    EXPECT_EQ(now.number, i);
     EXPECT_EQ(
         std::tie(now.kind, now.at, now.probability, now.mean, now.from, now.until, now.times, now.number),
         std::tie(then.kind, then.at, then.probability, then.mean, then.from, then.until, then.times, then.number));
@@ -178,6 +181,8 @@ TEST(Scenario, ErrorsNameTheLine) {
            {"planner:\n  budget: 0\n", "s.yaml:3: planner.budget: found 0, expected work units above 0"},
            {"planner:\n  patience: 0\n", "s.yaml:3: planner.patience: found 0, expected work units above 0"},
            {"timed: {pick_failure: 2}\n", "s.yaml:2: timed.pick_failure: found 2"},
+           {"world: {kind: turtlesim}\nfaults: []\n",
+            "s.yaml:3: faults: this world has neither robots nor machines: expected world.kind rcll"},
            {"packages: {a: ''}\n", "s.yaml:2: packages.a: expected a folder"},
            {"agents:\n  - {config: a, namespace: a b}\n",
             "s.yaml:3: agents[0].namespace: the name 'a b' does not begin with '/'"},
@@ -198,6 +203,17 @@ TEST(Scenario, ErrorsNameTheLine) {
            {"expect:\n  - {path: status}\n", "s.yaml:3: expect[0]: expected min, max or equals"},
            {"expect:\n  - {min: 1}\n", "s.yaml:3: expect[0]: key 'path' is missing"}})
     EXPECT_THAT(error_of(text), StartsWith(message)) << text;
+}
+
+TEST(Scenario, ASectionIsAKeyWhereAKindOfTheCatalogueReadsIt) {
+  EXPECT_EQ(error_of("timed: {pick_mean_s: 3}\nplanner: {budget: 5}\n"), "") << "without effect in this world";
+  const std::string text = "schema: 1\nplanner: {budget: 5}\n";
+  const Catalogue without{.worlds = {&rcll::kWorld}, .nodes = {}};
+  const auto scenario = Scenario::parse(text, "s.yaml", without);
+  ASSERT_FALSE(scenario);
+  EXPECT_THAT(scenario.error().text(), StartsWith("s.yaml:2: unknown key 'planner'"));
+  EXPECT_EQ(timed_of(parsed("timed: {pick_mean_s: 3}\n")).pick_mean_s, 3);
+  EXPECT_EQ(timed_of(parsed("")).pick_mean_s, std::nullopt);
 }
 
 TEST(Scenario, ErrorsInAnOptionNameTheOption) {

@@ -1,8 +1,8 @@
+#include "scenarios/floor/sections.h"
+
 #include <algorithm>
 #include <string>
-#include <vector>
 
-#include "scenarios/scenario.h"
 #include "sim/skills/skill.h"
 
 namespace cxlab {
@@ -97,17 +97,6 @@ Fault read_fault(const yaml::Value& value) {
   return fault;
 }
 
-}  // namespace
-
-std::vector<Fault> read_faults(const yaml::Value& list) {
-  std::vector<Fault> faults;
-  for (const yaml::Value& item : list.as_list()) {
-    faults.push_back(read_fault(item));
-    faults.back().number = faults.size() - 1;
-  }
-  return faults;
-}
-
 yaml::Writer write_fault(const Fault& fault) {
   const FaultWord& word = *std::ranges::find(sim::fault_words(), fault.kind, &FaultWord::kind);
   yaml::Writer out;
@@ -133,6 +122,37 @@ yaml::Writer write_fault(const Fault& fault) {
   if (takes(word, "sigma_m")) out("sigma_m", fault.sigma_m);
   if (takes(word, "sigma_deg")) out("sigma_deg", fault.sigma_deg);
   return out;
+}
+
+using Faults = std::vector<Fault>;
+
+void read_faults(const yaml::Value& list, std::any& config) {
+  Faults& faults = config.emplace<Faults>();
+  for (const yaml::Value& item : list.as_list()) faults.push_back(read_fault(item));
+}
+
+yaml::Writer write_faults(std::string_view key, const std::any& config) {
+  yaml::Writer out;
+  for (const Fault& fault : std::any_cast<const Faults&>(config)) out.append(key, write_fault(fault));
+  return out;
+}
+
+}  // namespace
+
+constinit const SectionKind kTimedSection = section_of<sim::TimedSkillsConfig>("timed");
+constinit const SectionKind kFaultsSection{.key = "faults",
+                                           .read = read_faults,
+                                           .write = write_faults,
+                                           .elsewhere = "this world has neither robots nor machines"};
+
+const sim::TimedSkillsConfig& timed_of(const Scenario& scenario) {
+  return scenario.section<sim::TimedSkillsConfig>(kTimedSection);
+}
+
+std::vector<Fault> faults_of(const Scenario& scenario) {
+  Faults faults = scenario.section<Faults>(kFaultsSection);
+  for (std::size_t i = 0; i < faults.size(); ++i) faults[i].number = i;
+  return faults;
 }
 
 }  // namespace cxlab
