@@ -1,6 +1,7 @@
 #include "scenarios/shipped/catalogue.h"
 
 #include "scenarios/pddl/node.h"
+#include "scenarios/rcll/refbox/node.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/rl/node.h"
 #include "scenarios/turtlesim/world.h"

@@ -6,18 +6,18 @@
 #include <cctype>
 
 #include "cx/bus/needed.h"
+#include "scenarios/rcll/refbox/codes.h"
+#include "scenarios/rcll/rules/machine.h"
+#include "sim/skills/skill.h"
 
 namespace cxlab::rcll {
 
 namespace {
 
+using sim::SkillCode;
+
 constexpr std::size_t kFinishedTold = 10;
 constexpr double kWaitAtBelt = 30;  // s; as long as the robots of the league's simulation
-
-// Codes of AgentTask.
-constexpr std::int64_t kWrongTeam = 101, kWrongRobot = 102, kInvalidTarget = 103, kNotSupported = 104,
-                       kNoWorkpiece = 202, kNoMachine = 203, kInternal = 220;
-constexpr std::int64_t kOffField = 210;  // of our skills; the league has no such code
 
 std::string upper(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -74,11 +74,11 @@ Status RobotPeer::open() {
 
 std::string RobotPeer::take(const Fields& task) {
   if (task.text("team_color") != to_string(identity_.team)) {
-    answer(task, kWrongTeam);
+    answer(task, number_of(InstructError::kWrongTeam));
     return "a task for a robot of " + task.text("team_color");
   }
   if (task.integer("robot_id") != identity_.number) {
-    answer(task, kWrongRobot);
+    answer(task, number_of(TaskCode::kWrongRobot));
     return "a task for robot " + std::to_string(task.integer("robot_id"));
   }
   const bool same = task_ && Fields(*task_).integer("task_id") == task.integer("task_id");
@@ -147,12 +147,12 @@ RobotPeer::Plan RobotPeer::plan_of(const Fields& task) const {
   } else if (task.has("buffer")) {
     const std::string machine = upper(task.part("buffer").text("machine_id"));
     const std::string slot = shelf(task.part("buffer").integer("shelf_number"));
-    if (slot.empty()) return {{}, kInvalidTarget};
+    if (slot.empty()) return {{}, number_of(SkillCode::kInvalidTarget)};
     plan.steps.push_back({"transport", {{"from", machine + "-SHELF-" + slot}, {"to", machine + "-INPUT"}}});
   } else if (task.has("explore_machine")) {
     plan.steps.push_back({"explore", {{"target", zone_name(task.part("explore_machine").text("waypoint"))}}});
   } else {
-    plan.error = kNotSupported;
+    plan.error = number_of(TaskCode::kNotSupported);
   }
   return plan;
 }
@@ -181,7 +181,7 @@ void RobotPeer::next_step() {
 void RobotPeer::take_answer(const bus::Delivery& delivery) {
   if (delivery.accepted || delivery.goal != goal_) return;
   goal_.reset();
-  end(kInternal);  // the robot is at work for somebody else
+  end(number_of(SkillCode::kInternal));  // the robot is at work for somebody else
 }
 
 void RobotPeer::take_result(const bus::Delivery& delivery) {
@@ -196,7 +196,7 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
   }
   const bus::MessageView result = delivery.message->view();
   std::int64_t error = result.integer("error_code");
-  if (error == kOffField) error = kInternal;
+  if (error == number_of(SkillCode::kOffField)) error = number_of(SkillCode::kInternal);
   if (step.action == "explore" && error == 0) {
     const pb::MessagePtr seen = context_.make("MachineReport");
     Fields report(*seen);
@@ -204,9 +204,10 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
     this->report(result, report);
     channel_.send(*seen);
     const std::string wanted = upper(Fields(*task_).part("explore_machine").text("machine_id"));
-    if (result.text("machine").empty() || (!wanted.empty() && result.text("machine") != wanted)) error = kNoMachine;
+    if (result.text("machine").empty() || (!wanted.empty() && result.text("machine") != wanted))
+      error = number_of(SkillCode::kMachineNotFound);
   }
-  if (error == kNoWorkpiece && step.or_next && !cancels_) {
+  if (error == number_of(SkillCode::kNoWorkpiece) && step.or_next && !cancels_) {
     steps_.pop_front();
     if (!paused_) next_step();
     return;
