@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "cx/base/file.h"
 #include "cx/journal/hash_text.h"
@@ -84,9 +85,7 @@ class FloorReplay final : public WorldReplay {
   Expected<std::unique_ptr<View>> view(int width, int height) const override {
     LegendMaker legend;
     if (is_file(setup_.journal)) {
-      const WorldConfig& config = setup_.scenario.world.get<WorldConfig>();
-      auto board = RecordedBoard::load(GameClock::of(config.setup_s, config.production_s, config.overtime_s),
-                                       teams_of(config), setup_.journal);
+      auto board = RecordedBoard::load(setup_.scenario.world.get<WorldConfig>(), setup_.journal);
       if (!board) return board.error();
       legend = [this, board = *std::move(board)] { return legend_of(board.at(now_)); };
     }
@@ -118,6 +117,7 @@ class GameStage final : public Stage {
   sim::MujocoWorld* physics_ = nullptr;  // the same, in the physics tier
   sim::Fleet* fleet_ = nullptr;          // owned as server, as the factory
   Factory* factory_ = nullptr;
+  std::optional<BoardKeeper> board_;  // where there is a view
 };
 
 /// Servers in the order referee box on the network, robots, factory.
@@ -135,6 +135,10 @@ Status GameStage::build(const StageSetup& setup) {
   auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, faults_of(scenario));
   if (!factory) return factory.error();
   factory_ = factory->get();
+  if (physics_) {
+    board_.emplace(config);
+    factory_->events().listen([this](SimTime t, const Event& event) { board_->apply(t, event); });
+  }
   if (setup.log)
     factory_->on_warning([log = setup.log, &bus = setup.bus](const std::string& text) {
       log->line({bus.now(), cx::LogLevel::kWarn, "factory", text, {}});
@@ -165,7 +169,7 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
   worlds.push_back(*std::move(made));
   views.push_back([this](int width, int height) {
     return view_of_floor(
-        physics_->plan(), physics_->gate(), [this] { return legend_of(board_of(*factory_)); }, width, height);
+        physics_->plan(), physics_->gate(), [this] { return legend_of(board_->at(physics_->now())); }, width, height);
   });
   return add_fleet(setup, sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink,
                                              {faults_of(scenario), scenario.seed}));

@@ -41,6 +41,7 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       bus_(bus),
       sink_(sink),
       records_(world, sink),
+      events_(sink, &world),
       context_{GameClock::of(config.setup_s, config.production_s, config.overtime_s),
                choices_of(*named<Rules>(config.rules)),
                from_seconds(config.shelf_refill_s),
@@ -49,9 +50,9 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
                seed,
                {}},
       faults_(world, records_),
-      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), records_, config.exploration),
-      maintenance_(world, referee_, from_seconds(config.repair_s), records_),
-      pauses_(config.pauses, referee_, world, sink) {
+      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), events_, config.exploration),
+      maintenance_(world, referee_, from_seconds(config.repair_s), events_, records_),
+      pauses_(config.pauses, referee_, world, events_) {
   context_.schedule = &referee_.schedule();
   context_.exploration = &referee_.exploration();
   if (config.refbox.confirm_deliveries) referee_.wait_for_confirmation();

@@ -25,6 +25,7 @@
 #include "cx/run/parts.h"
 #include "scenarios/rcll/game/game.h"
 #include "scenarios/rcll/rules/config.h"
+#include "scenarios/rcll/rules/event_log.h"
 #include "scenarios/rcll/rules/machine_faults.h"
 #include "scenarios/rcll/rules/machines.h"
 #include "scenarios/rcll/rules/maintenance.h"
@@ -61,6 +62,8 @@ class Factory final : public Server, public Referee {
   std::string reset_machine(const std::string& name);
   std::string repair_machine(const std::string& name);
 
+  /// What happens in the game, for those who listen.
+  EventLog& events() { return events_; }
   const GameReferee& referee() const { return referee_; }
   const Maintenance& maintenance() const { return maintenance_; }
   const std::vector<std::unique_ptr<Machine>>& machines() const { return machines_; }
@@ -97,6 +100,7 @@ class Factory final : public Server, public Referee {
   bus::Bus& bus_;
   RecordSink& sink_;
   sim::FloorRecords records_;
+  EventLog events_;
   MachineContext context_;
   MachineFaults faults_;
   GameReferee referee_;

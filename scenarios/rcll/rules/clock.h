@@ -14,6 +14,11 @@ enum class Phase : std::uint8_t { kSetup, kProduction, kPostGame };
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<Phase>{"SETUP", "PRODUCTION", "POST_GAME"};
 
+/// The state of a game, as in the referee box, which has INIT and WAIT_START before it begins.
+enum class GameState : std::uint8_t { kRunning, kPaused };
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<GameState>{"RUNNING", "PAUSED"};
+
 /// Set-up, then production; each starts the game's time anew. Production ends before `production_end`. The referee
 /// moves both: for overtime, and when a controller says so.
 struct GameClock {

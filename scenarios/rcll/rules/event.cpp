@@ -20,7 +20,11 @@ class EventWriter {
     data_.field(key, std::span<const double>(value));
   }
   void operator()(std::string_view key, const std::string& value) { data_.field(key, std::string_view(value)); }
-  void operator()(std::string_view key, Team value) { data_.field(key, to_string(value)); }
+  template <class Word>
+    requires std::is_enum_v<Word>
+  void operator()(std::string_view key, Word value) {
+    data_.field(key, to_string(value));
+  }
   template <class Number>
     requires std::is_arithmetic_v<Number>
   void operator()(std::string_view key, Number value) {
@@ -63,8 +67,17 @@ class EventReader {
   static void take(const RecordValue& found, Whole& out) {
     if (const auto* whole = std::get_if<std::int64_t>(&found.value)) out = static_cast<Whole>(*whole);
   }
-  static void take(const RecordValue& found, std::optional<Team>& out) {
-    if (const auto* text = std::get_if<std::string>(&found.value)) out = named<Team>(*text);
+  template <class Word>
+    requires std::is_enum_v<Word>
+  static void take(const RecordValue& found, std::optional<Word>& out) {
+    if (const auto* text = std::get_if<std::string>(&found.value)) out = named<Word>(*text);
+  }
+  template <class Word>
+    requires std::is_enum_v<Word>
+  static void take(const RecordValue& found, Word& out) {
+    std::optional<Word> word;
+    take(found, word);
+    out = word.value_or(out);
   }
   template <class Value>
   static void take(const RecordValue& found, std::optional<Value>& out) {
@@ -126,13 +139,13 @@ std::optional<Event> read_event(const RecordValue& data) {
 void RecordedClock::apply(SimTime t, const Event& event) {
   std::visit(Cases{[&](const Prolonged& e) { game.production_end = game.at(e.until); },
                    [&](const PhaseBegan& e) {
-                     if (e.phase == to_string(Phase::kPostGame)) game.production_end = floor.at(t);
+                     if (e.phase == Phase::kPostGame) game.production_end = floor.at(t);
                    },
                    [&](const PhaseWasSet&) {
                      if (phase(t) == Phase::kSetup) game.begin_production(floor.at(t));
                    },
                    [&](const PauseChanged& e) {
-                     if (e.paused())
+                     if (e.state == GameState::kPaused)
                        floor.halt(t);
                      else
                        floor.go_on(t);

@@ -1,6 +1,7 @@
 #pragma once
-// What the referee of a game writes down (docs/journal.md): typed events. `write` and `read_event` are the only places
-// that know how a record spells one, and both go by the lists of fields below.
+// What happens in a game, as the referee writes it down (docs/journal.md): typed events. `write` and `read_event` are
+// the only places that know how a record spells one, and both go by the lists of fields below. Whoever tells of a game,
+// while it is played or afterwards, reads these.
 
 #include <array>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "cx/base/record_sink.h"
 #include "cx/journal/journal_record.h"
 #include "scenarios/rcll/rules/clock.h"
+#include "scenarios/rcll/rules/config.h"
 #include "scenarios/rcll/rules/types.h"
 #include "sim/floor_clock.h"
 
@@ -23,7 +25,7 @@ namespace cxlab::rcll {
 
 struct PhaseBegan {
   static constexpr std::array<std::string_view, 1> kWords{"phase"};
-  std::string phase;
+  Phase phase{};
 
   template <class Io>
   void fields(Io& io) {
@@ -33,7 +35,7 @@ struct PhaseBegan {
 /// A controller ended the phase before.
 struct PhaseWasSet {
   static constexpr std::array<std::string_view, 1> kWords{"set_phase"};
-  std::string phase;
+  Phase phase{};
 
   template <class Io>
   void fields(Io& io) {
@@ -54,11 +56,11 @@ struct Prolonged {
 /// The game stands, or goes on.
 struct PauseChanged {
   static constexpr std::array<std::string_view, 1> kWords{"state"};
-  std::string state, cause;
+  GameState state{};
+  std::string cause;
   std::optional<std::string> by;  ///< who asked
   double game_time = 0;           ///< s of the phase
 
-  bool paused() const { return state == "PAUSED"; }
   template <class Io>
   void fields(Io& io) {
     io("state", state);
@@ -321,6 +323,10 @@ struct Cases : Visitors... {
 
 /// The game's clock as the events move it.
 struct RecordedClock {
+  RecordedClock() = default;
+  explicit RecordedClock(const WorldConfig& config)
+      : game(GameClock::of(config.setup_s, config.production_s, config.overtime_s)) {}
+
   GameClock game;
   sim::FloorClock floor;
   void apply(SimTime t, const Event& event);

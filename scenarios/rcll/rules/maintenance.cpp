@@ -31,8 +31,8 @@ double distance_to_spots(const sim::FloorPlan& plan, Team team, const sim::Vec2&
 
 }  // namespace
 
-Maintenance::Maintenance(sim::World& world, GameReferee& referee, SimTime repair, RecordSink& sink)
-    : world_(world), referee_(referee), repair_(repair), sink_(sink), stream_(sink.open_stream("referee")) {
+Maintenance::Maintenance(sim::World& world, GameReferee& referee, SimTime repair, EventLog& events, RecordSink& sink)
+    : world_(world), referee_(referee), repair_(repair), events_(events), sink_(sink) {
   std::array<int, 2> numbers{};
   for (std::size_t i = 0; i < world.plan().robots.size(); ++i) {
     Robot& robot = robots_.emplace_back();
@@ -70,10 +70,6 @@ DutyChanged Maintenance::change_of(const Robot& robot, std::string_view state) c
   return change;
 }
 
-void Maintenance::write(SimTime now, DutyChanged change) {
-  sink_.write(stream_, now, RecordKind::kReferee, rcll::write(std::move(change), data_));
-}
-
 // --- Deciding
 
 void Maintenance::judge(SimTime now) {
@@ -99,7 +95,7 @@ void Maintenance::grant(const Request& request, SimTime now) {
     refused.team = request.team;
     refused.number = request.number;
     refused.reason = reason;
-    write(now, std::move(refused));
+    events_.write(now, std::move(refused));
   };
   const auto robot = std::ranges::find_if(
       robots_, [&](const Robot& r) { return r.team == request.team && r.number == request.number; });
@@ -126,7 +122,7 @@ void Maintenance::begin(Robot& robot, MaintenanceCause cause, SimTime needs, Sim
   DutyChanged change = change_of(robot, "begin");
   change.cause = to_string(cause);
   change.cycle = robot.cycles;
-  write(now, std::move(change));
+  events_.write(now, std::move(change));
   if (robot.cycles == kMaintenances) referee_.fine(robot.team, kSecondMaintenancePoints, now);
 }
 
@@ -135,7 +131,7 @@ void Maintenance::disqualify(Robot& robot, std::string_view reason, SimTime now)
   robot.duty = RobotDuty::kDisqualified;
   DutyChanged change = change_of(robot, "disqualified");
   change.cause = reason;
-  write(now, std::move(change));
+  events_.write(now, std::move(change));
 }
 
 void Maintenance::watch(Robot& robot, SimTime now) {
@@ -151,7 +147,7 @@ void Maintenance::watch(Robot& robot, SimTime now) {
     robot.warned = true;
     DutyChanged change = change_of(robot, "warning");
     change.remaining_s = to_seconds(remaining(robot, now));
-    write(now, std::move(change));
+    events_.write(now, std::move(change));
   }
 }
 
@@ -221,7 +217,7 @@ void Maintenance::act(SimTime now) {
       ++changes_;
       DutyChanged change = change_of(robot, "end");
       change.duration_s = to_seconds(now - robot.since);
-      write(now, std::move(change));
+      events_.write(now, std::move(change));
     } else {
       retry_at_ = now + kRetry;
     }

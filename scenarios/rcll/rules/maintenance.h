@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cx/base/record_sink.h"
+#include "scenarios/rcll/rules/event_log.h"
 #include "scenarios/rcll/rules/referee.h"
 #include "scenarios/rcll/rules/types.h"
 #include "sim/faults/fault.h"
@@ -54,8 +55,8 @@ class Maintenance {
     sim::Vec2 velocity = sim::Vec2::Zero();  ///< at the last look, m/s in the world
   };
 
-  /// People need `repair` at least. Events go to the referee's stream. All outlive it.
-  Maintenance(sim::World& world, GameReferee& referee, SimTime repair, RecordSink& sink);
+  /// People need `repair` at least. Strikes of faults go to `sink`. All outlive it.
+  Maintenance(sim::World& world, GameReferee& referee, SimTime repair, EventLog& events, RecordSink& sink);
 
   /// Takes those of `faults` that send robots to maintenance; strikes are written to the stream "faults".
   void take(std::span<const sim::Fault> faults, std::uint64_t seed);
@@ -96,13 +97,12 @@ class Maintenance {
   bool pushes(const Robot& robot) const;
   std::optional<sim::Pose2> free_place(const Robot& robot) const;
   DutyChanged change_of(const Robot& robot, std::string_view state) const;
-  void write(SimTime now, DutyChanged change);
 
   sim::World& world_;
   GameReferee& referee_;
   SimTime repair_;
+  EventLog& events_;
   RecordSink& sink_;
-  StreamId stream_;
   std::vector<Robot> robots_;  ///< by id
   std::vector<Fault> faults_;
   std::vector<Request> requests_;

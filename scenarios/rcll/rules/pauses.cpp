@@ -6,8 +6,8 @@
 
 namespace cxlab::rcll {
 
-Pauses::Pauses(std::vector<PauseConfig> listed, const GameReferee& referee, sim::World& world, RecordSink& sink)
-    : listed_(std::move(listed)), referee_(referee), world_(world), sink_(sink), stream_(sink.open_stream("referee")) {
+Pauses::Pauses(std::vector<PauseConfig> listed, const GameReferee& referee, sim::World& world, EventLog& events)
+    : listed_(std::move(listed)), referee_(referee), world_(world), events_(events) {
   std::ranges::sort(listed_, std::ranges::greater(), &PauseConfig::at);
 }
 
@@ -38,11 +38,11 @@ void Pauses::set(GameState state, std::string_view cause, const Request* request
     world_.go_on();
     ends_at_ = kNever;
   }
-  PauseChanged event{.state = std::string(to_string(state)), .cause = std::string(cause), .by = {}};
+  PauseChanged event{.state = state, .cause = std::string(cause), .by = {}};
   if (request) event.by = request->by;
   event.game_time = referee_.clock().game_time(world_.floor_time());
-  sink_.write(stream_, now, RecordKind::kReferee, write(std::move(event), data_),
-              request ? std::span<const RecordRef>(request->causes) : std::span<const RecordRef>());
+  events_.write_simulated(now, std::move(event),
+                          request ? std::span<const RecordRef>(request->causes) : std::span<const RecordRef>());
 }
 
 SimTime Pauses::next_begin() const { return listed_.empty() ? kNever : referee_.clock().at(listed_.back().at); }

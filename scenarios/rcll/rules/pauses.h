@@ -9,20 +9,16 @@
 
 #include "cx/base/record_sink.h"
 #include "scenarios/rcll/rules/config.h"
+#include "scenarios/rcll/rules/event_log.h"
 #include "scenarios/rcll/rules/referee.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {
 
-/// The state of a game, as in the referee box, which has INIT and WAIT_START before it begins.
-enum class GameState : std::uint8_t { kRunning, kPaused };
-template <>
-inline constexpr std::array<std::string_view, 2> kNames<GameState>{"RUNNING", "PAUSED"};
-
 class Pauses {
  public:
-  /// Changes of the state go to the referee's stream. All but the list outlive it.
-  Pauses(std::vector<PauseConfig> listed, const GameReferee& referee, sim::World& world, RecordSink& sink);
+  /// All but the list outlive it.
+  Pauses(std::vector<PauseConfig> listed, const GameReferee& referee, sim::World& world, EventLog& events);
 
   /// Asks for a state, which comes with the next `judge`. `by`: who asks. What speaks against it, else empty.
   std::string request(std::string_view state, std::string by, std::span<const RecordRef> causes = {});
@@ -45,9 +41,7 @@ class Pauses {
   std::vector<PauseConfig> listed_;  ///< those to come, the last first
   const GameReferee& referee_;
   sim::World& world_;
-  RecordSink& sink_;
-  StreamId stream_;
-  RecordData data_;
+  EventLog& events_;
   std::vector<Request> requests_;
   SimTime ends_at_ = kNever;  ///< simulated time; of a listed pause
 };

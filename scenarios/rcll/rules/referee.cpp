@@ -34,14 +34,13 @@ std::int64_t late_deduction(std::int64_t points, double late_s, double window_s,
 }
 
 GameReferee::GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan,
-                         RecordSink& sink, bool explore)
+                         EventLog& events, bool explore)
     : clock_(clock),
       rules_(rules),
       schedule_(std::move(schedule)),
       plan_(plan),
-      sink_(sink),
-      exploration_(plan, clock_, explore, rules_.reports_by_type),
-      stream_(sink.open_stream("referee")) {
+      events_(events),
+      exploration_(plan, clock_, explore, rules_.reports_by_type) {
   for (const Order& order : schedule_.orders) orders_.emplace_back().order = order;
 }
 
@@ -55,7 +54,7 @@ void GameReferee::judge(SimTime now, std::span<const sim::HolderChange> changes,
   const Phase phase = clock_.phase(now);
   if (!last_look_ || phase != phase_) {
     phase_ = phase;
-    write(now, PhaseBegan{std::string(to_string(phase))});
+    write(now, PhaseBegan{phase});
   }
   if (phase == Phase::kProduction) release_orders(now);
   last_look_ = now;
@@ -136,7 +135,7 @@ std::string GameReferee::set_phase(Phase phase, SimTime now) {
     clock_.production_end = now;
     ended_ = true;
   }
-  write(now, PhaseWasSet{std::string(to_string(phase))});
+  write(now, PhaseWasSet{phase});
   return {};
 }
 

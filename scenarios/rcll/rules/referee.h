@@ -10,10 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "cx/base/record_sink.h"
 #include "scenarios/rcll/rules/clock.h"
 #include "scenarios/rcll/rules/config.h"
-#include "scenarios/rcll/rules/event.h"
+#include "scenarios/rcll/rules/event_log.h"
 #include "scenarios/rcll/rules/exploration.h"
 #include "scenarios/rcll/rules/machine.h"
 #include "scenarios/rcll/rules/orders.h"
@@ -76,7 +75,8 @@ std::int64_t late_deduction(std::int64_t points, double late_s, double window_s,
 
 class GameReferee {
  public:
-  GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, RecordSink& sink,
+  /// Plan and events outlive it.
+  GameReferee(GameClock clock, RuleChoices rules, Schedule schedule, const sim::FloorPlan& plan, EventLog& events,
               bool explore = false);
   GameReferee(const GameReferee&) = delete;
   GameReferee& operator=(const GameReferee&) = delete;
@@ -142,18 +142,14 @@ class GameReferee {
   std::int64_t give(Team team, PointKind kind, std::int64_t points, SimTime at, int order = 0);
   /// Who or what it is; empty for the floor.
   std::string name_of(sim::Holder holder, int index) const;
-  void write(SimTime at, Event event) {
-    sink_.write(stream_, at, RecordKind::kReferee, rcll::write(std::move(event), data_));
-  }
+  void write(SimTime at, Event event) { events_.write(at, std::move(event)); }
 
   GameClock clock_;
   RuleChoices rules_;
   Schedule schedule_;
   const sim::FloorPlan& plan_;
-  RecordSink& sink_;
+  EventLog& events_;
   Exploration exploration_;
-  StreamId stream_;
-  RecordData data_;
   std::optional<SimTime> last_look_;
   Phase phase_ = Phase::kSetup;
   bool in_overtime_ = false, sudden_death_ = false;

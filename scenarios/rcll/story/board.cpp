@@ -20,67 +20,51 @@ std::string clock_text(double seconds) {
   return text;
 }
 
-void set_time(Board& board, const GameClock& clock, SimTime now) {
-  board.phase = to_string(clock.phase(now));
-  board.game_time = clock.game_time(now);
-}
-
 }  // namespace
 
-Board board_of(const Factory& game) {
-  const GameReferee& referee = game.referee();
-  Board board;
-  set_time(board, game.clock(), game.floor().floor_time());
-  board.paused = game.state() == GameState::kPaused;
-  board.teams = game.teams();
-  for (const Team team : kTeams) board.points[static_cast<std::size_t>(team)] = referee.score(team).total();
-  for (const OrderState& state : referee.orders()) {
-    if (!state.released) continue;
-    const Order& order = state.order;
-    board.orders.push_back({order.id, std::string(to_string(order.complexity)), stack_of(order.product),
-                            order.delivery_begin, order.delivery_end, order.quantity, order.delivery_gate,
-                            order.competitive, state.delivered});
-  }
+void BoardKeeper::apply(SimTime t, const Event& event) {
+  clock_.apply(t, event);
+  std::visit(
+      Cases{[&](const PointsGiven& e) {
+              if (e.team) board_.points[static_cast<std::size_t>(*e.team)] = e.total;
+            },
+            [&](const OrderPublished& e) {
+              const auto after = std::ranges::upper_bound(board_.orders, e.id, {}, &BoardOrder::id);
+              board_.orders.insert(
+                  after,
+                  {e.id, e.complexity, stack_of(e.product), e.begin, e.end, e.quantity, e.gate, e.competitive, {}});
+            },
+            [&](const DeliveryJudged& e) {
+              const auto order = std::ranges::find(board_.orders, e.order, &BoardOrder::id);
+              if (e.team && e.correct && order != board_.orders.end())
+                ++order->delivered[static_cast<std::size_t>(*e.team)];
+            },
+            [](const auto&) {}},
+      event);
+}
+
+Board BoardKeeper::at(SimTime now) const {
+  Board board = board_;
+  board.phase = to_string(clock_.phase(now));
+  board.game_time = clock_.game_time(now);
+  board.paused = clock_.floor.halted();
   return board;
 }
 
-Expected<RecordedBoard> RecordedBoard::load(const GameClock& clock, std::vector<Team> teams,
-                                            const std::filesystem::path& journal) {
+Expected<RecordedBoard> RecordedBoard::load(const WorldConfig& config, const std::filesystem::path& journal) {
   auto records = read_journal(journal, {.kinds = {RecordKind::kReferee}});
   if (!records) return records.error();
-  RecordedBoard board(clock, std::move(teams));
+  RecordedBoard board(config);
   for (const JournalRecord& record : *records)
     if (auto event = read_event(record.data)) board.take(record.t, *std::move(event));
   return board;
 }
 
 Board RecordedBoard::at(SimTime now) const {
-  RecordedClock clock{clock_, {}};
-  Board board;
-  for (const auto& [t, event] : events_) {
-    if (t > now) continue;
-    clock.apply(t, event);
-    std::visit(
-        Cases{[&](const PointsGiven& e) {
-                if (e.team) board.points[static_cast<std::size_t>(*e.team)] = e.total;
-              },
-              [&](const OrderPublished& e) {
-                board.orders.push_back(
-                    {e.id, e.complexity, stack_of(e.product), e.begin, e.end, e.quantity, e.gate, e.competitive, {}});
-              },
-              [&](const DeliveryJudged& e) {
-                const auto order = std::ranges::find(board.orders, e.order, &BoardOrder::id);
-                if (e.team && e.correct && order != board.orders.end())
-                  ++order->delivered[static_cast<std::size_t>(*e.team)];
-              },
-              [](const auto&) {}},
-        event);
-  }
-  std::ranges::stable_sort(board.orders, {}, &BoardOrder::id);
-  set_time(board, clock.game, clock.floor.at(now));
-  board.paused = clock.floor.halted();
-  board.teams = teams_;
-  return board;
+  BoardKeeper board = begin_;
+  for (const auto& [t, event] : events_)
+    if (t <= now) board.apply(t, event);
+  return board.at(now);
 }
 
 sim::Legend legend_of(const Board& board) {

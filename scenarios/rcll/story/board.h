@@ -1,6 +1,6 @@
 #pragma once
-// What pictures tell of a game: time, points, orders that have been published. Of a game that is played it is read from
-// the referee, of a recorded one from its journal.
+// What pictures tell of a game: time, points, orders that have been published. It is read from the game's events, those
+// of a game that is played (EventLog::listen) and those of a recorded one alike.
 
 #include <array>
 #include <cstdint>
@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "scenarios/rcll/game/factory.h"
-#include "scenarios/rcll/rules/clock.h"
+#include "scenarios/rcll/rules/config.h"
 #include "scenarios/rcll/rules/event.h"
 #include "scenarios/rcll/rules/types.h"
 #include "sim/legend.h"
@@ -30,32 +29,44 @@ struct BoardOrder {
   friend bool operator==(const BoardOrder&, const BoardOrder&) = default;
 };
 
+/// At one time.
 struct Board {
   std::vector<Team> teams;  ///< that play
   std::string phase;
   double game_time = 0;  ///< s, of the phase
   std::array<std::int64_t, 2> points{};
-  std::vector<BoardOrder> orders;
+  std::vector<BoardOrder> orders;  ///< by id
   bool paused = false;
   friend bool operator==(const Board&, const Board&) = default;
 };
 
-Board board_of(const Factory& game);
+/// The board as far as the events tell it.
+class BoardKeeper {
+ public:
+  explicit BoardKeeper(const WorldConfig& config) : clock_(config) { board_.teams = teams_of(config); }
+  /// Events come in order.
+  void apply(SimTime t, const Event& event);
+  /// Without an event after the last one.
+  Board at(SimTime now) const;
 
+ private:
+  RecordedClock clock_;
+  Board board_;  // all but time and pause
+};
+
+/// The board of a recorded game, at any time.
 class RecordedBoard {
  public:
-  RecordedBoard(const GameClock& clock, std::vector<Team> teams) : clock_(clock), teams_(std::move(teams)) {}
-  /// From the referee's records in a journal.
-  static Expected<RecordedBoard> load(const GameClock& clock, std::vector<Team> teams,
-                                      const std::filesystem::path& journal);
+  explicit RecordedBoard(const WorldConfig& config) : begin_(config) {}
+  /// From the events in a journal.
+  static Expected<RecordedBoard> load(const WorldConfig& config, const std::filesystem::path& journal);
   /// Events come in order of time.
   void take(SimTime t, Event event) { events_.emplace_back(t, std::move(event)); }
   /// As it was at the end of that tick.
   Board at(SimTime now) const;
 
  private:
-  GameClock clock_;
-  std::vector<Team> teams_;
+  BoardKeeper begin_;
   std::vector<std::pair<SimTime, Event>> events_;
 };
 

@@ -130,7 +130,7 @@ Expected<GameStory> GameStory::read(const AskedRun& run) {
   story.game = *std::move(game);
   story.teams = teams_of(config);
   story.plan = floor_plan_of(config, story.game.layout);
-  story.clock.game = GameClock::of(config.setup_s, config.production_s, config.overtime_s);
+  story.clock = RecordedClock(config);
   story.from = run.from;
   story.end = run.to;
   story.run_ended = run.ended;
@@ -217,7 +217,7 @@ void GameStory::take_event(SimTime t, const Event& event) {
             [&](const OrderPublished& e) { published.try_emplace(e.id, t); },
             [&](const PointsGiven& e) { points.push_back({t, e}); },
             [&](const PauseChanged& e) {
-              if (e.paused())
+              if (e.state == GameState::kPaused)
                 pauses.push_back({t, kNever});
               else if (!pauses.empty())
                 pauses.back().to = t;

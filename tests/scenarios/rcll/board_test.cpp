@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "cx/journal/journal_reader.h"
 #include "tests/support/game_story.h"
 
 namespace cxlab::rcll {
@@ -27,6 +28,14 @@ WorldConfig one_order(int quantity) {
   return config;
 }
 
+/// The board of a game so far.
+Board board_of(const GameStory& story, const WorldConfig& config) {
+  BoardKeeper keeper(config);
+  for (const KeptRecords::Record& record : story.records().of(RecordKind::kReferee))
+    keeper.apply(record.t, *read_event(*decode_record_data(record.data)));
+  return keeper.at(from_seconds(story.now()));
+}
+
 /// What the cards say: name, window, ticked.
 std::vector<std::string> cards(const sim::Legend& legend) {
   std::vector<std::string> out;
@@ -36,11 +45,12 @@ std::vector<std::string> cards(const sim::Legend& legend) {
 }
 
 TEST(Board, TellsTimePointsAndPublishedOrders) {
-  GameStory story(one_order(2));
-  Board board = board_of(story.factory());
+  const WorldConfig config = one_order(2);
+  GameStory story(config);
+  Board board = board_of(story, config);
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20"));
   story.run_until(12);
-  board = board_of(story.factory());
+  board = board_of(story, config);
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(board.orders[1].product, (sim::Stack{3, {1, 3, 4}, 1}));
   ASSERT_EQ(legend_of(board).title.size(), 2u);
@@ -53,15 +63,16 @@ TEST(Board, SaysThatTheGameIsPaused) {
   config.pauses = {{5, 100}};
   GameStory story(config);
   story.run_until(12);
-  EXPECT_EQ(legend_of(board_of(story.factory())).title[0].text, "0:05 PRODUCTION PAUSED");
+  EXPECT_EQ(legend_of(board_of(story, config)).title[0].text, "0:05 PRODUCTION PAUSED");
 }
 
 TEST(Board, TicksWhatHasBeenDelivered) {
-  GameStory story(one_order(1));
+  const WorldConfig config = one_order(1);
+  GameStory story(config);
   story.make_product("BASE_RED", "CS1");
   story.put("C-DS-INPUT");
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
-  const sim::Legend legend = legend_of(board_of(story.factory()));
+  const sim::Legend legend = legend_of(board_of(story, config));
   EXPECT_THAT(cards(legend), ElementsAre("1 C0 G1, 0:00-3:20, done", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(legend.title[1].text, "CYAN " + std::to_string(story.score().total()));
   EXPECT_GT(story.score().total(), 0);
@@ -102,7 +113,9 @@ TEST(Board, OfARecordedGameFollowsAControllerWhoEndsSetUp) {
   record(30000, R"({"event":"set_phase","phase":"POST_GAME"})");
   record(30020, R"({"event":"phase","phase":"POST_GAME"})");
   const auto journal = folder.write("journal.jsonl", text);
-  const auto board = RecordedBoard::load(GameClock::of(100, 1200), {Team::kCyan}, journal);
+  WorldConfig config;
+  config.setup_s = 100;
+  const auto board = RecordedBoard::load(config, journal);
   ASSERT_TRUE(board) << board.error().text();
   for (const auto& [at, title] : {std::pair{9, "0:09 SETUP"}, {12, "0:02 PRODUCTION"}, {29, "0:19 PRODUCTION"}})
     EXPECT_EQ(legend_of(board->at(std::chrono::seconds(at))).title[0].text, title) << at;

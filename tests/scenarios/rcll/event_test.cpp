@@ -18,13 +18,13 @@ RecordValue data_of(const Event& event) {
 
 TEST(Event, IsSpeltAsTheJournalSays) {
   const std::pair<Event, const char*> table[]{
-      {PhaseBegan{"PRODUCTION"}, R"({"event":"phase","phase":"PRODUCTION"})"},
-      {PhaseWasSet{"POST_GAME"}, R"({"event":"set_phase","phase":"POST_GAME"})"},
+      {PhaseBegan{Phase::kProduction}, R"({"event":"phase","phase":"PRODUCTION"})"},
+      {PhaseWasSet{Phase::kPostGame}, R"({"event":"set_phase","phase":"POST_GAME"})"},
       {Prolonged{Prolonged::Kind::kOvertime, 1500}, R"({"event":"overtime","until":1500.0})"},
       {Prolonged{Prolonged::Kind::kSuddenDeath, 1800}, R"({"event":"sudden death","until":1800.0})"},
-      {PauseChanged{"PAUSED", "scenario", {}, 5.5},
+      {PauseChanged{GameState::kPaused, "scenario", {}, 5.5},
        R"({"event":"state","state":"PAUSED","cause":"scenario","game_time":5.5})"},
-      {PauseChanged{"RUNNING", "request", "", 7},
+      {PauseChanged{GameState::kRunning, "request", "", 7},
        R"({"event":"state","state":"RUNNING","cause":"request","by":"","game_time":7.0})"},
       {OrderPublished{3, "C1", "BASE_RED RING_BLUE CAP_GREY", 60, 120.5, 2, 1, true},
        R"({"event":"order","order":3,"complexity":"C1","product":"BASE_RED RING_BLUE CAP_GREY","begin":60.0,"end":120.5,"gate":2,"quantity":1,"competitive":true})"},
@@ -154,12 +154,38 @@ TEST(Event, EachRecordOfTheRefereeIsOne) {
     EXPECT_TRUE(words.contains(word)) << word;
 }
 
-TEST(Event, TheRecordedBoardIsAtEachTimeThatOfTheGame) {
+/// What the board must tell, as referee and floor have it.
+Board truth(const Factory& game, const WorldConfig& config) {
+  const SimTime now = game.floor().floor_time();
+  Board board;
+  board.phase = to_string(game.clock().phase(now));
+  board.game_time = game.clock().game_time(now);
+  board.paused = game.state() == GameState::kPaused;
+  board.teams = teams_of(config);
+  for (const Team team : kTeams) board.points[static_cast<std::size_t>(team)] = game.referee().score(team).total();
+  for (const OrderState& state : game.referee().orders()) {
+    if (!state.released) continue;
+    const Order& order = state.order;
+    board.orders.push_back({order.id, std::string(to_string(order.complexity)), stack_of(order.product),
+                            order.delivery_begin, order.delivery_end, order.quantity, order.delivery_gate,
+                            order.competitive, state.delivered});
+  }
+  return board;
+}
+
+TEST(Event, TheBoardOfThemIsThatOfTheRefereeWhileTheGameIsPlayedAndAfterwards) {
   const WorldConfig config = game_with_a_pause();
   GameStory story(config);
+  BoardKeeper keeper(config);
+  RecordedBoard recorded(config);
+  for (const KeptRecords::Record& record : story.records().of(RecordKind::kReferee))
+    keeper.apply(record.t, *read_event(*decode_record_data(record.data)));
+  story.factory().events().listen([&](SimTime t, const Event& event) { keeper.apply(t, event); });
   std::vector<std::pair<SimTime, Board>> live;
-  play_game(story, [&] { live.emplace_back(story.world().now(), board_of(story.factory())); });
-  RecordedBoard recorded(GameClock::of(config.setup_s, config.production_s, config.overtime_s), teams_of(config));
+  play_game(story, [&] {
+    live.emplace_back(story.world().now(), truth(story.factory(), config));
+    EXPECT_EQ(keeper.at(story.world().now()), live.back().second) << story.now();
+  });
   for (const KeptRecords::Record& record : story.records().of(RecordKind::kReferee))
     recorded.take(record.t, *read_event(*decode_record_data(record.data)));
   ASSERT_GT(live.size(), 30u);

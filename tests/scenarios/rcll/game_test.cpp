@@ -499,7 +499,8 @@ TEST(Referee, ATeamThatIsSecondWithACompetitiveOrderLosesTen) {
   config.orders[0].competitive = true;
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
+  EventLog log(sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, log);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
   const std::vector events{delivered(plan, "M-DS", 10, product), delivered(plan, "C-DS", 20, product)};
@@ -512,7 +513,8 @@ TEST(Referee, BeforeTheWindowCountsNothingAtItsStartItCounts) {
   const WorldConfig config = game_with_window(100, 200);
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
+  EventLog log(sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, log);
   referee.judge(SimTime{}, {}, {});
   const sim::Stack product{1, {}, 2};
   referee.judge(from_seconds(99.98), {}, std::vector{delivered(plan, "C-DS", 99.98, product)});
@@ -525,7 +527,8 @@ TEST(Referee, DeliveriesThatAreToBeConfirmedCountWhenTheyAre) {
   const WorldConfig config = game_with_window(100, 200);
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
+  EventLog log(sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, log);
   EXPECT_EQ(referee.confirm(1, true, from_seconds(1)), "what lies under a gate is seen");
   referee.wait_for_confirmation();
   referee.judge(SimTime{}, {}, {});
@@ -564,7 +567,8 @@ TEST(Referee, AControllerEndsSetUpAndTheGame) {
   config.exploration = true;
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock::of(50, 300), {}, game_of(config, 1)->schedule, plan, sink, true);
+  EventLog log(sink);
+  GameReferee referee(GameClock::of(50, 300), {}, game_of(config, 1)->schedule, plan, log, true);
   referee.judge(SimTime{}, {}, {});
   EXPECT_EQ(referee.set_phase(Phase::kSetup, from_seconds(10)), "");
   referee.judge(from_seconds(10), {}, {});
@@ -588,7 +592,8 @@ TEST(Referee, WhatIsDeliveredForNoOrderIsDiscarded) {
   const WorldConfig config = GameStory::quiet_game();
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, sink);
+  EventLog log(sink);
+  GameReferee referee(GameClock{}, {}, game_of(config, 1)->schedule, plan, log);
   referee.judge(SimTime{}, {}, {});
   for (const int order : {0, 2, 99, -1}) {
     MachineEvent event = delivered(plan, "C-DS", 10, {1, {}, 2});
@@ -608,7 +613,8 @@ TEST(Referee, IsNextDueAtTheNextPhaseOrOrder) {
   config.orders[1].activate_at = 70;
   const sim::FloorPlan plan = floor_plan_of(config, game_of(config, 1)->layout);
   KeptRecords sink;
-  GameReferee referee(GameClock::of(10, 300, 0), {}, game_of(config, 1)->schedule, plan, sink);
+  EventLog log(sink);
+  GameReferee referee(GameClock::of(10, 300, 0), {}, game_of(config, 1)->schedule, plan, log);
   EXPECT_EQ(referee.next_due(), SimTime{});
   for (const auto& [at, next] : {std::pair{0.0, 10.0}, {10.0, 40.0}, {39.99, 40.0}, {40.0, 80.0}, {80.0, 310.0}}) {
     referee.judge(from_seconds(at), {}, {});

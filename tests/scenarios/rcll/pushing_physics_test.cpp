@@ -40,8 +40,9 @@ class Pushing : public testing::Test {
     auto world = sim::MujocoWorld::create(std::move(plan), options);
     EXPECT_TRUE(world) << world.error().text();
     world_ = std::move(*world);
-    GameReferee referee(GameClock::of(setup_s, production_s), choices_of(Rules::kRefbox), {}, world_->plan(), records_);
-    Maintenance maintenance(*world_, referee, from_seconds(30), records_);
+    EventLog events(records_);
+    GameReferee referee(GameClock::of(setup_s, production_s), choices_of(Rules::kRefbox), {}, world_->plan(), events);
+    Maintenance maintenance(*world_, referee, from_seconds(30), events, records_);
     for (const Motion& motion : motions) world_->set_down(motion.robot, {motion.from.x(), motion.from.y(), 0});
     while (world_->now() < from_seconds(seconds)) {
       EXPECT_TRUE(world_->advance(kTick));
