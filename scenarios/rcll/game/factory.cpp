@@ -42,25 +42,24 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       sink_(sink),
       records_(world, sink),
       events_(sink, &world),
-      context_{GameClock::of(config.setup_s, config.production_s, config.overtime_s),
-               choices_of(*named<Rules>(config.rules)),
-               from_seconds(config.shelf_refill_s),
-               nullptr,
-               nullptr,
-               seed,
-               {}},
       faults_(world, records_),
-      referee_(context_.clock, context_.rules, all_orders(game), world.plan(), events_, config.exploration),
+      referee_(GameClock::of(config.setup_s, config.production_s, config.overtime_s),
+               choices_of(*named<Rules>(config.rules)), all_orders(game), world.plan(), events_, config.exploration),
+      context_{.clock = referee_.clock(),
+               .rules = choices_of(*named<Rules>(config.rules)),
+               .shelf_refill = from_seconds(config.shelf_refill_s),
+               .schedule = &referee_.schedule(),
+               .exploration = &referee_.exploration(),
+               .seed = seed,
+               .events = {}},
       maintenance_(world, referee_, from_seconds(config.repair_s), events_, records_),
-      pauses_(config.pauses, referee_, world, events_) {
-  context_.schedule = &referee_.schedule();
-  context_.exploration = &referee_.exploration();
+      pauses_(config.pauses, referee_, world, events_),
+      machines_(make_machines(world.plan(), context_)),
+      down_(game.down) {
   if (config.refbox.confirm_deliveries) referee_.wait_for_confirmation();
-  machines_ = make_machines(world.plan(), context_);
-  down_ = game.down;
+  const GameParts parts{world, machines_, referee_, maintenance_, faults_};
   for (const Team team : teams_of(config))
-    channels_.push_back(std::make_unique<TeamChannel>(team, information_, world, machines_, context_, referee_,
-                                                      maintenance_, faults_, bus));
+    channels_.push_back(std::make_unique<TeamChannel>(team, information_, parts, bus));
 }
 
 Status Factory::join() {
@@ -265,7 +264,7 @@ void Factory::put_robots(const bus::MessageView& info, bool poses) const {
 
 void Factory::put_machines(const bus::MessageView& info) const {
   for (const auto& machine : machines_)
-    put_machine(info.append("machines"), *machine, world_, *context_.exploration, Information::kAll);
+    put_machine(info.append("machines"), *machine, world_, referee_.exploration(), Information::kAll);
 }
 
 }  // namespace cxlab::rcll

@@ -101,9 +101,9 @@ class Factory final : public Server, public Referee {
   RecordSink& sink_;
   sim::FloorRecords records_;
   EventLog events_;
-  MachineContext context_;
   MachineFaults faults_;
   GameReferee referee_;
+  MachineContext context_;
   Maintenance maintenance_;
   Pauses pauses_;
   std::vector<std::unique_ptr<Machine>> machines_;

@@ -41,19 +41,6 @@ std::string channel_prefix(Team team, std::size_t teams) {
   return teams == 1 ? "" : team == Team::kCyan ? "/cyan" : "/magenta";
 }
 
-TeamChannel::TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-                         const MachineContext& context, GameReferee& referee, Maintenance& maintenance,
-                         MachineFaults& faults, bus::Bus& bus)
-    : team_(team),
-      information_(information),
-      world_(world),
-      machines_(machines),
-      context_(context),
-      referee_(referee),
-      maintenance_(maintenance),
-      faults_(faults),
-      bus_(bus) {}
-
 Status TeamChannel::open(bus::ParticipantId node, const std::string& prefix) {
   const std::string package(kInterfaces);
   auto action = bus::needed_action(bus_.registry(), package + "action/InstructMachine");
@@ -81,7 +68,7 @@ void TeamChannel::sense(SimTime now, bool changed) {
   for (Goal& goal : goals_) report(goal);
   std::erase_if(goals_, [](const Goal& goal) { return goal.machine == nullptr; });
   if (machine_info_.due(now, changed)) publish_machines();
-  if (report_info_.due(now, false) && !context_.exploration->over(world_.floor_time())) publish_reports();
+  if (report_info_.due(now, false) && !game_.referee.exploration().over(game_.world.floor_time())) publish_reports();
 }
 
 // --- Instructions
@@ -90,9 +77,9 @@ void TeamChannel::start(const bus::Delivery& delivery) {
   bus_.answer_goal(server_, delivery.goal, bus::GoalAnswer::kAccept);
   const bus::MessageView goal = delivery.message->view();
   const std::string& name = goal.text("machine");
-  Machine* machine = find_machine(machines_, name);
+  Machine* machine = find_machine(game_.machines, name);
   if (machine == nullptr)
-    return finish(delivery.goal, InstructError::kNoMachine, unknown_machine(machines_, name), name);
+    return finish(delivery.goal, InstructError::kNoMachine, unknown_machine(game_.machines, name), name);
   if (machine->team() != team_)
     return finish(delivery.goal, InstructError::kWrongTeam,
                   name + " belongs to " + std::string(to_string(machine->team())), name);
@@ -101,9 +88,9 @@ void TeamChannel::start(const bus::Delivery& delivery) {
   const Instruction instruction{goal.text("operation"),  goal.text("side"),       goal.text("base_color"),
                                 goal.text("ring_color"), number("order_id"),      number("shelf"),
                                 number("slot"),          goal.text("description")};
-  const MachineFaults::Passage passage = faults_.instruct(*machine, world_.floor_time());
+  const MachineFaults::Passage passage = game_.faults.instruct(*machine, game_.world.floor_time());
   if (passage.delay == SimTime::zero()) return instruct(delivery.goal, *machine, instruction);
-  delayed_.push_back({delivery.goal, machine, instruction, world_.floor_time() + passage.delay, passage.lost});
+  delayed_.push_back({delivery.goal, machine, instruction, game_.world.floor_time() + passage.delay, passage.lost});
 }
 
 void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Instruction& instruction) {
@@ -114,10 +101,10 @@ void TeamChannel::instruct(const bus::GoalId& goal, Machine& machine, const Inst
 }
 
 Machine::Answer TeamChannel::hear(Machine& machine, const Instruction& instruction) {
-  const SimTime now = world_.floor_time();
-  Machine::Answer answer = world_.halted() ? Machine::Answer{InstructError::kNotReady, "the game is paused"}
-                                           : machine.instruct(instruction, now, world_);
-  referee_.take_instruction(machine.id(), instruction, answer.error, now);
+  const SimTime now = game_.world.floor_time();
+  Machine::Answer answer = game_.world.halted() ? Machine::Answer{InstructError::kNotReady, "the game is paused"}
+                                                : machine.instruct(instruction, now, game_.world);
+  game_.referee.take_instruction(machine.id(), instruction, answer.error, now);
   return answer;
 }
 
@@ -137,7 +124,7 @@ void TeamChannel::act(SimTime now) {
 
 SimTime TeamChannel::next_due() const {
   SimTime due = std::min(machine_info_.next(), report_info_.next());
-  for (const Delayed& delayed : delayed_) due = std::min(due, world_.clock().when(delayed.due));
+  for (const Delayed& delayed : delayed_) due = std::min(due, game_.world.clock().when(delayed.due));
   return due;
 }
 
@@ -177,7 +164,7 @@ void TeamChannel::finish(const bus::GoalId& goal, InstructError error, const std
 // --- Exploration
 
 void TeamChannel::take_report(const bus::Delivery& delivery) {
-  if (world_.halted())
+  if (game_.world.halted())
     reports_.push_back(delivery.message);
   else
     judge_report(delivery.message->view());
@@ -188,30 +175,30 @@ void TeamChannel::judge_report(const bus::MessageView& report) {
     if (warn_) warn_("a report of " + std::string(to_string(team_)) + " is ignored: " + why);
   };
   if (const std::string& color = report.text("team_color"); !color.empty() && color != to_string(team_))
-    return warn(referee_.deny_report(team_, color, world_.floor_time()));
+    return warn(game_.referee.deny_report(team_, color, game_.world.floor_time()));
   for (std::size_t i = 0; i < report.size("machines"); ++i) {
     const bus::MessageView entry = report.nested("machines", i);
     const auto rotation = static_cast<int>(entry.integer("rotation"));
-    const std::string nonsense = referee_.take_report(team_,
-                                                      {entry.text("name"), entry.text("type"), entry.text("zone"),
-                                                       rotation < 0 ? std::nullopt : std::optional(rotation)},
-                                                      world_.floor_time());
+    const std::string nonsense = game_.referee.take_report(team_,
+                                                           {entry.text("name"), entry.text("type"), entry.text("zone"),
+                                                            rotation < 0 ? std::nullopt : std::optional(rotation)},
+                                                           game_.world.floor_time());
     if (!nonsense.empty()) warn(nonsense);
   }
 }
 
 void TeamChannel::take_maintenance(const bus::Delivery& delivery) {
   const bus::MessageView message = delivery.message->view();
-  maintenance_.request(team_, message.text("team_color"), static_cast<int>(message.integer("robot_number")),
-                       message.integer("maintenance") != 0, world_.floor_time());
+  game_.maintenance.request(team_, message.text("team_color"), static_cast<int>(message.integer("robot_number")),
+                            message.integer("maintenance") != 0, game_.world.floor_time());
 }
 
 void TeamChannel::publish_reports() {
   bus::Message message = report_info_.message();
   message->set("team_color", to_string(team_));
-  const std::vector<std::string> names = context_.exploration->reported(team_);
+  const std::vector<std::string> names = game_.referee.exploration().reported(team_);
   put_texts(message.view(), "reported_machines", {names.begin(), names.end()});
-  for (const TypeFeedback& feedback : context_.exploration->type_feedback()) {
+  for (const TypeFeedback& feedback : game_.referee.exploration().type_feedback()) {
     if (feedback.team != team_) continue;
     const bus::MessageView entry = message->append("reported_types");
     entry.set("type", feedback.type).set("zone", feedback.zone).set("name", feedback.name);
@@ -226,9 +213,9 @@ void TeamChannel::publish_reports() {
 void TeamChannel::publish_machines() {
   bus::Message message = machine_info_.message();
   message->set("team_color", to_string(team_));
-  for (const auto& machine : machines_)
+  for (const auto& machine : game_.machines)
     if (information_ == Information::kAll || machine->team() == team_)
-      put_machine(message->append("machines"), *machine, world_, *context_.exploration, information_);
+      put_machine(message->append("machines"), *machine, game_.world, game_.referee.exploration(), information_);
   machine_info_.publish(bus_, std::move(message));
 }
 

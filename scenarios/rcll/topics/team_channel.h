@@ -25,12 +25,20 @@ void put_machine(const bus::MessageView& entry, const Machine& machine, const si
 /// What the names of a team's channel begin with: nothing where one team plays, else `/cyan` or `/magenta`.
 std::string channel_prefix(Team team, std::size_t teams);
 
+/// A game, as its teams act on it.
+struct GameParts {
+  sim::World& world;
+  const Machines& machines;
+  GameReferee& referee;
+  Maintenance& maintenance;
+  MachineFaults& faults;
+};
+
 class TeamChannel {
  public:
-  /// All outlive it.
-  TeamChannel(Team team, Information information, sim::World& world, const Machines& machines,
-              const MachineContext& context, GameReferee& referee, Maintenance& maintenance, MachineFaults& faults,
-              bus::Bus& bus);
+  /// The parts and the bus outlive it.
+  TeamChannel(Team team, Information information, const GameParts& game, bus::Bus& bus)
+      : team_(team), information_(information), game_(game), bus_(bus) {}
   /// Opens topics and action of the node; `prefix` before their names.
   Status open(bus::ParticipantId node, const std::string& prefix);
 
@@ -74,12 +82,7 @@ class TeamChannel {
 
   Team team_;
   Information information_;
-  sim::World& world_;
-  const Machines& machines_;
-  const MachineContext& context_;
-  GameReferee& referee_;
-  Maintenance& maintenance_;
-  MachineFaults& faults_;
+  GameParts game_;
   bus::Bus& bus_;
   const bus::ActionType* action_ = nullptr;
   bus::EndpointId server_{};
