@@ -66,7 +66,7 @@ std::vector<std::string> names_of(const std::vector<lab::PluginReference>& refer
   return names;
 }
 
-/// Of what comes with cxlab; a class without its namespace, which is a word break of shells.
+/// The names of what comes with cxlab; classes come without their namespace, because shells break words at colons.
 std::vector<std::string> names_that_come_along() {
   std::vector<std::string> names;
   if (const auto packages = lab::find_packages({}))

@@ -34,7 +34,7 @@ using Ask = std::function<Expected<Answer>(inspect::Inspector&)>;
 /// asked about is left out as long as another one knows it. Gives the exit code.
 int ask(const Question& question, const Ask& ask, lab::Moment::Options options = {});
 
-/// Of the stretch: from the start to the end where nothing is said.
+/// The begin and the end of the stretch; those of the run where the option is missing.
 SimTime from_of(const Question& question);
 SimTime to_of(const Question& question);
 

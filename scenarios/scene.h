@@ -75,8 +75,8 @@ struct EntityView {
   sim::Pose3 pose = {};        ///< seen from its carrier, else from the world
   bool fixed = false;          ///< its pose never changes
   std::uint32_t revision = 0;  ///< another number when something has changed (`SceneList::keep`); 0: unknown
-  /// Of an entity that moves by itself, in a world that jumps from tick to tick: where it will be. Then `pose` is not
-  /// used. The number is another one for each way.
+  /// Where an entity that moves by itself will be, in a world that jumps from tick to tick. Then `pose` is not used.
+  /// Each way has another number.
   std::uint64_t way_number = 0;
   std::span<const sim::WayPoint> way = {};
 };

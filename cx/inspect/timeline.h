@@ -32,7 +32,7 @@ class Timeline {
 
   SimTime time(std::uint64_t n) const { return entry(n).t; }
   RecordKind kind(std::uint64_t n) const { return entry(n).kind; }
-  /// Of a fact its template, of a firing its rule with a module other than MAIN; else empty.
+  /// The template of a fact, the rule of a firing with a module other than MAIN; else empty.
   const std::string& name(std::uint64_t n) const { return names_[entry(n).name]; }
   /// The number of the fact that the record is about; 0: it is about none.
   std::int64_t fact(std::uint64_t n) const { return entry(n).fact; }

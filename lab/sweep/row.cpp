@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSchema = 2;
-/// Of the JSON of a row, without the figures.
+/// The keys of a row in JSON, without the figures.
 constexpr std::string_view kKeys[] = {"schema",    "scenario",     "strategy", "game",   "seed",  "file",
                                       "overrides", "status",       "exit",     "errors", "world", "compared",
                                       "metrics",   "journal_hash", "program",  "files"};

@@ -60,7 +60,7 @@ std::string errors_text(const TableLine& line) {
   return out;
 }
 
-/// Of the rows that have a value of the metric.
+/// Summarises the rows that have a value of the metric.
 Summary summary_of(const std::vector<const Row*>& rows, std::string_view metric) {
   std::vector<double> values;
   for (const Row* row : rows)

@@ -31,13 +31,13 @@ struct TableLine {
     Summary summary;
   };
   std::vector<OfMetric> metrics;  ///< of the world, in their order
-  /// Of the world's first metric, the values minus those of the first strategy with the same game and seed; of others
-  /// than the first.
+  /// The values of the world's first metric minus those of the first strategy with the same game and seed; empty for
+  /// the first strategy.
   Summary against_first;
   std::vector<std::pair<std::string, std::size_t>> errors;  ///< errors and warnings of its episodes, the most frequent
                                                             ///< first, and in how many episodes each is
 };
-/// In the order in which scenarios and strategies come in the rows. The catalogue has their worlds.
+/// The lines come in the order of scenarios and strategies in the rows. The catalogue has their worlds.
 std::vector<TableLine> table_of(const std::vector<Row>& rows, const Catalogue& catalogue = shipped());
 
 /// The lines, under a header for each world in turn, and below them the errors and warnings of each.

@@ -68,8 +68,8 @@ const Decision* sent_to(const GameStory& story, const RobotStory& robot, const s
   return there ? last : nullptr;
 }
 
-/// Of a workpiece that still lies where it came from: the robot that will fetch it, as far as anything says so, brings
-/// it to a slide.
+/// Whether a robot will bring a workpiece, which still lies where it came from, to a slide, as far as the robots'
+/// decisions tell.
 bool will_be_payment(const GameStory& story, const PieceStory& piece) {
   const Decision* first = nullptr;
   for (const RobotStory& robot : story.robots) {
