@@ -1,5 +1,9 @@
 #pragma once
 // manifest.json in the folder of a run: what was played, with what, and where, so that it can be played again.
+//
+// Here all files and folders have the names that they had when the run was played: its rules may know them. The file
+// names `folder` from the run's folder and the others from the folder of the scenario, so that a checkout can be moved
+// together with its runs (`Run::found`); absolute names, as older manifests have them, mean the same.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +20,7 @@ namespace cxlab::lab {
 struct Manifest {
   struct Agent {
     std::string config;  ///< as the scenario names it
-    Shares packages;     ///< the share directory of each that it sees
+    Shares packages;     ///< the share directory of each that it sees, absolute
 
     template <class Keys>
     void fields(Keys& keys) {
@@ -32,7 +36,7 @@ struct Manifest {
   std::map<std::string, std::string> versions, machine;  ///< of lab/versions.h
   std::string tier;
   std::vector<std::string> command;  ///< the arguments of the program
-  std::string folder;                ///< in which it was given
+  std::string folder;                ///< in which it was given, absolute
   std::string out;                   ///< its folder when it was played, absolute
   RunSpec spec;
   std::vector<Agent> agents;
@@ -63,7 +67,7 @@ struct Manifest {
   }
 
   std::string to_json() const;
-  /// Of the folder of a run. Errors name manifest.json, and the key.
+  /// Reads that of a run's folder. Errors name manifest.json, and the key.
   static Expected<Manifest> read(const std::filesystem::path& folder);
 };
 

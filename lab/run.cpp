@@ -55,6 +55,7 @@ Expected<Run> Run::open(const fs::path& folder, const Catalogue& catalogue, bool
   if (!manifest) return manifest.error();
   run.manifest = *std::move(manifest);
   run.manifest.spec.programs = trust_programs;
+  for (std::string& prefix : run.manifest.spec.prefixes) prefix = run.found(prefix).string();
   const fs::path file = folder / "result.json";
   auto text = read_file(file);
   if (!text) return text.error();
@@ -81,16 +82,33 @@ std::vector<std::string> Run::changed_surroundings() const {
   return out;
 }
 
+fs::path Run::found(const fs::path& then) const {
+  if (!then.is_absolute() || manifest.out.empty()) return then;
+  const fs::path here = fs::absolute(folder).lexically_normal();
+  const fs::path moved = (here / then.lexically_relative(manifest.out)).lexically_normal();
+  return moved != then && path_exists(moved) ? moved : then;
+}
+
 Expected<Scenario> Run::scenario() const {
   auto files = StoredFiles::open(folder);
   if (!files) return files.error();
   auto text = files->read("scenario.yaml");
   if (!text) return text.error();
-  auto scenario = Scenario::parse(*text, manifest.scenario_file(), *catalogue,
+  auto scenario = Scenario::parse(*text, found(manifest.scenario_file()), *catalogue,
                                   {manifest.overrides.begin(), manifest.overrides.end()});
   if (!scenario) return scenario.error();
   for (auto& [key, file] : scenario->world_files)
-    if (const auto then = manifest.world_files.find(key); then != manifest.world_files.end()) file.path = then->second;
+    if (const auto then = manifest.world_files.find(key); then != manifest.world_files.end())
+      file.path = found(then->second);
+  const auto find = [this](auto& name) { name = found(name).string(); };
+  const auto find_packages = [&](std::map<std::string, PackageSpec>& packages) {
+    for (auto& [name, package] : packages) find(package.folder);
+  };
+  find_packages(scenario->packages);
+  for (AgentSpec& agent : scenario->agents) {
+    find(agent.config);
+    find_packages(agent.packages);
+  }
   return scenario;
 }
 

@@ -114,6 +114,7 @@ Manifest manifest_of(const RunAtPlay& run) {
   out.folder = fs::current_path().string();
   out.out = fs::absolute(run.folder).lexically_normal().string();
   out.spec = run.options.spec;
+  out.spec.limits = run.host.limits();
   for (const Seat& seat : run.options.seats) out.seats.push_back(seat.name);
   for (const AgentSpec& agent : scenario.agents) out.agents.push_back({agent.config, scenario.shares(agent)});
   for (const auto& [key, file] : scenario.world_files) out.world_files[key] = fs::absolute(file.path).string();

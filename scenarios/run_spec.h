@@ -28,7 +28,7 @@ struct RunSpec : cx::Conduct {
   Limits limits = {};  ///< of all environments together; a session takes those of its host (lab/host.h)
 
   /// The one list of keys, as manifest.json has them. `programs` and `limits` protect the machine on which a run is
-  /// opened: who opens it says them anew, and the run does not.
+  /// opened: who opens it says them anew. The run does not name `programs`, and names the limits for people.
   template <class Keys>
   void fields(Keys& keys) {
     keys.time("until", until);
@@ -39,6 +39,9 @@ struct RunSpec : cx::Conduct {
     keys("sockets", sockets);
     keys.required("prefixes", prefixes);
     keys.unless_empty("what_if", what_if);
+    keys("memory", limits.memory);
+    keys("disk", limits.disk);
+    keys("steps", limits.steps);
   }
 };
 

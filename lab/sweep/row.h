@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
-#include "lab/sweep/file_names.h"
+#include "lab/file_names.h"
 #include "lab/sweep/suite.h"
 
 namespace cxlab::lab {

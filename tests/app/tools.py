@@ -42,7 +42,8 @@ class Tools(unittest.TestCase):
 
     def cxlab(self, *arguments, expect=0):
         done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=60)
-        self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout}\n{done.stderr}")
+        if expect is not None:
+            self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout}\n{done.stderr}")
         return done
 
     def answer(self, *arguments, expect=0):
@@ -238,6 +239,55 @@ clips_manager:
         run = self.timed_game(100, "--seed", 3)
         answer = self.answer("rerun", run, "--quiet", "--out", self.folder / "again")
         self.assertTrue(answer["same"], answer)
+
+    def test_a_checkout_is_moved_together_with_its_runs(self):
+        there, here = self.folder / "there", self.folder / "elsewhere/here"
+        config = self.package("(defrule a => (assert (one (ament-index-get-package-share-directory \"mine\"))))")
+        there.mkdir()
+        shutil.copytree(config.parent.parent, there / "mine")
+        (there / "game.yaml").write_text(f"""schema: 1
+duration_s: 2
+packages: {{mine: mine}}
+agents:
+  - config: {config.relative_to(config.parent.parent.parent)}
+    packages: {{mine: mine}}
+""")
+        shutil.rmtree(config.parent.parent)
+        self.cxlab("run", "there/game.yaml", "--quiet", "--out", "there/runs/1")
+        manifest = json.loads((there / "runs/1/manifest.json").read_text())
+        self.assertEqual((manifest["folder"], manifest["scenario"], manifest["out"]), ("../../..", "there/game.yaml", str(there / "runs/1")))
+        self.assertEqual(manifest["agents"][0]["packages"]["mine"], "mine")
+        self.assertEqual((manifest["memory"], manifest["disk"], manifest["steps"]), (2000000000, 5000000000, 500000000))
+        asked = self.cxlab("facts", there / "runs/1", "one", "--json").stdout
+
+        def works(run, place):
+            self.assertEqual(self.cxlab("facts", run, "one", "--json").stdout, asked)
+            self.assertEqual(self.answer("replay", run)["rules"]["differ"], [])
+            again = self.cxlab("rerun", run, "--out", self.folder / "again", "--force", expect=None)
+            self.assertNotIn("have gone", again.stderr)
+            self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+            played = json.loads((self.folder / "again/manifest.json").read_text())
+            self.assertEqual(os.path.normpath(os.path.join(*(played[key] for key in ("out", "folder", "scenario")))), str(place / "game.yaml"))
+
+        works(there / "runs/1", there)
+        shutil.copytree(there / "runs/1", self.folder / "run")  # the checkout stays where it was
+        works(self.folder / "run", there)
+        here.parent.mkdir()
+        there.rename(here)
+        works(here / "runs/1", here)
+        # The run alone: neither place has the files.
+        shutil.move(here / "runs/1", self.folder / "alone")
+        shutil.rmtree(here)
+        self.assertEqual(self.cxlab("facts", "alone", "one", "--json").stdout, asked)
+        self.assertIn("have gone", self.cxlab("rerun", "alone", "--out", self.folder / "last").stderr)
+        # A manifest of before names all absolutely.
+        old = json.loads((self.folder / "alone/manifest.json").read_text())
+        old["folder"], old["agents"][0]["packages"] = str(self.folder), {n: str(there / p) for n, p in old["agents"][0]["packages"].items()}
+        for key in ("memory", "disk", "steps"):
+            del old[key]
+        (self.folder / "alone/manifest.json").write_text(json.dumps(old))
+        self.assertEqual(self.cxlab("facts", "alone", "one", "--json").stdout, asked)
+        self.assertEqual(self.answer("replay", "alone")["rules"]["differ"], [])
 
     def test_a_rerun_with_other_rules_says_which_streams_differ(self):
         config = self.package("(defrule a => (assert (one)))")

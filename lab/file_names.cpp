@@ -1,4 +1,4 @@
-#include "lab/sweep/file_names.h"
+#include "lab/file_names.h"
 
 #include "lab/packages.h"
 #include "scenarios/share.h"
@@ -23,6 +23,16 @@ std::string below(const fs::path& folder, const fs::path& file) {
 }
 
 }  // namespace
+
+std::string name_from(const fs::path& folder, const fs::path& file) {
+  const fs::path from = plain(folder), to = plain(file);
+  const auto first_of = [](const fs::path& path) {  // below the root
+    const auto first = std::next(path.begin());
+    return first == path.end() ? fs::path() : *first;
+  };
+  const bool related = !first_of(from).empty() && first_of(from) == first_of(to);
+  return (related ? to.lexically_relative(from) : to).generic_string();
+}
 
 FileNames::FileNames(const fs::path& scenario) : home_(plain(scenario).parent_path()) {
   const Share share = find_share();
@@ -55,9 +65,7 @@ std::string FileNames::name_of(const fs::path& file) const {
     }
   }
   if (of) return *of + shortest;
-  const bool related = *path.begin() == *home_.begin() && std::next(path.begin()) != path.end() &&
-                       std::next(home_.begin()) != home_.end() && *std::next(path.begin()) == *std::next(home_.begin());
-  return related ? path.lexically_relative(home_).generic_string() : path.generic_string();
+  return name_from(home_, path);
 }
 
 fs::path FileNames::path_of(const std::string& name) const {

@@ -10,6 +10,9 @@
 
 namespace cxlab::lab {
 
+/// The path of a file from a folder; absolute where both have nothing in common but the root of all files.
+std::string name_from(const std::filesystem::path& folder, const std::filesystem::path& file);
+
 class FileNames {
  public:
   /// `scenario` is the file; its packages are known with `use_packages`.
