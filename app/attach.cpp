@@ -17,7 +17,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "lab/control/client.h"
-#include "lab/control/time_travel.h"
+#include "lab/time_travel.h"
 
 namespace cxlab::app {
 

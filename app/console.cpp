@@ -1,5 +1,6 @@
 #include "app/console.h"
 
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -24,6 +25,7 @@
 #include "cx/base/number_text.h"
 #include "cx/base/sanitized.h"
 #include "cx/engine/engine.h"
+#include "lab/table_text.h"
 
 namespace cxlab::app {
 
@@ -448,10 +450,10 @@ void Console::clear() {
   drawn_ = g_activity.drawn = false;
 }
 
-std::string seconds_text(SimTime t) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", to_seconds(t));
-  return text;
+std::size_t line_width() {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return lab::kTableWidth;
 }
 
 std::string clock_text(double seconds) {

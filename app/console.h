@@ -4,12 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <set>
 #include <string>
 #include <string_view>
 
 #include "cx/base/time.h"
+#include "cx/inspect/text.h"
 #include "cx/node/log_output.h"
 #include "lab/host.h"
 
@@ -61,8 +63,9 @@ void add_limit_options(CLI::App& command);
 int signal_that_came();
 /// 0 if no signal asked for a stop; else reports that one did, and what there is all the same, and gives the exit code.
 int interrupted(const std::string& what_there_is);
-/// "1.500 s".
-std::string seconds_text(SimTime t);
+using inspect::seconds_text;
+/// Columns of the terminal to which answers are written; without one, as many as tables have in a file.
+std::size_t line_width();
 /// Simulated time as m:ss.
 std::string clock_text(double seconds);
 

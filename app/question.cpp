@@ -83,7 +83,7 @@ int ask(const Question& question, const Ask& ask, lab::Moment::Options options) 
     return 0;
   }
   std::printf("after the tick at %s%s:\n%s", inspect::seconds_text((*moment)->t()).c_str(),
-              (*moment)->cut_off() ? ", where the log of the run is cut off" : "", text.c_str());
+              (*moment)->cut_off() ? run->cut_off_text("log").c_str() : "", text.c_str());
   return 0;
 }
 

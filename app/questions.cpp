@@ -112,24 +112,6 @@ Json json_of(const inspect::RuleUse& use) {
   return json;
 }
 
-std::string names(const std::vector<inspect::Inspector>& inspectors) {
-  std::vector<std::string> out;
-  for (const inspect::Inspector& one : inspectors) out.push_back(one.name());
-  return some_of(out, out.size());
-}
-
-/// Without a time up to the end of the shorter one: what comes after it is no difference.
-Status seek_both(lab::Moment& a, lab::Moment& b, std::optional<double> at) {
-  for (lab::Moment* moment : {&a, &b})
-    if (Status s = moment->seek(at ? std::optional(from_seconds(*at)) : std::nullopt); !s && !moment->stopped())
-      return lab::about_option(s.error(), "--at");
-  if (at || a.t() == b.t() || a.stopped() || b.stopped()) return {};
-  lab::Moment& longer = a.t() > b.t() ? a : b;
-  const SimTime end = std::min(a.t(), b.t());
-  if (Status s = longer.rewind(); !s) return s;
-  return longer.seek(end);
-}
-
 /// What fires in only one of two runs.
 int rules_against(const RulesOptions& options) {
   const Question& question = options.question;
@@ -137,22 +119,21 @@ int rules_against(const RulesOptions& options) {
   auto b = lab::Run::open(options.against, catalogue(), question.trust_programs);
   if (!a || !b) return fail((a ? b : a).error());
   Console console(true);
-  auto two = lab::Moment::open_two(*a, *b, console.host());
+  auto two = lab::TwoMoments::open(*a, *b, console.host());
   if (!two) return fail(two.error());
-  if (Status s = seek_both(*two->first, *two->second, question.at); !s) return fail(s.error());
+  if (Status s = two->seek(question.at ? std::optional(from_seconds(*question.at)) : std::nullopt);
+      !s && !two->stopped())
+    return fail(lab::about_option(s.error(), "--at"));
   if (const int code = interrupted("the runs were not replayed up to that time")) return code;
-  auto of_a = two->first->inspectors(question.environment), of_b = two->second->inspectors(question.environment);
-  if (!of_a || !of_b) return fail((of_a ? of_b : of_a).error());
-  const SimTime t = std::min(two->first->t(), two->second->t());
+  const auto found = two->environments(question.environment);
+  if (!found) return fail(found.error());
+  const SimTime t = two->t();
   Json environments = Json::array();
-  for (const inspect::Inspector& one : *of_a) {
-    const auto other = std::ranges::find(*of_b, one.name(), &inspect::Inspector::name);
-    if (other == of_b->end()) continue;
-    Json json{{"environment", one.name()}};
-    if (!question.json && environments.empty())
-      std::printf("up to %s, in both runs:\n", inspect::seconds_text(t).c_str());
-    if (!question.json && of_a->size() > 1) std::printf("%s:\n", one.name().c_str());
-    const std::vector<inspect::RuleUse> uses_of_a = one.rules(false), uses_of_b = other->rules(false);
+  if (!question.json) std::printf("up to %s, in both runs:\n", inspect::seconds_text(t).c_str());
+  for (const auto& [in_a, in_b] : found->both) {
+    Json json{{"environment", in_a.name()}};
+    if (!question.json && found->both.size() + found->only_in_a.size() > 1) std::printf("%s:\n", in_a.name().c_str());
+    const std::vector<inspect::RuleUse> uses_of_a = in_a.rules(false), uses_of_b = in_b.rules(false);
     const auto only = [&](const char* run, const auto& here, const auto& there) {
       Json list = Json::array();
       for (const inspect::RuleUse& use : here) {
@@ -173,9 +154,6 @@ int rules_against(const RulesOptions& options) {
       std::printf("the same rules fired in both runs\n");
     environments.push_back(std::move(json));
   }
-  if (environments.empty())
-    return fail(
-        input_error("the runs have no environment in common: a has " + names(*of_a) + ", b has " + names(*of_b)));
   if (question.json)
     std::printf("%s\n", json_text(Json{{"at_s", to_seconds(t)}, {"environments", std::move(environments)}}, 2).c_str());
   return 0;

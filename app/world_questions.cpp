@@ -7,11 +7,9 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "app/table.h"
-#include "cx/base/file.h"
 #include "cx/base/json.h"
-#include "cx/base/number_text.h"
 #include "lab/run.h"
+#include "lab/table_text.h"
 #include "scenarios/question.h"
 
 namespace cxlab::app {
@@ -24,8 +22,6 @@ struct WorldAsk {
   std::optional<double> at, from, to;
   bool json = false;
 };
-
-// --- The run
 
 /// The names of the worlds that answer a question.
 std::vector<std::string> worlds_with(const std::string& question) {
@@ -42,37 +38,6 @@ const WorldQuestion* find_question(const WorldKind& world, const std::string& na
   return nullptr;
 }
 
-struct Recorded {
-  std::vector<JournalRecord> records;  ///< up to `to`
-  SimTime from{}, to{};
-  bool ended = false, cut_off = false;
-};
-
-Expected<Recorded> read_records(const lab::Run& run, const WorldAsk& ask) {
-  auto records = run.records({.kinds = kRecordsOfQuestions});
-  if (!records) return records.error();
-  Recorded out;
-  SimTime last{};
-  for (const JournalRecord& record : *records) last = std::max(last, record.t);
-  const bool whole = run.has_whole_journal();
-  const SimTime end = whole ? run.sim_time : last;
-  const char* option = ask.at ? "--at" : "--to";
-  const std::optional<double> asked = ask.at ? ask.at : ask.to;
-  out.to = asked ? from_seconds(*asked) : end;
-  out.from = ask.from ? from_seconds(*ask.from) : SimTime{};
-  if (run.finished && out.to > run.sim_time)
-    return usage_error(std::string(option) + ": the run ended at " + general_text(to_seconds(run.sim_time), 9) + " s");
-  out.cut_off = !whole && out.to >= end;
-  out.to = std::min(out.to, end);
-  if (out.from > out.to)
-    return usage_error(std::string("--from is after the end of ") + (whole ? "the run, " : "the journal, ") +
-                       time_text(out.to));
-  out.ended = whole && out.to == end;
-  for (JournalRecord& record : *records)
-    if (record.t <= out.to) out.records.push_back(std::move(record));
-  return out;
-}
-
 int answer(const WorldAsk& ask) {
   if (ask.from && ask.to && *ask.from > *ask.to) return fail(usage_error("--from is after --to"));
   auto run = lab::Run::open(ask.run, catalogue());
@@ -86,26 +51,32 @@ int answer(const WorldAsk& ask) {
                                 ", has no question '" + ask.name + "'; it is one of " + some_of(worlds, worlds.size()),
                             ask.run));
   }
-  auto recorded = read_records(*run, ask);
-  if (!recorded) return fail(recorded.error());
-  auto given = question->ask(
-      {run->folder, *scenario, recorded->records, recorded->from, recorded->to, recorded->ended, ask.about});
+  const std::optional<double> end = ask.at ? ask.at : ask.to;
+  const auto recorded =
+      run->records_up_to(end ? std::optional(from_seconds(*end)) : std::nullopt, {.kinds = kRecordsOfQuestions});
+  if (!recorded) return fail(lab::about_option(recorded.error(), ask.at ? "--at" : "--to"));
+  const SimTime from = ask.from ? from_seconds(*ask.from) : SimTime{};
+  if (from > recorded->t)
+    return fail(usage_error(std::string("--from is after the end of ") +
+                            (recorded->cut_off ? "the journal, " : "the run, ") + time_text(recorded->t)));
+  auto given =
+      question->ask({run->folder, *scenario, recorded->records, from, recorded->t, recorded->ended, ask.about});
   if (!given) return fail(given.error());
   if (!ask.sort.empty() && !given->tables.empty())
-    if (Status s = sort_table(given->tables.front(), ask.sort); !s) return fail(s.error());
+    if (Status s = lab::sort_table(given->tables.front(), ask.sort); !s) return fail(s.error());
   if (ask.json) {
-    Json json{{"at_s", to_seconds(recorded->to)}};
-    if (recorded->from > SimTime{}) json["from_s"] = to_seconds(recorded->from);
+    Json json{{"at_s", to_seconds(recorded->t)}};
+    if (from > SimTime{}) json["from_s"] = to_seconds(from);
     if (recorded->cut_off) json["cut_off"] = true;
-    for (const Table& table : given->tables) json[table.key] = table_json(table);
+    for (const Table& table : given->tables) json[table.key] = lab::table_json(table);
     json["notes"] = given->notes;
     std::printf("%s\n", json_text(json, 2).c_str());
     return 0;
   }
-  std::printf("up to %s%s:\n", time_text(recorded->to).c_str(),
-              recorded->cut_off ? ", where the journal of the run is cut off" : "");
+  std::printf("up to %s%s:\n", time_text(recorded->t).c_str(),
+              recorded->cut_off ? run->cut_off_text("journal").c_str() : "");
   for (std::size_t i = 0; i < given->tables.size(); ++i)
-    std::printf("%s%s", i ? "\n" : "", table_text(given->tables[i]).c_str());
+    std::printf("%s%s", i ? "\n" : "", lab::table_text(given->tables[i], line_width()).c_str());
   for (std::size_t i = 0; i < given->notes.size(); ++i) std::printf("%s%s\n", i ? "" : "\n", given->notes[i].c_str());
   return 0;
 }

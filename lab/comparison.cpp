@@ -85,16 +85,6 @@ void compare_constructs(Inspector& a, Inspector& b, std::vector<Comparison::Cons
     if (!of_a.contains(key)) add(key, "", text.place);
 }
 
-/// The environments of `here` that are not among `there`.
-std::vector<std::string> names_missing(const std::vector<Inspector>& here, const std::vector<Inspector>& there) {
-  std::vector<std::string> out;
-  for (const Inspector& one : here)
-    if (std::ranges::find(there, one.name(), &Inspector::name) == there.end()) out.push_back(one.name());
-  return out;
-}
-
-std::string list(const std::vector<std::string>& names) { return some_of(names, names.size()); }
-
 /// What the environments of one name have recorded in both runs, compared while both are played.
 class Streams {
  public:
@@ -174,19 +164,22 @@ std::string rule_at(const Timeline& timeline, std::uint64_t n) {
   return timeline.has(n) && timeline.kind(n) == RecordKind::kFire ? timeline.name(n) : std::string();
 }
 
-/// Why `rule`, which fired in the other run at `t`, has not fired in this one, which has been played up to then; empty:
-/// it has.
-std::string why_not_here(const Inspector& inspector, const std::string& rule, SimTime t) {
+/// Says why `rule`, which fired in the other run at `t`, has not fired in this one, which has been played up to then;
+/// nothing if it has.
+void remark_on_rule(const Inspector& inspector, const std::string& rule, SimTime t, Comparison::Side& side) {
   RuleEngine& engine = inspector.engine();
   const ConstructInfo* info = engine.find_construct("defrule", rule);
-  if (!info || !engine.has("defrule", rule)) return "there is no rule " + rule;
-  if (const auto last = inspector.last_firing(rule); last && inspector.timeline().time(*last) == t) return {};
-  if (!engine.acting_call(*info).empty()) return {};
+  if (!info || !engine.has("defrule", rule)) {
+    side.remark = "there is no rule " + rule;
+    return;
+  }
+  if (const auto last = inspector.last_firing(rule); last && inspector.timeline().time(*last) == t) return;
+  if (!engine.acting_call(*info).empty()) return;
   inspector.assert_time();
-  const auto unmet = explain::unmet_condition(engine, *info);
-  return unmet ? "rule " + rule + " did not fire: condition " + std::to_string(unmet->number) +
-                     " does not hold: " + unmet->print()
-               : std::string();
+  if (!(side.lacks = explain::unmet_condition(engine, *info))) return;
+  side.rule = rule;
+  side.remark = "rule " + rule + " did not fire: condition " + std::to_string(side.lacks->number) +
+                " does not hold: " + side.lacks->print();
 }
 
 }  // namespace
@@ -196,42 +189,32 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   out.outcomes = outcomes_that_differ(a, b);
   Host silent = host;
   silent.progress = nullptr;
-  auto two = Moment::open_two(a, b, silent);
+  auto two = TwoMoments::open(a, b, silent);
   if (!two) return two.error();
-  Moment& in_a = *two->first;
-  Moment& in_b = *two->second;
-  // What comes after the end of the shorter run is no difference of the rules.
-  const SimTime end = std::min(in_a.end(), in_b.end());
-  Streams streams(in_a, in_b);
+  const SimTime end = two->end();
+  Streams streams(*two->a, *two->b);
   std::optional<Streams::Parting> parting;
-  for (SimTime t = SimTime(-1); t <= end && !parting; t = std::min(in_a.next_tick(), in_b.next_tick())) {
-    for (Moment* moment : {&in_a, &in_b}) {
-      if (Status s = moment->seek(t); !s) return s.error();
-      if ((out.stopped = moment->stopped())) return out;
-    }
-    host.show(to_seconds(in_a.t()), to_seconds(end));
+  for (SimTime t = SimTime(-1); t <= end && !parting; t = std::min(two->a->next_tick(), two->b->next_tick())) {
+    if (Status s = two->seek(t); !s) return s.error();
+    if ((out.stopped = two->stopped())) return out;
+    host.show(to_seconds(two->a->t()), to_seconds(end));
     parting = streams.part();
   }
-  out.compared = std::min(in_a.t(), in_b.t());
-  auto of_a = in_a.inspectors(), of_b = in_b.inspectors();
-  if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
-  out.only_in_a = names_missing(*of_a, *of_b);
-  out.only_in_b = names_missing(*of_b, *of_a);
-  if (out.only_in_a.size() == of_a->size())
-    return input_error("the runs have no environment in common: " + a.folder.string() + " has " + list(out.only_in_a) +
-                       ", " + b.folder.string() + " has " + list(out.only_in_b));
-  for (Inspector& one : *of_a) {
-    const auto other = std::ranges::find(*of_b, one.name(), &Inspector::name);
-    if (other == of_b->end()) continue;
-    compare_constructs(one, *other, out.constructs);
-    if (!parting || parting->environment != one.name()) continue;
+  out.compared = two->t();
+  auto environments = two->environments();
+  if (!environments) return environments.error();
+  out.only_in_a = std::move(environments->only_in_a);
+  out.only_in_b = std::move(environments->only_in_b);
+  for (auto& [in_a, in_b] : environments->both) {
+    compare_constructs(in_a, in_b, out.constructs);
+    if (!parting || parting->environment != in_a.name()) continue;
     const std::uint64_t n = parting->n;
-    out.first = {one.name(), parting->t, side_of(one, n), side_of(*other, n)};
-    remark_on_data(one.timeline(), other->timeline(), n, *out.first);
-    const std::string rule_of_a = rule_at(one.timeline(), n), rule_of_b = rule_at(other->timeline(), n);
+    out.first = {in_a.name(), parting->t, side_of(in_a, n), side_of(in_b, n)};
+    remark_on_data(in_a.timeline(), in_b.timeline(), n, *out.first);
+    const std::string rule_of_a = rule_at(in_a.timeline(), n), rule_of_b = rule_at(in_b.timeline(), n);
     if (rule_of_a == rule_of_b) continue;
-    if (!rule_of_b.empty()) out.first->a.remark = why_not_here(one, rule_of_b, parting->t);
-    if (!rule_of_a.empty()) out.first->b.remark = why_not_here(*other, rule_of_a, parting->t);
+    if (!rule_of_b.empty()) remark_on_rule(in_a, rule_of_b, parting->t, out.first->a);
+    if (!rule_of_a.empty()) remark_on_rule(in_b, rule_of_a, parting->t, out.first->b);
   }
   return out;
 }

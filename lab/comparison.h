@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/explain/why_not.h"
 #include "cx/inspect/inspector.h"
 #include "lab/host.h"
 #include "lab/run.h"
@@ -25,7 +26,10 @@ struct Comparison {
   struct Side {
     std::string what;  ///< in one line; empty: it did nothing more
     std::optional<inspect::Derivation> because;
-    std::string remark;  ///< why a rule that fired in the other run did not fire here, or what is in the message
+    /// Why a rule that fired in the other run did not fire here, or what is in the message; one line.
+    std::string remark;
+    std::string rule;                              ///< it fired in the other run, and not here for what it lacks:
+    std::optional<explain::UnmetCondition> lacks;  ///< the same that the remark says
   };
   /// The first event of rules that differs; none: all that both runs did is the same.
   struct First {

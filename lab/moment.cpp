@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "cx/base/number_text.h"
 #include "lab/confine.h"
 
 namespace cxlab::lab {
-
-namespace {
-
-constexpr const char* kAfterTheEnd = "after_the_end";
-
-}  // namespace
 
 Expected<std::unique_ptr<Moment>> Moment::open(const Run& run, const Host& host, Options options) {
   std::unique_ptr<Moment> moment(new Moment(run, host, options));
@@ -50,24 +43,12 @@ void Moment::add_reach(Wall& wall) {
   wall.links.push_back(replay_.written());
 }
 
-Expected<Moment::Two> Moment::open_two(const Run& a, const Run& b, const Host& host) {
-  auto first = open(a, host);
-  if (!first) return first.error();
-  auto second = open(b, host);
-  if (!second) return second.error();
-  Wall both = (*second)->episode().wall();
-  (*first)->add_reach(both);
-  (*second)->add_reach(both);
-  confine((*first)->episode(), host, both);
-  (*first)->behind_wall_ = (*second)->behind_wall_ = true;
-  return Two{*std::move(first), *std::move(second)};
-}
-
 Status Moment::seek(std::optional<SimTime> t) {
-  if (run_.finished && t && *t > run_.sim_time)
-    return Error{
-        ErrorKind::kUsage, "the run ends at " + general_text(to_seconds(run_.sim_time), 9) + " s", {}, 0, kAfterTheEnd};
-  if (log_ends_early()) cut_off_ = t.value_or(run_.sim_time) > replay_.episode->replay_end();
+  if (t)
+    if (Status s = run_.reaches(*t); !s) return s;
+  if (t && started_ && *t < this->t())
+    if (Status s = rewind(); !s) return s;
+  if (log_ends_early()) cut_off_ = !(t || run_.finished) || t.value_or(run_.sim_time) > replay_.episode->replay_end();
   const Status played = play(std::min(end(), t.value_or(kNever)));
   if (stopped_) return {};
   if (auto error = run_.untrusted(played)) return *error;
@@ -140,9 +121,43 @@ Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& 
   return out;
 }
 
-Error about_option(Error error, const std::string& option) {
-  if (error.code == kAfterTheEnd) error.message = option + ": " + error.message;
-  return error;
+Expected<TwoMoments> TwoMoments::open(const Run& a, const Run& b, const Host& host) {
+  auto first = Moment::open(a, host);
+  if (!first) return first.error();
+  auto second = Moment::open(b, host);
+  if (!second) return second.error();
+  Wall both = (*second)->episode().wall();
+  (*first)->add_reach(both);
+  (*second)->add_reach(both);
+  confine((*first)->episode(), host, both);
+  (*first)->behind_wall_ = (*second)->behind_wall_ = true;
+  return TwoMoments{*std::move(first), *std::move(second)};
+}
+
+Status TwoMoments::seek(std::optional<SimTime> t) {
+  for (Moment* moment : {a.get(), b.get()})
+    if (Status s = moment->seek(t.value_or(end())); !s) return s;
+  return {};
+}
+
+Expected<TwoMoments::Environments> TwoMoments::environments(const std::string& name) {
+  auto of_a = a->inspectors(name), of_b = b->inspectors(name);
+  if (!of_a || !of_b) return (of_a ? of_b : of_a).error();
+  Environments out;
+  for (inspect::Inspector& one : *of_a) {
+    const auto other = std::ranges::find(*of_b, one.name(), &inspect::Inspector::name);
+    if (other == of_b->end()) {
+      out.only_in_a.push_back(one.name());
+      continue;
+    }
+    out.both.emplace_back(std::move(one), std::move(*other));
+    of_b->erase(other);
+  }
+  for (const inspect::Inspector& one : *of_b) out.only_in_b.push_back(one.name());
+  if (!out.both.empty()) return out;
+  const auto list = [](const std::vector<std::string>& names) { return some_of(names, names.size()); };
+  return input_error("the runs have no environment in common: a has " + list(out.only_in_a) + ", b has " +
+                     list(out.only_in_b));
 }
 
 }  // namespace cxlab::lab

@@ -2,8 +2,10 @@
 // Any instant of a recorded run: its rules are played again up to there, without world and servers.
 //
 //   auto moment = Moment::open(run, host);
-//   if (Status s = moment->seek(from_seconds(312.4)); s) for (inspect::Inspector& one : *moment->inspectors()) ...
+//   if (Status s = (*moment)->seek(from_seconds(312.4)); s)
+//     for (inspect::Inspector& one : *(*moment)->inspectors()) ...
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -32,36 +34,35 @@ class Moment {
   /// Reads the run; nothing is played yet. The run outlives it.
   static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host, Options options);
   static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host) { return open(run, host, Options{}); }
-  /// Two runs, to be played in this process, which gives up only what neither of them needs.
-  using Two = std::pair<std::unique_ptr<Moment>, std::unique_ptr<Moment>>;
-  static Expected<Two> open_two(const Run& a, const Run& b, const Host& host);
   ~Moment();
   Moment(const Moment&) = delete;
   Moment& operator=(const Moment&) = delete;
 
-  /// Plays on up to the last tick that is not after `t`; without it up to the end of the run, or of what was recorded.
-  /// A time after the end is a usage error; of a killed run it is the end of its log (`cut_off`). Time does not go back
-  /// but with `rewind`.
+  /// Goes to the last tick that is not after `t`; without it to the end of the run, or of what was recorded. A time
+  /// after the end is a usage error; in a run whose log ends earlier it is the end of the log (`cut_off`).
+  /// To go back it plays from the start again: environments and inspectors of before are gone then.
   /// This process gives up its rights before the first rule runs (lab/confine.h).
   Status seek(std::optional<SimTime> t);
   /// Goes back to the start.
   Status rewind();
-  /// Of the last tick that was played.
+  /// The time of the last tick that was played.
   SimTime t() const;
-  /// Of the run, or of what its log has: nothing after it can be played.
+  /// The end of the run, or of what its log has: nothing after it can be played.
   SimTime end() const;
   /// When the next tick comes; `kNever` after the last.
   SimTime next_tick() const { return replay_.episode->over() ? kNever : replay_.episode->next_tick(); }
-  /// The log of a killed run ends before the time that was asked for.
+  /// The log ends before the time that was asked for, or before the end of the run.
   bool cut_off() const { return cut_off_; }
   /// The host asked for a stop, so that the time was not reached.
   bool stopped() const { return stopped_; }
 
+  /// What there was to see in the run's world; an error in runs without a scene.
+  Expected<Run::SceneAt> scene() const { return run_.scene(t()); }
   Episode& episode() { return *replay_.episode; }
   inspect::Inspector inspector(cx::Environment& environment) {
     return inspector_of(environment, episode(), timelines_);
   }
-  /// Those of that name, as streams, the log or their manager know it, or all; an error that lists them if there is
+  /// The environments that streams, the log or their manager call so, or all; an error that lists them if there is
   /// none.
   Expected<std::vector<cx::Environment*>> environments(const std::string& name = {});
   Expected<std::vector<inspect::Inspector>> inspectors(const std::string& name = {});
@@ -70,6 +71,7 @@ class Moment {
   std::function<void()> after_tick = [] {};
 
  private:
+  friend struct TwoMoments;
   Moment(const Run& run, const Host& host, Options options) : run_(run), host_(host), options_(options) {}
   void listen();
   void add_reach(Wall& wall);
@@ -85,7 +87,25 @@ class Moment {
   bool behind_wall_ = false, started_ = false, cut_off_ = false, stopped_ = false;
 };
 
-/// The error of `seek`, with the option that had the time where the time is wrong.
-Error about_option(Error error, const std::string& option);
+/// Two runs, compared at one time.
+struct TwoMoments {
+  std::unique_ptr<Moment> a, b;
+
+  /// This process gives up only what neither of them needs.
+  static Expected<TwoMoments> open(const Run& a, const Run& b, const Host& host);
+  /// The end of the run that ends first: what the other one does later is no difference.
+  SimTime end() const { return std::min(a->end(), b->end()); }
+  /// Both go to `t`, without it to `end`.
+  Status seek(std::optional<SimTime> t);
+  bool stopped() const { return a->stopped() || b->stopped(); }
+  SimTime t() const { return std::min(a->t(), b->t()); }
+
+  struct Environments {
+    std::vector<std::pair<inspect::Inspector, inspect::Inspector>> both;  ///< of one name
+    std::vector<std::string> only_in_a, only_in_b;
+  };
+  /// Those of that name, or all; an error if they have none in common.
+  Expected<Environments> environments(const std::string& name = {});
+};
 
 }  // namespace cxlab::lab

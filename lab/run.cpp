@@ -23,6 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kAfterTheEnd = "after_the_end";
+
 Status read_result(const Json& json, Run& run) {
   run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
   run.status = json.at("status").get<std::string>();
@@ -35,6 +37,8 @@ Status read_result(const Json& json, Run& run) {
   run.stream_hashes = json.at("stream_hashes").get<std::map<std::string, std::string>>();
   if (!json.at("physics_hash").is_null()) run.physics_hash = json.at("physics_hash").get<std::string>();
   run.finished = !run.stream_hashes.empty();
+  const Json& reason = json.at("reason");
+  run.unfinished = reason.is_object() && reason.value("code", "") == "unfinished";  // of unfinished_result
   for (const Json& error : json.at("rule_errors"))
     if (error.at("side") == "load")
       run.not_loaded.try_emplace(std::string(without_module(error.at("rule").get_ref<const std::string&>())),
@@ -127,6 +131,24 @@ Expected<std::vector<JournalRecord>> Run::records(const RecordFilter& filter) co
   return reader->all(filter);
 }
 
+Expected<Run::RecordsUpTo> Run::records_up_to(std::optional<SimTime> t, const RecordFilter& filter) const {
+  if (t)
+    if (Status s = reaches(*t); !s) return s.error();
+  auto all = records(filter);
+  if (!all) return all.error();
+  RecordsUpTo out;
+  SimTime last{};
+  for (const JournalRecord& record : *all) last = std::max(last, record.t);
+  const bool whole = has_whole_journal();
+  const SimTime end = whole ? sim_time : last;
+  out.cut_off = !whole && t.value_or(end) >= end;
+  out.t = std::min(t.value_or(end), end);
+  out.ended = whole && out.t == end;
+  for (JournalRecord& record : *all)
+    if (record.t <= out.t) out.records.push_back(std::move(record));
+  return out;
+}
+
 Expected<std::vector<Seat>> Run::seats() const {
   if (manifest.seats.empty()) return std::vector<Seat>();
   return recorded_seats(folder / "inputs.bin");
@@ -140,6 +162,32 @@ Expected<SceneReader> Run::scenes() const {
   if (!is_file(file))
     return input_error("there is no scene.bin in the folder of the run, as in an empty world", folder.string());
   return SceneReader::open(file);
+}
+
+Expected<Run::SceneAt> Run::scene(std::optional<SimTime> t) const {
+  auto reader = scenes();
+  if (!reader) return reader.error();
+  const SimTime last = reader->end(), end = finished ? std::max(sim_time, last) : last;
+  if (t && *t > end)
+    if (Status s = reaches(*t); !s) return s.error();
+  SceneAt out;
+  out.cut_off = t.value_or(end) > last || (!finished && t.value_or(end) == end);
+  if (finished && out.cut_off && !reader->status()) return reader->status().error();
+  auto scene = reader->at(std::min(t.value_or(end), last));
+  if (!scene) return scene.error();
+  out.scene = *std::move(scene);
+  return out;
+}
+
+Status Run::reaches(SimTime t) const {
+  if (!finished || t <= sim_time) return {};
+  return Error{
+      ErrorKind::kUsage, "the run ends at " + general_text(to_seconds(sim_time), 9) + " s", {}, 0, kAfterTheEnd};
+}
+
+std::string Run::cut_off_text(const std::string& recording) const {
+  return ", where the " + recording + " of the run is cut off" +
+         (unfinished ? " (it is still being played, or was killed)" : "");
 }
 
 Status Run::whole(SimTime reached) const {
@@ -170,6 +218,11 @@ std::optional<Error> Run::untrusted(const Status& played) const {
   Error error = played.error();
   error.file = folder.string();
   error.line = 0;
+  return error;
+}
+
+Error about_option(Error error, const std::string& option) {
+  if (error.code == kAfterTheEnd) error.message = option + ": " + error.message;
   return error;
 }
 

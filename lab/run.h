@@ -31,6 +31,7 @@ struct Run {
   SimTime sim_time{};
   std::int64_t ticks = 0;
   std::string status;
+  bool unfinished = false;  ///< it is still being played, or its process was killed
   std::map<std::string, std::string> stream_hashes;
   std::optional<std::string> physics_hash;
   std::map<std::string, Error> not_loaded;  ///< by name of the rule, without module: why
@@ -49,8 +50,26 @@ struct Run {
   Expected<JournalReader> journal() const;
   /// Those of the journal that the filter takes.
   Expected<std::vector<JournalRecord>> records(const RecordFilter& filter = {}) const;
+  struct RecordsUpTo {
+    std::vector<JournalRecord> records;
+    SimTime t{};           ///< the time that was asked for, or the end
+    bool ended = false;    ///< `t` is the end of a run that was played to its end
+    bool cut_off = false;  ///< the journal ends before `t`
+  };
+  /// Those up to a time, without it up to the end. A time after the end of the run is an error (`about_option`).
+  Expected<RecordsUpTo> records_up_to(std::optional<SimTime> t, const RecordFilter& filter = {}) const;
   /// What there was to see in its world, at any time.
   Expected<SceneReader> scenes() const;
+  struct SceneAt {
+    Scene scene;
+    bool cut_off = false;  ///< the recording ends before the time that was asked for
+  };
+  /// The same at one time, without it at the end. A time after the end of the run is an error (`about_option`).
+  Expected<SceneAt> scene(std::optional<SimTime> t = {}) const;
+  /// An error if the run ended before `t` (`about_option`).
+  Status reaches(SimTime t) const;
+  /// What to say behind a time at which a recording, "log" or "journal", ends before the run does.
+  std::string cut_off_text(const std::string& recording) const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.
   Status whole(SimTime reached) const;
   /// Those of the run, which send what they sent then.
@@ -60,5 +79,8 @@ struct Run {
   /// The error where it would start a program or open a native plugin, and nobody has said that it may.
   std::optional<Error> untrusted(const Status& played) const;
 };
+
+/// The error of a run that ended before a time, with the option that gave the time; any other error as it is.
+Error about_option(Error error, const std::string& option);
 
 }  // namespace cxlab::lab

@@ -17,6 +17,7 @@
 #include "lab/moment.h"
 #include "lab/packages.h"
 #include "lab/pictures.h"
+#include "lab/scene_answer.h"
 #include "lab/versions.h"
 #include "scenarios/share.h"
 
@@ -162,7 +163,8 @@ Status open_control(RunAtPlay& run) {
   control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
   control.debugger->watch(
       [&run] { return environments_of(run); },
-      [&run](cx::Environment& environment) { return inspector_of(environment, *run.episode, run.control.timelines); });
+      [&run](cx::Environment& environment) { return inspector_of(environment, *run.episode, run.control.timelines); },
+      [&run](const std::string& what) { return scene_text({run.episode->scene()}, what); });
   run.host.log = control.debugger.get();
   return {};
 }

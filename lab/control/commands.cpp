@@ -170,6 +170,13 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            return lines_of(lines, "none");
          });
        }},
+      {"scene", "[NAME|KIND]", "what there is to see: what stands, moves or is carried where, and its state",
+       [](D& d, const std::string& rest) -> A {
+         auto text = d.look_(rest);
+         if (!text) return {false, text.error().kind == ErrorKind::kUsage ? text.error().message : text.error().text()};
+         if (text->ends_with('\n')) text->pop_back();
+         return {true, *std::move(text)};
+       }},
       {"changes", "FACT|PATTERN", "facts with all their changes, and who made them: changes f-12",
        [](D& d, const std::string& rest) {
          return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {

@@ -45,10 +45,13 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   Debugger(ControlLines& lines, Options options) : lines_(lines), options_(std::move(options)) {}
 
   using Inspect = std::function<inspect::Inspector(cx::Environment&)>;
-  /// The environments of the run, asked for at each stop, and what is known of them.
-  void watch(std::function<std::vector<cx::Environment*>()> environments, Inspect inspect) {
+  /// Lines about what there is to see: about the entity of that name, those of that kind, or all.
+  using Look = std::function<Expected<std::string>(const std::string& what)>;
+  /// The environments of the run, asked for at each stop, what is known of them, and what there is to see.
+  void watch(std::function<std::vector<cx::Environment*>()> environments, Inspect inspect, Look look) {
     environments_ = std::move(environments);
     inspect_ = std::move(inspect);
+    look_ = std::move(look);
   }
   /// The run has ended: says so to those who are attached.
   void end(std::string_view how);
@@ -137,6 +140,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   ControlLines& lines_;
   Options options_;
   Inspect inspect_;
+  Look look_;
   std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
   // Where the run is
   cx::Environment* here_ = nullptr;  // while `stop_at` is at work

@@ -467,6 +467,13 @@ class WhileItIsPlayed(Lab):
         self.assertLessEqual(found["at_s"], 30)
         self.assertGreater(found["at_s"], 5)
         self.assertTrue(found["environments"][0]["facts"])
+        for question in ("facts", "agenda", "scene", "orders"):
+            with self.subTest(question):
+                asked = self.cxlab(question, out).stdout.splitlines()[0]
+                self.assertIn("of the run is cut off (it is still being played, or was killed):", asked)
+                self.assertTrue(json.loads(self.cxlab(question, out, "--json").stdout)["cut_off"])
+                self.assertNotIn("cut off", self.cxlab(question, out, "--at", 1).stdout)
+        self.assertIn("still being played", self.cxlab("why-not", out, "order-begin").stdout)
         self.cxlab("attach", out, "-c", "continue")
         self.assertEqual(game.wait(), 0)
         self.assertEqual(json.loads(self.cxlab("facts", out, "machine", "--json").stdout)["at_s"], 60)
@@ -565,6 +572,45 @@ class AgainstTheJournal(Lab):
         if "implied" in slots:
             return f"({record['data']['template']} $?)"
         return f"({record['data']['template']})"
+
+    def test_the_scene_is_the_same_live_recorded_and_by_itself(self):
+        out = self.folder / "game"
+        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(game.kill)
+        while not (out / "control.sock").exists():
+            self.assertIsNone(game.poll())
+            time.sleep(0.02)
+
+        def rows(text):
+            """Place and the other columns by name."""
+            return {row[1]: (tuple(map(float, row[2:6])), row[0], row[6:]) for row in map(str.split, text.splitlines())
+                    if len(row) > 6 and row[0] in ("robot", "machine", "piece")}
+
+        def attached(*commands):
+            return self.cxlab("attach", out, "--quiet", *(word for c in commands for word in ("-c", c))).stdout
+
+        times = (10, 31.3, 47.7)
+        live = {t: attached(f"until {t}", "scene") for t in times}
+        attached("continue")
+        self.assertEqual(game.wait(), 0)
+        for t in times:
+            recorded, alone = attached(f"at {t}", "scene"), self.cxlab("scene", out, "--at", t).stdout
+            self.assertEqual(recorded.split("\n", 1)[1].replace("scene KIND", "cxlab scene RUN KIND"), alone)
+            self.assertIn(f"at 0:{t:04.1f}:\nkind ", live[t])
+            self.assertEqual(rows(live[t]).keys(), rows(alone).keys())
+            self.assertGreater(len(rows(alone)), 10)
+            for name, (place, kind, _) in rows(alone).items():
+                self.assertEqual(kind, rows(live[t])[name][1])
+                for a, b in zip(place[:3], rows(live[t])[name][0]):
+                    self.assertAlmostEqual(a, b, delta=0.05)
+        # Back and forth; one of them alone; wrong ones.
+        there = attached("at 31.3", "scene robot", "at 10", "scene robot2", "at 31.3", "scene robot").split("at: ")
+        self.assertEqual(there[1], there[3])
+        self.assertEqual(list(rows(there[2])), ["robot2"])
+        wrong = self.cxlab("attach", out, "-c", "scene robots", expect=1).stderr
+        self.assertIn("called 'robots' at 1:00.0, did you mean 'robot", wrong)
+        self.assertIn("there is no scene.bin", self.cxlab("attach", self.agent(), "-c", "scene", expect=1).stderr)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-#include "lab/control/time_travel.h"
+#include "lab/time_travel.h"
 
 #include <cstdio>
 #include <utility>
 
 #include "lab/control/debugger.h"
 #include "lab/moment.h"
+#include "lab/scene_answer.h"
 
 namespace cxlab::lab {
 
@@ -23,7 +24,12 @@ Status serve(const Run& run, const ControlAddress& address, Host host) {
   if (!opened) return opened.error();
   Moment& moment = **opened;
   debugger.watch([&moment] { return moment.episode().environments(); },
-                 [&moment](cx::Environment& environment) { return moment.inspector(environment); });
+                 [&moment](cx::Environment& environment) { return moment.inspector(environment); },
+                 [&moment](const std::string& what) -> Expected<std::string> {
+                   auto seen = moment.scene();
+                   if (!seen) return seen.error();
+                   return scene_text(*std::move(seen), what);
+                 });
   while (!debugger.has_left() && !(stop && *stop)) {
     debugger.begin_again();
     const Status played = moment.seek(std::nullopt);

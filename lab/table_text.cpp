@@ -1,8 +1,4 @@
-#include "app/table.h"
-#include "cx/base/json.h"
-
-#include <sys/ioctl.h>
-#include <unistd.h>
+#include "lab/table_text.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,7 +6,7 @@
 
 #include "cx/base/number_text.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
 namespace {
 
@@ -62,14 +58,6 @@ std::vector<std::string> broken_at(const std::string& text, std::size_t width) {
   return out;
 }
 
-/// Columns of a terminal; otherwise the same everywhere.
-std::size_t line_width() {
-  constexpr std::size_t kLine = 180;
-  winsize size{};
-  if (isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
-  return kLine;
-}
-
 constexpr std::size_t kBetween = 2;  ///< blanks between columns
 
 /// How wide each column is drawn: as its longest text, but the last one gets what is left of the line, and other texts
@@ -108,9 +96,9 @@ std::vector<std::size_t> widths_of(const Table& table, std::size_t room) {
 
 }  // namespace
 
-std::string table_text(const Table& table) {
+std::string table_text(const Table& table, std::size_t width) {
   const std::size_t columns = table.columns.size();
-  const std::vector<std::size_t> widths = widths_of(table, line_width());
+  const std::vector<std::size_t> widths = widths_of(table, width);
   std::string out;
   const auto add_row = [&](const auto& text_at) {
     std::vector<std::vector<std::string>> cells;
@@ -163,4 +151,4 @@ Status sort_table(Table& table, const std::string& key) {
   return {};
 }
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab

@@ -1,19 +1,23 @@
 #pragma once
 // Tables (scenarios/question.h) as text for people, and as JSON.
 
+#include <cstddef>
 #include <string>
-#include "cx/base/json.h"
 
 #include "cx/base/expected.h"
+#include "cx/base/json.h"
 #include "scenarios/question.h"
 
-namespace cxlab::app {
+namespace cxlab::lab {
 
-/// Lines, as wide as the terminal; "none" where there are no rows.
-std::string table_text(const Table& table);
+/// Columns of a line where no terminal says how many it has.
+inline constexpr std::size_t kTableWidth = 180;
+
+/// Lines of at most that width; "none" where there are no rows.
+std::string table_text(const Table& table, std::size_t width = kTableWidth);
 /// A list with an object for each row.
 Json table_json(const Table& table);
 /// Orders the rows by the column of that key: numbers from the greatest, texts from the first letter.
 Status sort_table(Table& table, const std::string& key);
 
-}  // namespace cxlab::app
+}  // namespace cxlab::lab
