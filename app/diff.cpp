@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "cx/base/json.h"
+#include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 #include "lab/comparison.h"
 
@@ -49,38 +50,63 @@ Json json_of(const lab::Comparison& found) {
   return json;
 }
 
-void print(const char* name, const lab::Comparison::Side& side) {
-  if (side.because)
-    std::printf("%s: %s", name, inspect::text_of(inspect::tree_of(*side.because, false)).c_str());
-  else
-    std::printf("%s: nothing more\n", name);
-  if (!side.remark.empty()) std::printf("   %s\n", side.remark.c_str());
+void print_laid_out(const std::string& text, const std::string& indent) {
+  std::fputs(inspect::laid_out(text, indent, indent + "  ").c_str(), stdout);
+}
+
+/// What one run did, and why not what the other did.
+void print_event(const char* name, const lab::Comparison::Side& side) {
+  print_laid_out(std::string(name) + ": " + (side.what.empty() ? "nothing more" : side.what), "");
+  if (side.lacks)
+    std::fputs(inspect::text_of(*side.lacks,
+                                "rule " + side.rule + " did not fire: condition " + std::to_string(side.lacks->number) +
+                                    " does not hold",
+                                "   ")
+                   .c_str(),
+               stdout);
+  else if (!side.remark.empty())
+    print_laid_out(side.remark, "   ");
+}
+
+void print_causes(const char* name, const lab::Comparison::Side& side) {
+  if (!side.because || side.because->steps.size() < 2) return;
+  std::printf("what led to it in %s:\n%s", name, inspect::text_of(inspect::tree_of(*side.because, false)).c_str());
 }
 
 void print(const lab::Comparison& found) {
   for (const std::string& name : found.only_in_a) std::printf("environment %s is only in a\n", name.c_str());
   for (const std::string& name : found.only_in_b) std::printf("environment %s is only in b\n", name.c_str());
   for (const auto& c : found.constructs) {
-    std::printf("%s %s ", c.kind.c_str(), c.name.c_str());
-    if (c.a.empty() || c.b.empty())
-      std::printf("is only in %s: %s\n", c.a.empty() ? "b" : "a", (c.a.empty() ? c.b : c.a).c_str());
-    else
-      std::printf("is written differently: %s (a), %s (b)\n", c.a.c_str(), c.b.c_str());
+    const bool in_one = c.a.empty() || c.b.empty();
+    print_laid_out(c.kind + ' ' + c.name +
+                       (in_one ? " is only in " + (c.a.empty() ? "b: " + c.b : "a: " + c.a)
+                               : " is written differently: " + c.a + " (a), " + c.b + " (b)"),
+                   "");
   }
   if (!found.first) {
     std::printf("all that rules did up to %s is the same\n", inspect::seconds_text(found.compared).c_str());
   } else {
     std::printf("the same before %s; what differs first, in %s:\n", inspect::seconds_text(found.first->t).c_str(),
                 found.first->environment.c_str());
-    print("a", found.first->a);
-    print("b", found.first->b);
+    print_event("a", found.first->a);
+    print_event("b", found.first->b);
+    print_causes("a", found.first->a);
+    print_causes("b", found.first->b);
   }
   if (found.outcomes.empty()) return;
   constexpr std::size_t kShown = 30;
-  std::printf("%-44s %16s %16s\n", "result", "a", "b");
+  constexpr int kPath = 44, kValue = 16;  // columns
+  std::printf("%-*s %*s %*s\n", kPath, "result", kValue, "a", kValue, "b");
   for (std::size_t i = 0; i < found.outcomes.size() && i < kShown; ++i) {
     const auto& o = found.outcomes[i];
-    std::printf("%-44s %16s %16s\n", o.path.c_str(), o.a.empty() ? "-" : o.a.c_str(), o.b.empty() ? "-" : o.b.c_str());
+    const std::string in_a = o.a.empty() ? "-" : o.a, in_b = o.b.empty() ? "-" : o.b;
+    if (std::ssize(o.path) <= kPath && std::ssize(in_a) <= kValue && std::ssize(in_b) <= kValue) {
+      std::printf("%-*s %*s %*s\n", kPath, o.path.c_str(), kValue, in_a.c_str(), kValue, in_b.c_str());
+    } else {
+      std::printf("%s\n", o.path.c_str());
+      print_laid_out("a: " + in_a, "  ");
+      print_laid_out("b: " + in_b, "  ");
+    }
   }
   if (found.outcomes.size() > kShown) std::printf("and %zu more (--json has all)\n", found.outcomes.size() - kShown);
 }

@@ -186,8 +186,7 @@ int why(const WhyOptions& options) {
   return ask(options.question, [&](inspect::Inspector& inspector) -> Expected<Answer> {
     auto derivation = inspector.why(options.what);
     if (!derivation) return derivation.error();
-    const inspect::Tree tree = inspect::tree_of(*derivation, options.whole);
-    if (options.svg) return Answer{inspect::svg_of(tree), {}};
+    if (options.svg) return Answer{inspect::svg_of(inspect::tree_of(*derivation, options.whole)), {}};
     Json steps = Json::array();
     for (const inspect::Derivation::Step& step : derivation->steps) {
       Json json{
@@ -200,7 +199,9 @@ int why(const WhyOptions& options) {
       if (!step.note.empty()) json["note"] = step.note;
       steps.push_back(std::move(json));
     }
-    return Answer{inspect::text_of(tree), {{"steps", std::move(steps)}}};
+    return Answer{
+        options.whole ? inspect::whole_text(*derivation) : inspect::text_of(inspect::tree_of(*derivation, false)),
+        {{"steps", std::move(steps)}}};
   });
 }
 
@@ -314,10 +315,13 @@ void add_why(CLI::App& app, Action& action) {
           "A fact such as f-12, a pattern such as '(order (id 3))' (of several the one that changed last), or a "
           "rule (its last firing)")
       ->required();
-  command->add_flag("--whole", options->whole, "Follows each cause, not only the latest one of each step");
+  command->add_flag("--whole", options->whole,
+                    "Lists all firings that led to it, not only the latest cause of each step");
   command->add_flag("--svg", options->svg, "The tree as a picture (SVG), on standard output")->excludes("--json");
   command->footer(
-      "The tree goes from what was asked for to what came from outside of the rules; --json has all causes.\n"
+      "The tree goes from what was asked for to what came from outside of the rules; --whole lists each firing once, "
+      "the\n"
+      "latest first; --json has all causes.\n"
       "Examples:\n  cxlab why runs/game-1 '(order (id 3))' --at 5:12\n  cxlab why runs/game-1 order-begin --at 300\n"
       "  cxlab why runs/game-1 order-begin --svg > why.svg");
   command->callback([options, &action] { action = [options] { return why(*options); }; });

@@ -8,6 +8,9 @@
 #include "app/console.h"
 #include "app/question.h"
 #include "cx/base/json.h"
+#include "cx/explain/names.h"
+#include "cx/inspect/layout.h"
+#include "cx/inspect/text.h"
 #include "cx/inspect/users.h"
 #include "lab/why_not.h"
 
@@ -21,29 +24,30 @@ struct WhyNotOptions {
   std::vector<std::string> where;
 };
 
+void print(const std::string& text, const std::string& indent) {
+  std::fputs(inspect::laid_out(text, indent, indent + "  ").c_str(), stdout);
+}
+
 void print(const char* before, const explain::Values& values) {
-  if (values.empty()) return;
-  std::printf("    %s", before);
-  for (const auto& [name, value] : values) std::printf(" ?%s = %s", name.c_str(), value.c_str());
-  std::printf("\n");
+  if (!values.empty()) print(before + (' ' + inspect::values_text(values)), "    ");
 }
 
 void print(const std::vector<std::string>& facts) {
-  for (const std::string& fact : facts) std::printf("    %s\n", fact.c_str());
+  for (const std::string& fact : facts) print(fact, "    ");
 }
 
 void print_agenda(const explain::WhyNot& answer) {
   std::string stack;
   for (const std::string& module : answer.focus) stack += (stack.empty() ? "" : ", ") + module;
   if (answer.verdict == explain::Verdict::kFocus)
-    std::printf(
-        "  all its conditions hold, with salience %d, but its module %s is not in focus: the next run looks at %s "
-        "only; "
-        "(focus %s) or auto-focus brings it there\n",
-        answer.salience, answer.module.c_str(), stack.c_str(), answer.module.c_str());
+    print("all its conditions hold, with salience " + std::to_string(answer.salience) + ", but its module " +
+              answer.module + " is not in focus: the next run looks at " + stack + " only; (focus " + answer.module +
+              ") or auto-focus brings it there",
+          "  ");
   else
-    std::printf("  all its conditions hold: the next run fires it, with salience %d; %zu activations stand above it\n",
-                answer.salience, answer.above);
+    print("all its conditions hold: the next run fires it, with salience " + std::to_string(answer.salience) + "; " +
+              std::to_string(answer.above) + " activations stand above it",
+          "  ");
   if (!answer.first_above.empty())
     std::printf("  %s:\n",
                 answer.verdict == explain::Verdict::kFocus ? "on the agenda of what is in focus" : "above it");
@@ -54,30 +58,34 @@ void print(const explain::UnmetCondition& unmet, std::size_t alternatives) {
   if (alternatives > 1)
     std::printf("  none of the %zu alternatives of its or conditions holds; the one that gets furthest:\n",
                 alternatives);
-  std::printf("  condition %d does not hold%s%s\n  %s\n", unmet.number, unmet.text.empty() ? "" : ": ",
-              unmet.text.c_str(), unmet.because.c_str());
-  if (unmet.fact) std::printf("    %s\n", unmet.fact->c_str());
+  print("condition " + std::to_string(unmet.number) + " does not hold" + (unmet.text.empty() ? "" : ": " + unmet.text),
+        "  ");
+  print(unmet.because, "  ");
+  if (unmet.fact) print(*unmet.fact, "    ");
   print("with", unmet.values);
 }
 
-void print(const lab::WhyNotAnswer::InEnvironment& found) {
+void print(const lab::WhyNotAnswer::InEnvironment& found, const explain::Wanted& wanted) {
   const explain::WhyNot& answer = found.answer;
-  const std::string module = answer.module == "MAIN" ? "" : answer.module + "::";
-  std::printf("%s%s (%s:%d) in %s\n", module.c_str(), answer.rule.c_str(), answer.file.c_str(), answer.line,
-              found.environment.c_str());
+  std::string where;
+  for (const auto& [name, value] : wanted) where += (where.empty() ? ", where ?" : " and ?") + name + " = " + value;
+  print(explain::with_module(answer.module, answer.rule) + " (" + answer.file + ':' + std::to_string(answer.line) +
+            ") in " + found.environment + where,
+        "");
   switch (answer.verdict) {
     case explain::Verdict::kWaiting:
     case explain::Verdict::kFocus: print_agenda(answer); break;
     case explain::Verdict::kFired:
-      std::printf(
-          "  all its conditions hold, and it has fired for what holds, the last time at %s; it fires again when "
-          "one of these facts has changed\n",
-          seconds_text(*answer.fired_for_it).c_str());
+      print("all its conditions hold, and it has fired for what holds, the last time at " +
+                seconds_text(*answer.fired_for_it) + "; it fires again when one of these facts has changed",
+            "  ");
       break;
     case explain::Verdict::kTaken:
-      std::printf(
-          "  all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS "
-          "evaluates a test when a fact of it changes, not when what it calls gives another value\n");
+      print(
+          "all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS evaluates "
+          "a "
+          "test when a fact of it changes, not when what it calls gives another value",
+          "  ");
       break;
     case explain::Verdict::kCondition: print(*answer.unmet, answer.alternatives); break;
   }
@@ -126,7 +134,7 @@ Json json_of(const std::vector<inspect::FactUser>& users) {
                     {"fired", user.fired}});
     if (user.last) list.back()["last_s"] = to_seconds(*user.last);
     if (!user.differs.empty()) list.back()["differs"] = user.differs;
-    if (!user.lacks.empty()) list.back()["lacks"] = user.lacks;
+    if (user.lacks) list.back()["lacks"] = lab::to_text(*user.lacks);
   }
   return list;
 }
@@ -170,8 +178,8 @@ int why_not(const WhyNotOptions& options) {
     return 0;
   }
   std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),
-              answer->cut_off ? ", where the log of the run is cut off" : "");
-  for (const auto& found : answer->environments) print(found);
+              answer->cut_off ? run->cut_off_text("log").c_str() : "");
+  for (const auto& found : answer->environments) print(found, question.wanted);
   return 0;
 }
 

@@ -130,6 +130,10 @@ Json to_json(const inspect::FactChange& change) {
 
 }  // namespace
 
+std::string to_text(const explain::UnmetCondition& lacks) {
+  return "condition " + std::to_string(lacks.number) + ": " + lacks.print();
+}
+
 Json to_json(const inspect::Makers& makers) {
   Json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
   if (makers.changed) json["nearest_changed"] = to_json(*makers.changed);
@@ -143,7 +147,7 @@ Json to_json(const inspect::Makers& makers) {
                      {"fired", maker.fired}});
     if (!maker.through.empty()) rules.back()["through"] = maker.through;
     if (maker.last) rules.back()["last_s"] = to_seconds(*maker.last);
-    if (!maker.lacks.empty()) rules.back()["lacks"] = maker.lacks;
+    if (maker.lacks) rules.back()["lacks"] = to_text(*maker.lacks);
   }
   json["rules"] = std::move(rules);
   return json;

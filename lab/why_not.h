@@ -35,6 +35,8 @@ struct WhyNotAnswer {
 };
 Json to_json(const WhyNotAnswer& answer);
 Json to_json(const inspect::Makers& makers);
+/// "condition 2: (order (id 3)): there is no fact of order", as JSON has it.
+std::string to_text(const explain::UnmetCondition& lacks);
 
 Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host = {});
 

@@ -8,6 +8,7 @@
 #include "cx/check/rule_base.h"
 #include "cx/engine/form_reader.h"
 #include "cx/explain/names.h"
+#include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::inspect {
@@ -139,8 +140,7 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
         maker.last = inspector.timeline().time(n);
       }
     if (const ConstructInfo* info = engine.find_construct("defrule", name); info && engine.acting_call(*info).empty())
-      if (const auto lacks = explain::unmet_condition(engine, *info))
-        maker.lacks = "condition " + std::to_string(lacks->number) + ": " + lacks->print();
+      maker.lacks = explain::unmet_condition(engine, *info);
     out.makers.push_back(std::move(maker));
   };
   for (const check::Touch& touch : base->touches()) {
@@ -176,17 +176,26 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
 
 std::string Makers::text() const {
   std::string out;
-  const auto line = [&out](const std::string& text) { out += "  " + text + '\n'; };
+  const auto line = [&out](const std::string& text, const std::string& indent = "  ") {
+    out += laid_out(text, indent, indent + "  ");
+  };
   if (changed)
     line(std::string(forbids ? "it was " : "the nearest fact was ") + done_by(changed->kind) + " at " +
          seconds_text(changed->t) + " by " + changed->by.text());
   if (made && !forbids) {
-    std::string text = "the last fact that matched " + pattern + ", " + made->after.print() + ", was " +
-                       done_by(made->kind) + " at " + seconds_text(made->t) + " by " + made->by.text();
-    if (gone)
-      text += gone->kind == RecordKind::kRetract ? ", and retracted" : ", and changed to " + gone->after.print();
-    if (gone) text += " at " + seconds_text(gone->t) + " by " + gone->by.text();
-    line(text);
+    const auto when = [](const FactChange& change) {
+      return std::string(done_by(change.kind)) + " at " + seconds_text(change.t) + " by " + change.by.text();
+    };
+    const std::string what = "the last fact that matched " + pattern, fact = made->after.print(),
+                      end = "was " + when(*made) + (gone ? ", and " + when(*gone) : "");
+    if (const std::string sentence = what + ", " + fact + ", " + end; fits(sentence, "  ")) {
+      line(sentence);
+    } else {
+      line(what + ':');
+      line(fact, "    ");
+      line(end, "    ");
+    }
+    if (gone && gone->kind != RecordKind::kRetract) line("to " + gone->after.print(), "    ");
   } else if (!made && !forbids) {
     line("no fact has matched " + pattern + " so far");
   }
@@ -196,15 +205,18 @@ std::string Makers::text() const {
   constexpr std::size_t kShown = 8;
   for (const Maker& maker : makers) {
     if (&maker == makers.data() + kShown) {
-      line("  and " + std::to_string(makers.size() - kShown) + " more");
+      line("and " + std::to_string(makers.size() - kShown) + " more", "    ");
       break;
     }
-    line("  " + maker.rule + " (" + maker.file + ':' + std::to_string(maker.line) + ") " + maker.how + " it" +
-         (maker.through.empty() ? "" : " through " + maker.through) + "; " +
-         (maker.last ? "fired " + std::to_string(maker.fired) +
-                           (maker.fired == 1 ? " time, at " : " times, the last time at ") + seconds_text(*maker.last)
-                     : "has not fired"));
-    if (!maker.lacks.empty()) line("    lacks now " + maker.lacks);
+    line(maker.rule + " (" + maker.file + ':' + std::to_string(maker.line) + ") " + maker.how + " it" +
+             (maker.through.empty() ? "" : " through " + maker.through) + "; " +
+             (maker.last
+                  ? "fired " + std::to_string(maker.fired) +
+                        (maker.fired == 1 ? " time, at " : " times, the last time at ") + seconds_text(*maker.last)
+                  : "has not fired"),
+         "    ");
+    if (maker.lacks)
+      out += text_of(*maker.lacks, "lacks now condition " + std::to_string(maker.lacks->number), "      ");
   }
   return out;
 }

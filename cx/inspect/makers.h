@@ -22,7 +22,8 @@ struct Makers {
     std::string through;  ///< the deffunction that does so for it; may be empty
     std::int64_t fired = 0;
     std::optional<SimTime> last;
-    std::string lacks;  ///< its first condition that does not hold now; empty: all do, or it cannot be looked at
+    /// Its first condition that does not hold now; none: all do, or it cannot be looked at.
+    std::optional<explain::UnmetCondition> lacks;
   };
   std::vector<Maker> makers;  ///< those that fired last come first
 
@@ -35,7 +36,7 @@ struct Makers {
   std::string text() const;
 };
 
-/// Of a condition about facts; none for a test, or where the rules cannot be read.
+/// What could bring about a condition about facts; none for a test, or where the rules cannot be read.
 std::optional<Makers> makers_of(const Inspector& inspector, const explain::UnmetCondition& unmet);
 
 }  // namespace cxlab::inspect

@@ -1,11 +1,16 @@
 #include "cx/inspect/text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
+#include <iterator>
+#include <map>
 #include <set>
 
+#include "cx/base/number_text.h"
 #include "cx/explain/names.h"
+#include "cx/inspect/layout.h"
 
 namespace cxlab::inspect {
 
@@ -68,6 +73,25 @@ std::string seconds_text(SimTime t) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3f s", std::max(0.0, to_seconds(t)));
   return text;
+}
+
+std::optional<std::string> seconds_in(const std::string& time) {
+  const std::size_t colon = time.find(':'), whole = colon + 1, point = whole + 2;
+  if (colon == time.npos) {
+    const auto seconds = read_number<double>(time);
+    return seconds && std::isfinite(*seconds) && *seconds >= 0 ? std::optional(time) : std::nullopt;
+  }
+  const auto digits = [&time](std::size_t from, std::size_t to) {
+    return from < to && to <= time.size() &&
+           std::ranges::all_of(time.substr(from, to - from), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  const bool fraction = point < time.size();
+  if (!digits(0, colon) || !digits(whole, point)) return std::nullopt;
+  if (fraction && (time[point] != '.' || !digits(point + 1, time.size()))) return std::nullopt;
+  const auto minutes = read_number<std::int32_t>(time.substr(0, colon));
+  const auto seconds = read_number<std::int32_t>(time.substr(whole, 2));
+  if (!minutes || !seconds || *seconds >= 60) return std::nullopt;
+  return std::to_string(std::int64_t{60} * *minutes + *seconds) + time.substr(std::min(point, time.size()));
 }
 
 std::string values_text(const Values& values) {
@@ -164,13 +188,22 @@ std::string text_of(const std::vector<RuleUse>& rules) {
     text += "never on the agenda, with what they lack now:\n";
     for (const RuleUse* use : never) {
       text += "  " + use->rule + place(use->file, use->line) + '\n';
-      if (use->unmet) text += "    condition " + std::to_string(use->unmet->number) + ": " + use->unmet->print() + '\n';
+      if (use->unmet) text += text_of(*use->unmet, "condition " + std::to_string(use->unmet->number), "    ");
     }
   }
   return text;
 }
 
-// --- Trees
+std::string text_of(const explain::UnmetCondition& unmet, const std::string& begin, const std::string& indent) {
+  const std::string deeper = indent + "  ", line = begin + ": " + unmet.print();
+  if (fits(line, indent)) return indent + line + '\n';
+  std::string text = laid_out(begin + (unmet.text.empty() ? "" : ": " + unmet.text), indent, deeper + "  ") +
+                     laid_out(unmet.because, deeper, deeper + "  ");
+  if (unmet.fact) text += laid_out(*unmet.fact, deeper, deeper + "  ");
+  return text;
+}
+
+// --- Derivations
 
 std::string line_of(const Derivation::Step& step) {
   std::string text;
@@ -245,14 +278,183 @@ class TreeMaker {
   std::vector<std::string> path_;  // rules above
 };
 
-void append(const Tree& tree, const std::string& before, std::string& out) {
+/// The lines of a tree: the first begins with `first`, those below it with `before`.
+void append(const Tree& tree, const std::string& first, const std::string& before, std::string& out) {
+  out += laid_out(tree.text, first, before + (tree.branches.empty() ? "   " : "│  "));
   for (std::size_t i = 0; i < tree.branches.size(); ++i) {
     const bool last = i + 1 == tree.branches.size();
-    // A chain of single causes stays where it is.
-    out += before + (last ? "└─ " : "├─ ") + tree.branches[i].text + '\n';
-    append(tree.branches[i], before + (last ? "   " : "│  "), out);
+    append(tree.branches[i], before + (last ? "└─ " : "├─ "), before + (last ? "   " : "│  "), out);
   }
 }
+
+/// The name of the template of a fact as it is printed.
+std::string template_of(const std::string& fact) { return fact.substr(1, fact.find_first_of(" )") - 1); }
+
+/// The firings of a derivation, numbered from the latest.
+class FiringList {
+ public:
+  explicit FiringList(const Derivation& derivation) : steps_(derivation.steps) {
+    std::vector<std::size_t> firings;
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      if (steps_[i].kind == RecordKind::kFire) firings.push_back(i);
+    std::ranges::sort(firings, std::greater(), [&](std::size_t i) { return steps_[i].n; });
+    firings_ = firings.size();
+    for (const std::size_t firing : firings) {
+      if (entry_of_.contains(firing)) continue;
+      std::vector<std::size_t> entry = repeated(firing);
+      if (entry.size() < kFewest) entry = {firing};
+      for (const std::size_t one : entry) entry_of_.emplace(one, entries_.size());
+      entries_.push_back(std::move(entry));
+    }
+  }
+
+  std::string text() const {
+    std::string out;
+    const Derivation::Step& asked = steps_.front();
+    if (asked.kind != RecordKind::kFire) out = laid_out(line_of(asked) + sources_text({0}, ", by"), "", "  ");
+    if (entries_.empty()) return out;
+    out += firings_ == 1 ? "one firing led to it" : std::to_string(firings_) + " firings led to it, the latest first";
+    out +=
+        ". \"from\" names the facts that a rule\n"
+        "matched, each with the number of the firing that made it, or with what came from outside; facts\n"
+        "that have neither stand at the end.\n";
+    std::set<std::string> shown;  // rules, with their places
+    for (std::size_t i = 0; i < entries_.size(); ++i) out += text_of_entry(i, shown);
+    return out + text_of_others();
+  }
+
+ private:
+  static constexpr std::size_t kFewest = 4;  // firings in one entry
+
+  /// The firing that made or changed the fact of that step.
+  std::optional<std::size_t> maker_of(std::size_t fact) const {
+    for (const std::size_t by : steps_[fact].because)
+      if (steps_[by].kind == RecordKind::kFire) return by;
+    return std::nullopt;
+  }
+
+  /// The templates of the facts that it matched, each with the rule that made it.
+  std::vector<std::pair<std::string, std::string>> causes_of(std::size_t firing) const {
+    std::vector<std::pair<std::string, std::string>> out;
+    for (const std::size_t fact : steps_[firing].because) {
+      const auto maker = maker_of(fact);
+      out.emplace_back(template_of(steps_[fact].text), maker ? steps_[*maker].text : std::string());
+    }
+    std::ranges::sort(out);
+    return out;
+  }
+
+  /// The firing, and those before it of the same rule and for the same kinds of facts, each of which made a fact for
+  /// the next one.
+  std::vector<std::size_t> repeated(std::size_t firing) const {
+    std::vector<std::size_t> out{firing};
+    const auto causes = causes_of(firing);
+    while (true) {
+      std::set<std::size_t> before;
+      for (const std::size_t fact : steps_[out.back()].because)
+        if (const auto maker = maker_of(fact); maker && steps_[*maker].text == steps_[firing].text)
+          before.insert(*maker);
+      if (before.size() != 1 || entry_of_.contains(*before.begin()) || causes_of(*before.begin()) != causes) return out;
+      out.push_back(*before.begin());
+    }
+  }
+
+  std::string text_of_entry(std::size_t i, std::set<std::string>& shown) const {
+    const std::vector<std::size_t>& entry = entries_[i];
+    const Derivation::Step &last = steps_[entry.front()], &first = steps_[entry.back()];
+    std::string head = last.text;
+    if (shown.insert(last.text).second) head += place(last.file, last.line);
+    Values telling;  // addresses of messages and facts say nothing
+    std::ranges::copy_if(last.values, std::back_inserter(telling),
+                         [](const auto& v) { return !v.second.starts_with('<'); });
+    const std::string values = entry.size() == 1 ? values_text(telling) : std::string();
+    if (entry.size() > 1)
+      head += ' ' + times(entry.size()) + " since " + seconds_text(first.t) + ", each time after the time before";
+    if (!values.empty()) head += "  " + values;
+    const std::string indent(9, ' ');
+    std::string out = laid_out(head, right(std::to_string(i + 1), 5) + "  " + seconds_text(last.t) + "  ", indent);
+    if (const std::string from = sources_text(entry, "from"); !from.empty())
+      out += laid_out(from, indent, indent + "  ");
+    if (!last.note.empty()) out += indent + last.note + '\n';
+    return out;
+  }
+
+  /// The facts that no rule made and that did not come from outside. Where there are many of one template, only how
+  /// many.
+  std::string text_of_others() const {
+    std::vector<std::pair<std::string, std::vector<const Derivation::Step*>>> by_template;
+    for (std::size_t i = 1; i < steps_.size(); ++i) {
+      const Derivation::Step& step = steps_[i];
+      if (step.note.empty() || step.kind == RecordKind::kFire) continue;
+      const std::string name = template_of(step.text) + ", by " + step.note;
+      auto known = std::ranges::find(by_template, name, [](const auto& one) { return one.first; });
+      if (known == by_template.end()) known = by_template.insert(known, {name, {}});
+      known->second.push_back(&step);
+    }
+    std::string out;
+    for (auto& [name, steps] : by_template) {
+      std::ranges::sort(steps, {}, &Derivation::Step::n);
+      if (steps.size() < kFewest)
+        for (const Derivation::Step* step : steps) out += laid_out(line_of(*step), "", "  ");
+      else
+        out += laid_out(std::to_string(steps.size()) + " facts of " + name + ", the first " + steps.front()->text +
+                            " at " + seconds_text(steps.front()->t) + ", the last " + steps.back()->text + " at " +
+                            seconds_text(steps.back()->t),
+                        "", "  ");
+    }
+    return out;
+  }
+
+  /// What these firings matched, or what this fact came from: "from job 3, 7; result /robot1/pick (node/robot1:12)".
+  std::string sources_text(const std::vector<std::size_t>& of, const std::string& begin) const {
+    struct Sources {
+      std::string label;
+      std::vector<std::string> numbers, outside;
+    };
+    std::vector<Sources> all;
+    const auto add = [&](const std::string& label, const std::string& number, const std::string& outside) {
+      auto known = std::ranges::find(all, label, &Sources::label);
+      if (known == all.end()) known = all.insert(known, {label, {}, {}});
+      for (const auto& [text, list] : {std::pair(&number, &known->numbers), std::pair(&outside, &known->outside)})
+        if (!text->empty() && std::ranges::find(*list, *text) == list->end()) list->push_back(*text);
+    };
+    for (const std::size_t step : of) {
+      const bool is_fact = steps_[step].kind != RecordKind::kFire;
+      for (const std::size_t fact : is_fact ? std::vector{step} : steps_[step].because) {
+        const std::string label = is_fact ? "" : template_of(steps_[fact].text);
+        if (const auto maker = maker_of(fact)) {
+          const std::size_t entry = entry_of_.at(*maker);
+          if (!is_fact && entry_of_.at(step) == entry) continue;
+          const bool in_the_middle = entries_[entry].front() != *maker;
+          add(label, std::to_string(entry + 1) + (in_the_middle ? " at " + seconds_text(steps_[*maker].t) : ""), {});
+        } else if (!steps_[fact].because.empty()) {
+          const Derivation::Step& by = steps_[steps_[fact].because.front()];
+          const bool came = by.kind != RecordKind::kControl;
+          add(came ? by.text : line_of(by), {}, by.outside.value_or(""));
+        } else if (!is_fact) {
+          add(label, {}, steps_[fact].outside.value_or(""));
+        }
+      }
+    }
+    std::string out;
+    const auto listed = [](const std::vector<std::string>& texts) {
+      std::string text;
+      for (const std::string& one : texts) text += (text.empty() ? "" : ", ") + one;
+      return text;
+    };
+    for (const Sources& source : all) {
+      out += (out.empty() ? begin : ";") + (source.label.empty() ? "" : ' ' + source.label);
+      if (!source.numbers.empty()) out += ' ' + listed(source.numbers);
+      if (!source.outside.empty()) out += " (" + listed(source.outside) + ')';
+    }
+    return out;
+  }
+
+  const std::vector<Derivation::Step>& steps_;
+  std::size_t firings_ = 0;
+  std::vector<std::vector<std::size_t>> entries_;  // each with its firings, the latest first
+  std::map<std::size_t, std::size_t> entry_of_;    // by firing
+};
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -276,10 +478,12 @@ std::string escaped(const std::string& text) {
 Tree tree_of(const Derivation& derivation, bool whole) { return TreeMaker(derivation, whole).follow(0); }
 
 std::string text_of(const Tree& tree) {
-  std::string out = tree.text + '\n';
-  append(tree, "", out);
+  std::string out;
+  append(tree, "", "", out);
   return out;
 }
+
+std::string whole_text(const Derivation& derivation) { return FiringList(derivation).text(); }
 
 std::string svg_of(const Tree& tree) {
   constexpr int kRow = 30, kStep = 28, kLeft = 16, kBox = 22;

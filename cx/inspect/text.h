@@ -1,6 +1,7 @@
 #pragma once
 // Answers as people read them: for commands and for `cxlab attach`.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace cxlab::inspect {
 
 /// "312.400 s".
 std::string seconds_text(SimTime t);
+/// The s in a time as people write it, "312.4", "5:12" or "5:12.4", in decimal digits: "5:12.4" and "312.4" are the
+/// same number. Nothing where it is no time.
+std::optional<std::string> seconds_in(const std::string& time);
 /// "?id = 3 ?robot = robot1"; empty without values.
 std::string values_text(const Values& values);
 
@@ -27,6 +31,15 @@ std::string text_of(const std::vector<RuleUse>& rules);
 const char* done_by(RecordKind kind);
 /// "rule order-begin (orders.clp:58) at 302.000 s  ?id = 4".
 std::string line_of(const Derivation::Step& step);
+
+/// What a rule lacks, in lines that begin with `indent`: "lacks condition 2: (order (id 3)): there is no fact of
+/// order", or, where this is too long, the condition, why it does not hold, and the fact that this is about. `begin` is
+/// what comes before the condition.
+std::string text_of(const explain::UnmetCondition& unmet, const std::string& begin, const std::string& indent);
+
+/// All that a derivation has, as a numbered list of firings, the latest first: each once, with the numbers of those
+/// that made what it matched. Where a rule fires again and again for what it left itself, that is one line.
+std::string whole_text(const Derivation& derivation);
 
 /// A derivation as a tree of lines.
 struct Tree {

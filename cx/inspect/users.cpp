@@ -7,6 +7,7 @@
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "cx/explain/why_not.h"
+#include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::inspect {
@@ -73,9 +74,8 @@ class Users {
       FactUser user = user_of(rule, *place->condition);
       count_firings(user);
       if (inspector_.engine().acting_call(rule).empty())
-        if (const auto lacks = explain::unmet_condition(
-                inspector_.engine(), rule, place->binds ? wanted_for(*place->condition, fact_) : explain::Wanted()))
-          user.lacks = "condition " + std::to_string(lacks->number) + ": " + lacks->print();
+        user.lacks = explain::unmet_condition(inspector_.engine(), rule,
+                                              place->binds ? wanted_for(*place->condition, fact_) : explain::Wanted());
       out.waiting.push_back(std::move(user));
     } else if (const auto other = matching(true); other != places.end()) {
       out.forbidden.push_back(user_of(rule, *other->condition));
@@ -154,14 +154,17 @@ std::string FactFuture::text() const {
   const auto place = [](const FactUser& user) {
     return user.rule + " (" + user.file + ':' + std::to_string(user.line) + ')';
   };
+  const auto line = [&out](const std::string& text, const std::string& indent) {
+    out += laid_out(text, indent, indent + "    ");
+  };
   if (!fact) {
-    out = "no fact matches it now";
-    out += nearest.empty() ? "\n" : "; the nearest one is " + nearest + '\n';
+    out = "no fact matches it now\n";
+    if (!nearest.empty()) line("the nearest one is " + nearest, "  ");
     return makers ? out + makers->text() : out;
   }
   const FactChange& last = fact->changes.back();
-  out = "f-" + std::to_string(fact->fact.index) + "  " + fact->fact.print() + "\n  " + done_by(last.kind) + " at " +
-        seconds_text(last.t) + " by " + last.by.text() + '\n';
+  line("f-" + std::to_string(fact->fact.index) + "  " + fact->fact.print(), "");
+  out += std::string("  ") + done_by(last.kind) + " at " + seconds_text(last.t) + " by " + last.by.text() + '\n';
   if (waiting.empty()) out += "  no rule needs such a fact\n";
   if (!waiting.empty()) out += "  rules that need such a fact:\n";
   for (const FactUser& user : waiting) {
@@ -173,15 +176,15 @@ std::string FactFuture::text() const {
     else
       out += " has not fired for it";
     out += '\n';
-    if (!user.lacks.empty())
-      out += "      lacks " + user.lacks + '\n';
+    if (user.lacks)
+      out += text_of(*user.lacks, "lacks condition " + std::to_string(user.lacks->number), "      ");
     else if (user.fired == 0)
       out += "      all its conditions hold\n";
   }
   if (!nearly.empty()) out += "  rules that need another value in it:\n";
-  for (const FactUser& user : nearly) out += "    " + place(user) + ": " + user.differs + '\n';
+  for (const FactUser& user : nearly) line(place(user) + ": " + user.differs, "    ");
   if (!forbidden.empty()) out += "  rules that it keeps from firing, where the values are the same:\n";
-  for (const FactUser& user : forbidden) out += "    " + place(user) + ": " + user.condition + '\n';
+  for (const FactUser& user : forbidden) line(place(user) + ": " + user.condition, "    ");
   return out;
 }
 

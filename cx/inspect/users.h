@@ -20,7 +20,8 @@ struct FactUser {
   std::string differs;          ///< what of the fact does not match it; empty: the fact matches
   std::int64_t fired = 0;       ///< for this fact since its last change
   std::optional<SimTime> last;  ///< of these firings
-  std::string lacks;            ///< its first condition that does not hold together with this fact; empty: all do
+  /// Its first condition that does not hold together with this fact; none: all do.
+  std::optional<explain::UnmetCondition> lacks = {};
 };
 
 /// The answer to a question about a fact.

@@ -220,8 +220,9 @@ const std::vector<Debugger::Command>& Debugger::commands() {
                                 "', which acts: to look would change the run; cxlab why-not looks when it is over");
            const auto unmet = explain::unmet_condition(e.engine(), *rule);
            if (unmet) {
-             std::string text = "condition " + std::to_string(unmet->number) + " does not hold: " + unmet->print();
-             if (const auto makers = inspect::makers_of(d.inspect_(e), *unmet)) text += '\n' + makers->text();
+             std::string text =
+                 inspect::text_of(*unmet, "condition " + std::to_string(unmet->number) + " does not hold", "");
+             if (const auto makers = inspect::makers_of(d.inspect_(e), *unmet)) text += makers->text();
              if (text.ends_with('\n')) text.pop_back();
              return text;
            }

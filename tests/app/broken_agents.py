@@ -94,6 +94,11 @@ PATROL = """(defmodule MAIN (export ?ALL))
 
 PLANNING = "rcll/planning.yaml"
 
+def one_line_each(text):
+    """What a rule lacks, and other long sentences, without the breaks that make them narrow."""
+    return re.sub(r"\n {6,}(?!lacks|all its|[0-9])(?=\S)", " ", text)
+
+
 AGENTS = [
     # Products with rings stay at the base station.
     Agent("a misspelt symbol", 200, "agent/clips/products.clp", [("(machine (name ?next) (kind RS))", "(machine (name ?next) (kind RNIG))")],
@@ -119,11 +124,11 @@ AGENTS = [
     # Orders are delivered and stay begun, until no new one is.
     Agent("a fact that another rule takes away", 400, "agent/clips/shared-machines.clp", [('"Nobody ordered it."\n  ?delivered <- (delivered 0 ?)', '"Nobody ordered it."\n  (declare (salience 5))\n  ?delivered <- (delivered ? ?)')],
           ["orders", "why-not '(product (order 1))'", "why-not product-delivered"],
-          r"\(delivered \d SUCCEEDED\), was asserted at .* by rule delivery-done, and retracted at .* by rule delivery-discarded"),
+          r"\(delivered \d SUCCEEDED\),?\s+was asserted at .* by rule delivery-done, and retracted at .* by rule\s+delivery-discarded"),
     # No order is begun.
     Agent("two rules that race for a fact", 200, "agent/clips/orders.clp", [("?chosen <- (chosen 0)", "?chosen <- (chosen ?)")],
           ["orders", "why-not '(order (id 1) (state STARTED))'", "why-not '(chosen ?)'"],
-          r"asserted at .* by rule order-choose, and retracted at .* by rule order-choose-none"),
+          r"asserted at .* by rule order-choose, and retracted at .* by rule\s+order-choose-none"),
     # Finished products are not fetched.
     Agent("a wrong parameter", 280, "agent/clips/products.clp", [("?*DELIVERY-LEAD* = 45.0", "?*DELIVERY-LEAD* = -300.0")],
           ["orders", "why-not '(product (order 1))' --at 4:00", "globals"],
@@ -143,7 +148,7 @@ AGENTS = [
           r'rule agenda-begin .*\?params = \(o2 rs1 rs2 s1\)', PLANNING, short=False),
     # No order is begun but for a wait.
     Agent("a request that is never over", 60, "planning_agent/clips/execution.clp", [("  (retract ?effects))", "  (modify ?effects (time ?time)))")],
-          ["orders", "rules", "why-not '(effects)'", r"why-not '(effects (number {forbids it: \(effects \(number (\d+)\)}))'"],
+          ["orders", "rules", "why-not '(effects)'", r"why-not '(effects (number {forbids it:? \(effects \(number (\d+)\)}))'"],
           r"effects-known \(.*\) fired for it \d\d\d times", PLANNING),
     # Machines have no instruction.
     Agent("a state that a condition forgets", 100, "planning_agent/clips/agenda.clp", [("(state OPEN|BLOCKED|APPROACHING))\n    (or", "(state OPEN|APPROACHING))\n    (or")],
@@ -164,7 +169,7 @@ AGENTS = [
     # One robot works, the others wait for it.
     Agent("all instead of some", 80, "planning_agent/clips/agenda.clp", [("(exists (robot (state IDLE)))", "(not (robot (state BUSY)))")],
           ["waits", "why-not '(step (state OPEN) (worker ROBOT))'", "why-not '(robot-waits)'"],
-          r"agenda-idle-robot \(.*\n +lacks now condition 1: \(not \(robot \(state BUSY\)\)\): a fact forbids it", PLANNING, short=False),
+          r"agenda-idle-robot \(.*\n +lacks now condition 1: \(not \(robot \(state BUSY\)\)\):? a fact forbids it", PLANNING, short=False),
     # Two teams: one of them gets no base.
     Agent("a topic of the other team", 60, "two_teams.yaml", [("/factory/instruct_machine: /magenta/factory", "/factory/instruct_machine: /cyan/factory")],
           ["orders", "facts instruction --env magenta/agent"],
@@ -200,7 +205,7 @@ class Broken(unittest.TestCase):
                 seen = played.stdout
                 for question in agent.questions:
                     # Braces stand for what the answer before says there.
-                    question = re.sub("{(.*)}", lambda part: re.search(part[1], answer.stdout)[1], question)
+                    question = re.sub("{(.*)}", lambda part: re.search(part[1], one_line_each(answer.stdout))[1], question)
                     name, *arguments = shlex.split(question)
                     answer = self.cxlab(name, run, *arguments)
                     self.assertEqual(answer.returncode, 0, answer.stderr)
@@ -209,7 +214,7 @@ class Broken(unittest.TestCase):
                     seen += answer.stdout
                 if os.environ.get("CXLAB_SHOW"):
                     print(f"=== {agent.kind}: {question}\n{answer.stdout}")
-                self.assertRegex(answer.stdout, agent.cause)
+                self.assertRegex(one_line_each(answer.stdout), agent.cause)
 
 
 if __name__ == "__main__":

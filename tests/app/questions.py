@@ -154,6 +154,30 @@ class Questions(Lab):
         whole = self.cxlab("why", run, "(job (id 2))", "--whole").stdout
         self.assertGreater(whole.count("\n"), text.count("\n"))
         self.assertIn("(free a)  asserted at 0.000 s, by the start of the environment", whole)
+        # Each firing once, with its place; a fact names the firing that made it.
+        rows = {int(n): (t, rule, rest) for n, t, rule, rest in
+                re.findall(r"^ +(\d+)  ([0-9.]+) s  ([a-z-]+)(.*(?:\n {9}.*)*)", whole, re.M)}
+        fired = [(f"{s['t_s']:.3f}", s["text"]) for s in sorted(steps, key=lambda s: -s["n"]) if s["kind"] == "fire"]
+        self.assertEqual([row[:2] for row in rows.values()], fired)
+        self.assertEqual(list(rows), list(range(1, len(fired) + 1)))
+        self.assertEqual(rows[1][2], " (mine/mine.clp:12)  ?now = 3.0 ?id = 2 ?who = a ?until = 3.0\n         from time; work 2; job 2")
+        self.assertIn("(job (id 2) (state DONE) (worker a))  changed at 3.000 s, by 1\n", whole)
+
+    def test_the_whole_of_a_long_story_is_one_that_a_person_can_read(self):
+        run = self.agent("""(deftemplate job (slot id) (slot state (default OPEN)))
+(deffacts start (count 0) (job (id 1)))
+(defrule count (time ?now) ?c <- (count ?n&:(< ?n ?now)) => (retract ?c) (assert (count (+ ?n 0.5))))
+(defrule done (count 10.0) ?j <- (job (state OPEN)) => (modify ?j (state DONE)))
+""", until=12)
+        steps = self.answer("why", run, "(job)")["steps"]
+        whole = self.cxlab("why", run, "(job)", "--whole").stdout
+        counted = [s for s in steps if s["text"] == "count"]
+        self.assertEqual(len(counted), 20)
+        self.assertIn("    2  10.000 s  count (mine/mine.clp:3) 19 times since 1.000 s, each time after the time before\n         from time; count 3\n", whole)
+        self.assertRegex(whole, r"\n    3  0.500 s  count  \?now = 0.5 .*\n         from time; count\n")
+        self.assertRegex(whole, r"20 facts of time, by the executive or a plugin, the first \(time [0-9.]+\) at")
+        self.assertIn("(job (id 1) (state OPEN))  asserted at 0.000 s, by the start of the environment", whole)
+        self.assertLess(whole.count("\n"), 20)
 
     def test_why_of_a_fact_that_has_gone_and_of_a_firing(self):
         run = self.agent()
@@ -211,7 +235,7 @@ class WhyNot(Lab):
         self.assertEqual((later["last_made"]["fact"], later["last_made"]["t_s"], later["last_made"]["by"]), ("(work 2 a 3.0)", 2.0, "rule begin"))
         self.assertEqual((later["then"]["what"], later["then"]["t_s"], later["then"]["by"]), ("retract", 3.0, "rule end"))
         self.assertRegex(self.cxlab("why-not", run, "end").stdout,
-                         r"  the last fact that matched \(work .*\), \(work 2 a 3.0\), was asserted at 2.000 s by rule begin, and retracted at 3.000 s by rule end\n"
+                         r"  the last fact that matched \(work .*\):\n    \(work 2 a 3.0\)\n    was asserted at 2.000 s by rule begin, and retracted at 3.000 s by rule end\n"
                          r"  rules that can make such a fact:\n    begin \(mine/mine.clp:4\) asserts it; fired 2 times, the last time at 2.000 s\n")
 
     def test_a_value_that_no_rule_sets(self):
@@ -371,6 +395,10 @@ class TwoRuns(Lab):
         self.assertRegex(found, r"^defrule robbed is written differently: mine/mine.clp:22 \(a\), mine/mine.clp:22 \(b\)\n"
                                 r"the same before 1.000 s; what differs first, in main:\na: rule begin .*\n")
         self.assertIn("\nb: rule robbed", found)
+        # What each did, then what led to it.
+        order = [found.index(part) for part in ("\na: rule begin", "\nb: rule robbed", "\nwhat led to it in a:\nrule begin", "\nwhat led to it in b:\nrule robbed")]
+        self.assertEqual(order, sorted(order))
+        self.assertNotIn("─", found[:order[2]])
         self.assertEqual(self.answer("rules", a, "--against", b), {
             "environment": "main", "only_in_a": [], "only_in_b": [{"rule": "robbed", "fired": 3, "exists_in_other": True}]})
         longer = self.agent(until=8, out="longer")
@@ -451,6 +479,41 @@ class WhyNotOfAFact(Lab):
         self.assertIn("--where asks about a rule", self.cxlab("why-not", run, "(job)", "--where", "id=1", expect=2).stderr)
 
 
+class Layout(unittest.TestCase):
+    """Lines of a real game for people, at 100 columns."""
+
+    def test_no_line_is_wide(self):
+        folder = Path(tempfile.mkdtemp(prefix="cxlab-layout-"))
+        self.addCleanup(shutil.rmtree, folder)
+
+        def cxlab(*arguments, expect=0):
+            done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, expect, f"cxlab {arguments}\n{done.stdout[-2000:]}\n{done.stderr}")
+            return done.stdout
+        a, b = folder / "a", folder / "b"
+        for run, seed in ((a, 1), (b, 2)):
+            cxlab("run", GAME, "--tier", "timed", "--until", 320, "--seed", seed, "--quiet", "--out", run)
+        for expect, *question in (
+                (0, "why-not", a, "order-begin"), (0, "why-not", a, "product-put", "--at", 200), (0, "why-not", a, "(product (order 2))", "--at", 60),
+                (0, "why-not", a, "(delivered ? SUCCEEDED)"), (0, "rules", a), (1, "diff", a, b), (0, "why", a, "order-begin"), (0, "why", a, "(order (id 2))"),
+                (0, "why", a, "(product)", "--whole"), (0, "why", a, "order-begin", "--whole")):
+            with self.subTest(question):
+                text = cxlab(*question, expect=expect)
+                self.assertGreater(text.count("\n"), 5)
+                for line in text.splitlines():
+                    # Below many causes there are at least 40 columns.
+                    depth = len(line) - len(line.lstrip(" │├└─"))
+                    self.assertLessEqual(len(line), max(100, depth + 3 + 40), line)
+        self.assertLess(cxlab("why", a, "(product)", "--whole").count("\n"), 1500)
+
+    def test_where_is_repeated(self):
+        folder = Path(tempfile.mkdtemp(prefix="cxlab-layout-"))
+        self.addCleanup(shutil.rmtree, folder)
+        subprocess.run([CXLAB, "run", GAME, "--tier", "timed", "--until", "60", "--quiet", "--out", folder / "a"], capture_output=True, timeout=60, check=True)
+        asked = subprocess.run([CXLAB, "why-not", folder / "a", "product-put", "--where", "id=5", "--where", "?next=x"], capture_output=True, text=True, timeout=60)
+        self.assertRegex(asked.stdout, r"^after the tick at 60.000 s:\nproduct-put \(rcll_agent/clips/products.clp:\d+\) in agent, where \?id = 5 and \?next = x\n")
+
+
 class WhileItIsPlayed(Lab):
     def test_questions_on_the_folder_of_a_run_that_is_still_being_played(self):
         out = self.folder / "game"
@@ -496,6 +559,45 @@ class WhileItIsPlayed(Lab):
         answers = lambda text: [line for line in text.splitlines() if not re.match(r"at: |[0-9.]+ s: |the run has ended|at the end", line)]
         self.assertGreater(len(answers(live)), 3000)
         self.assertEqual(answers(live), answers(recorded))
+
+    def test_the_scene_is_the_same_live_recorded_and_by_itself(self):
+        out = self.folder / "game"
+        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(game.kill)
+        while not (out / "control.sock").exists():
+            self.assertIsNone(game.poll())
+            time.sleep(0.02)
+
+        def rows(text):
+            """Place and the other columns by name."""
+            return {row[1]: (tuple(map(float, row[2:6])), row[0], row[6:]) for row in map(str.split, text.splitlines())
+                    if len(row) > 6 and row[0] in ("robot", "machine", "piece")}
+
+        def attached(*commands):
+            return self.cxlab("attach", out, "--quiet", *(word for c in commands for word in ("-c", c))).stdout
+
+        times = (10, 31.3, 47.7)
+        live = {t: attached(f"until {t}", "scene") for t in times}
+        attached("continue")
+        self.assertEqual(game.wait(), 0)
+        for t in times:
+            recorded, alone = attached(f"at {t}", "scene"), self.cxlab("scene", out, "--at", t).stdout
+            self.assertEqual(recorded.split("\n", 1)[1].replace("scene KIND", "cxlab scene RUN KIND"), alone)
+            self.assertIn(f"at 0:{t:04.1f}:\nkind ", live[t])
+            self.assertEqual(rows(live[t]).keys(), rows(alone).keys())
+            self.assertGreater(len(rows(alone)), 10)
+            for name, (place, kind, _) in rows(alone).items():
+                self.assertEqual(kind, rows(live[t])[name][1])
+                for a, b in zip(place[:3], rows(live[t])[name][0]):
+                    self.assertAlmostEqual(a, b, delta=0.05)
+        # Back and forth; one of them alone; wrong ones.
+        there = attached("at 31.3", "scene robot", "at 10", "scene robot2", "at 31.3", "scene robot").split("at: ")
+        self.assertEqual(there[1], there[3])
+        self.assertEqual(list(rows(there[2])), ["robot2"])
+        wrong = self.cxlab("attach", out, "-c", "scene robots", expect=1).stderr
+        self.assertIn("called 'robots' at 1:00.0, did you mean 'robot", wrong)
+        self.assertIn("there is no scene.bin", self.cxlab("attach", self.agent(), "-c", "scene", expect=1).stderr)
 
 
 class AgainstTheJournal(Lab):
@@ -572,45 +674,6 @@ class AgainstTheJournal(Lab):
         if "implied" in slots:
             return f"({record['data']['template']} $?)"
         return f"({record['data']['template']})"
-
-    def test_the_scene_is_the_same_live_recorded_and_by_itself(self):
-        out = self.folder / "game"
-        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(game.kill)
-        while not (out / "control.sock").exists():
-            self.assertIsNone(game.poll())
-            time.sleep(0.02)
-
-        def rows(text):
-            """Place and the other columns by name."""
-            return {row[1]: (tuple(map(float, row[2:6])), row[0], row[6:]) for row in map(str.split, text.splitlines())
-                    if len(row) > 6 and row[0] in ("robot", "machine", "piece")}
-
-        def attached(*commands):
-            return self.cxlab("attach", out, "--quiet", *(word for c in commands for word in ("-c", c))).stdout
-
-        times = (10, 31.3, 47.7)
-        live = {t: attached(f"until {t}", "scene") for t in times}
-        attached("continue")
-        self.assertEqual(game.wait(), 0)
-        for t in times:
-            recorded, alone = attached(f"at {t}", "scene"), self.cxlab("scene", out, "--at", t).stdout
-            self.assertEqual(recorded.split("\n", 1)[1].replace("scene KIND", "cxlab scene RUN KIND"), alone)
-            self.assertIn(f"at 0:{t:04.1f}:\nkind ", live[t])
-            self.assertEqual(rows(live[t]).keys(), rows(alone).keys())
-            self.assertGreater(len(rows(alone)), 10)
-            for name, (place, kind, _) in rows(alone).items():
-                self.assertEqual(kind, rows(live[t])[name][1])
-                for a, b in zip(place[:3], rows(live[t])[name][0]):
-                    self.assertAlmostEqual(a, b, delta=0.05)
-        # Back and forth; one of them alone; wrong ones.
-        there = attached("at 31.3", "scene robot", "at 10", "scene robot2", "at 31.3", "scene robot").split("at: ")
-        self.assertEqual(there[1], there[3])
-        self.assertEqual(list(rows(there[2])), ["robot2"])
-        wrong = self.cxlab("attach", out, "-c", "scene robots", expect=1).stderr
-        self.assertIn("called 'robots' at 1:00.0, did you mean 'robot", wrong)
-        self.assertIn("there is no scene.bin", self.cxlab("attach", self.agent(), "-c", "scene", expect=1).stderr)
 
 
 if __name__ == "__main__":
