@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "cx/base/number_text.h"
+#include "cx/inspect/text.h"
 #include "lab/run.h"
 
 namespace cxlab::app {
@@ -92,35 +93,12 @@ CLI::Option* whole_number(CLI::Option* option, std::int64_t low, std::int64_t hi
                             high == INT64_MAX ? from : from + " to " + std::to_string(high)});
 }
 
-namespace {
-
-/// "5:12.4" as the "312.4" that it is: in decimal digits, so that both are the same number. Other texts stay.
-std::string without_minutes(const std::string& text) {
-  const std::size_t colon = text.find(':'), whole = colon + 1, point = whole + 2;
-  const auto digits = [&text](std::size_t from, std::size_t to) {
-    return from < to && to <= text.size() &&
-           std::all_of(
-               text.begin() + static_cast<std::ptrdiff_t>(from), text.begin() + static_cast<std::ptrdiff_t>(to),
-               [](char c) { return c >= '0' && c <= '9'; });
-  };
-  if (colon == text.npos || !digits(0, colon) || !digits(whole, point)) return text;
-  const bool fraction = point < text.size();
-  if (fraction && (text[point] != '.' || !digits(point + 1, text.size()))) return text;
-  const auto minutes = read_number<std::int32_t>(text.substr(0, colon));
-  const auto seconds = read_number<std::int32_t>(text.substr(whole, 2));
-  if (!minutes || !seconds || *seconds >= 60) return text;
-  return std::to_string(std::int64_t{60} * *minutes + *seconds) + text.substr(point);
-}
-
-}  // namespace
-
 CLI::Option* time_option(CLI::Option* option) {
   return option->transform({[](std::string& text) {
-                              const std::string seconds = without_minutes(text);
-                              const double value = finite_number(seconds).value_or(-1);
-                              if (value < 0 || value > to_seconds(kLongestRun))
+                              const auto seconds = inspect::seconds_in(text);
+                              if (!seconds || finite_number(*seconds).value_or(-1) > to_seconds(kLongestRun))
                                 return expected(text, "a time: s from 0 to 1e9, as 312.4, or minutes and s, as 5:12.4");
-                              text = seconds;
+                              text = *seconds;
                               return std::string();
                             },
                             ""});

@@ -91,65 +91,82 @@ FactHistory Inspector::history_of(std::int64_t number, std::int64_t index, std::
   return history;
 }
 
-Expected<std::vector<FactHistory>> Inspector::matching(const std::string& what, std::uint64_t begin, std::uint64_t end,
-                                                       bool past) const {
-  std::map<std::int64_t, std::int64_t> indices;  // of facts that are there, by number
-  const auto present = engine_->facts();
-  for (const FactCopy& fact : present) indices[static_cast<std::int64_t>(fact.number)] = fact.index;
+Error Inspector::no_template(const std::string& name) const {
+  return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
+}
 
-  std::optional<explain::Pattern> pattern;
-  std::optional<std::int64_t> number;
-  std::string name;
+Expected<Inspector::Wanted> Inspector::wanted_in(const std::string& what) const {
+  Wanted wanted;
   if (const auto index = index_in(what)) {
-    const auto fact = engine_->fact(*index);
+    auto fact = engine_->fact(*index);
     if (!fact) return input_error("there is no fact " + what + " at that time");
-    number = static_cast<std::int64_t>(fact->number);
+    wanted.template_name = fact->template_name;
+    wanted.fact = *std::move(fact);
   } else if (!what.empty() && what.front() == '(') {
-    auto read = explain::Pattern::parse_plain(what, {}, 0);
-    if (!read) return read.error();
-    if (Status s = explain::check_names(*read, *engine_); !s) return s.error();
-    pattern = *std::move(read);
-    name = pattern->template_name();
+    auto pattern = explain::Pattern::parse_plain(what, {}, 0);
+    if (!pattern) return pattern.error();
+    if (Status s = explain::check_names(*pattern, *engine_); !s) return s.error();
+    wanted.template_name = pattern->template_name();
+    wanted.pattern = *std::move(pattern);
   } else {
-    name = what;
+    wanted.template_name = what;
   }
+  return wanted;
+}
 
-  std::vector<FactHistory> found;
-  bool template_is_known = name.empty() || is_template(*engine_, name);
-  // In order of assertion: a fact's number counts it.
-  std::set<std::int64_t> numbers;
-  if (past)
-    for (std::uint64_t n = timeline_->begin(); n < end; ++n)
-      if (const std::int64_t fact = timeline_->fact(n); fact > 0) {
-        template_is_known = template_is_known || timeline_->name(n) == name;
-        if (name.empty() || timeline_->name(n) == name) numbers.insert(fact);
-      }
-  if (!past)
-    for (const FactCopy& fact : present)
-      if (name.empty() || fact.template_name == name) numbers.insert(static_cast<std::int64_t>(fact.number));
-  if (!template_is_known)
-    return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
-  for (const std::int64_t fact : numbers) {
-    if ((number && fact != *number) || timeline_->changes(fact).empty()) continue;
-    const auto index = indices.find(fact);
-    FactHistory history = history_of(fact, index == indices.end() ? 0 : index->second, end);
-    if (history.changes.empty()) continue;
-    if (past && !history.present && history.changes.back().n < begin) continue;
-    const auto matches = [&](const FactChange& c) { return pattern->matches(c.after); };
-    if (pattern && !(past ? std::ranges::any_of(history.changes, matches) : pattern->matches(history.fact))) continue;
-    found.push_back(std::move(history));
-  }
-  if (pattern && found.empty())
-    if (Status s = explain::check_values(*pattern, *engine_, present); !s) return s.error();
+Expected<std::vector<FactCopy>> Inspector::present(const std::string& what) const {
+  auto wanted = wanted_in(what);
+  if (!wanted) return wanted.error();
+  if (wanted->fact) return std::vector{*std::move(wanted->fact)};
+  std::vector<FactCopy> found = engine_->facts(wanted->template_name);
+  if (!what.empty() && found.empty() && !is_template(*engine_, wanted->template_name))
+    return no_template(wanted->template_name);
+  if (!wanted->pattern) return found;
+  std::erase_if(found, [&](const FactCopy& fact) { return !wanted->pattern->matches(fact); });
+  if (found.empty())
+    if (Status s = explain::check_values(*wanted->pattern, *engine_, engine_->facts()); !s) return s.error();
   return found;
 }
 
 Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what) const {
-  return matching(what, timeline_->begin(), timeline_->end(), false);
+  const auto found = present(what);
+  if (!found) return found.error();
+  std::vector<FactHistory> histories;
+  for (const FactCopy& fact : *found)
+    if (const auto number = static_cast<std::int64_t>(fact.number); !timeline_->changes(number).empty())
+      histories.push_back(history_of(number, fact.index, timeline_->end()));
+  // A fact's number counts it.
+  std::ranges::sort(histories, {}, [](const FactHistory& history) { return history.fact.number; });
+  return histories;
 }
 
 Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what, SimTime from, SimTime to) const {
-  return matching(what, timeline_->end_of(from - SimTime(1)), timeline_->end_of(to), true);
+  const auto wanted = wanted_in(what);
+  if (!wanted) return wanted.error();
+  const std::string& name = wanted->template_name;
+  const std::uint64_t begin = timeline_->end_of(from - SimTime(1)), end = timeline_->end_of(to);
+  const std::vector<FactCopy> present = engine_->facts();
+  std::map<std::int64_t, std::int64_t> indices;  // by number
+  for (const FactCopy& fact : present) indices[static_cast<std::int64_t>(fact.number)] = fact.index;
+  bool template_is_known = name.empty() || is_template(*engine_, name);
+  std::set<std::int64_t> numbers;
+  for (std::uint64_t n = timeline_->begin(); n < end; ++n)
+    if (const std::int64_t fact = timeline_->fact(n); fact > 0 && (name.empty() || timeline_->name(n) == name)) {
+      template_is_known = true;
+      if (!wanted->fact || fact == static_cast<std::int64_t>(wanted->fact->number)) numbers.insert(fact);
+    }
+  if (!template_is_known) return no_template(name);
+  std::vector<FactHistory> found;
+  for (const std::int64_t fact : numbers) {
+    const auto index = indices.find(fact);
+    FactHistory history = history_of(fact, index == indices.end() ? 0 : index->second, end);
+    if (!history.present && history.changes.back().n < begin) continue;
+    const auto matches = [&](const FactChange& change) { return wanted->pattern->matches(change.after); };
+    if (!wanted->pattern || std::ranges::any_of(history.changes, matches)) found.push_back(std::move(history));
+  }
+  if (wanted->pattern && found.empty())
+    if (Status s = explain::check_values(*wanted->pattern, *engine_, present); !s) return s.error();
+  return found;
 }
 
 void Inspector::assert_time() const {
@@ -331,7 +348,7 @@ Expected<std::uint64_t> Inspector::record_of(const std::string& what) const {
   for (const FactHistory& history : *found) last = std::max(last.value_or(0), history.changes.back().n);
   if (last) return *last;
   // One that has gone: the last change after which it matched.
-  auto gone = matching(what, timeline_->begin(), timeline_->end(), true);
+  auto gone = facts(what, SimTime::min() + SimTime(1), SimTime::max());
   if (!gone) return gone.error();
   for (const FactHistory& history : *gone)
     for (const FactChange& change : history.changes) {

@@ -110,7 +110,9 @@ class Inspector {
   const std::string& shown_file(const std::string& file) const;
   const Timeline& timeline() const { return *timeline_; }
 
-  /// `what`: a template, a pattern `(order (id 3))`, `f-12`, or nothing for all. In order of assertion.
+  /// `what`: a template, a pattern `(order (id 3))`, `f-12`, or nothing for all. Fails where no fact can ever match.
+  Expected<std::vector<FactCopy>> present(const std::string& what) const;
+  /// The same with their histories, in order of assertion.
   Expected<std::vector<FactHistory>> facts(const std::string& what) const;
   /// Those that were there at some time of this stretch.
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
@@ -123,7 +125,8 @@ class Inspector {
   std::vector<std::string> focus() const { return engine_->focus(); }
   std::vector<std::pair<std::string, Value>> globals() const { return engine_->globals(); }
 
-  /// Of one rule (with or without a module), or of all if `rule` is empty. Fails for a rule that never was there.
+  /// The firings of one rule (with or without a module), or of all if `rule` is empty. Fails for a rule that never was
+  /// there.
   Expected<std::vector<FiringCopy>> firings(const std::string& rule, SimTime from, SimTime to) const;
 
   /// In order of definition. `unmet` is set where `explain` says so.
@@ -152,8 +155,14 @@ class Inspector {
     std::vector<std::vector<const explain::Pattern*>> patterns;  // of each alternative, those that match a fact
   };
   FactHistory history_of(std::int64_t number, std::int64_t index, std::uint64_t end) const;
-  Expected<std::vector<FactHistory>> matching(const std::string& what, std::uint64_t begin, std::uint64_t end,
-                                              bool past) const;
+  /// What a text asks for: all facts, those of a template, those that match a pattern, or one.
+  struct Wanted {
+    std::string template_name;
+    std::optional<explain::Pattern> pattern;
+    std::optional<FactCopy> fact;
+  };
+  Expected<Wanted> wanted_in(const std::string& what) const;
+  Error no_template(const std::string& name) const;
   Doer doer_of(std::uint64_t n) const;
   Expected<std::uint64_t> record_of(const std::string& what) const;
   Values values_of(const ConstructInfo& rule, const std::vector<FactCopy>& facts) const;

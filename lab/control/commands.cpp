@@ -54,23 +54,6 @@ std::string lines_of(const std::vector<std::string>& lines, const char* none) {
   return text;
 }
 
-/// Facts of a template, those that match a pattern, or all.
-Expected<std::vector<FactCopy>> facts_of(const RuleEngine& engine, const std::string& what) {
-  if (what.empty() || what.front() != '(') {
-    std::vector<FactCopy> facts = engine.facts(what);
-    if (!what.empty() && facts.empty() && !engine.has("deftemplate", what))
-      return input_error("there is no template '" + what + "'" +
-                         did_you_mean(what, explain::names_of(engine, "deftemplate")));
-    return facts;
-  }
-  auto pattern = explain::Pattern::parse_plain(what, {}, 0);
-  if (!pattern) return pattern.error();
-  if (Status s = explain::check_names(*pattern, engine); !s) return s.error();
-  std::vector<FactCopy> facts = engine.facts(pattern->template_name());
-  std::erase_if(facts, [&](const FactCopy& fact) { return !pattern->matches(fact); });
-  return facts;
-}
-
 }  // namespace
 
 struct Debugger::Command {
@@ -125,8 +108,8 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        }},
       {"facts", "[TEMPLATE|PATTERN]", "facts: all, of a template, or those that match: facts (order (id 3))",
        [](D& d, const std::string& rest) {
-         return look(d, [&](cx::Environment& e) -> Expected<std::string> {
-           auto facts = facts_of(e.engine(), rest);
+         return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
+           auto facts = i.present(rest);
            if (!facts) return facts.error();
            std::vector<std::string> lines;
            for (const FactCopy& fact : *facts) lines.push_back("f-" + std::to_string(fact.index) + "  " + fact.print());
@@ -281,7 +264,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
          }
          const auto environment = d.looked_at();
          if (!environment) return {false, environment.error().message};
-         const auto facts = facts_of((*environment)->engine(), rest);
+         const auto facts = d.inspect_(**environment).present(rest);
          if (!facts) return {false, facts.error().text()};
          if (facts->empty()) return {false, "no fact matches " + rest};
          std::string indices;
@@ -384,13 +367,10 @@ Debugger::Answer Debugger::go_on() {
 }
 
 std::optional<SimTime> Debugger::time_in(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  const auto seconds = read_number<double>(colon == text.npos ? text : text.substr(colon + 1));
-  const auto minutes = colon == text.npos ? std::optional(0) : read_number<int>(text.substr(0, colon));
-  if (!seconds || !minutes || !(*seconds >= 0 && *seconds < 1e9) || *minutes < 0 || *minutes > 10'000'000 ||
-      (colon != text.npos && *seconds >= 60))
-    return std::nullopt;
-  return from_seconds(60.0 * *minutes + *seconds);
+  constexpr double kLongest = 1e9;
+  const auto seconds = inspect::seconds_in(text);
+  const auto t = seconds ? read_number<double>(*seconds) : std::nullopt;
+  return t && *t < kLongest ? std::optional(from_seconds(*t)) : std::nullopt;
 }
 
 Status Debugger::check_rule(const std::string& rule) const {

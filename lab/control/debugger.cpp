@@ -6,24 +6,21 @@
 #include <span>
 
 #include "cx/base/json.h"
+#include "cx/inspect/text.h"
 
 namespace cxlab::lab {
 
 namespace {
 
-constexpr std::size_t kLinesKept = 10'000;  // of the log, for those who come late
+using inspect::seconds_text;
 
-std::string seconds(SimTime t) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f s", to_seconds(t));
-  return text;
-}
+constexpr std::size_t kLinesKept = 10'000;  // of the log, for those who come late
 
 constexpr const char* kBeginOfTick = ", at the beginning of a tick";
 
 std::string before(const std::string& environment, SimTime t, const std::string& rule,
                    const std::vector<std::int64_t>& facts) {
-  std::string text = environment + " at " + seconds(t) + ", before rule " + rule + " fires for";
+  std::string text = environment + " at " + seconds_text(t) + ", before rule " + rule + " fires for";
   for (const std::int64_t fact : facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
   return text;
 }
@@ -89,7 +86,7 @@ Status Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& p
     else
       lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
     if (!noted_ && !options_.recorded)
-      options_.note("stopped at " + seconds(place.t) + "; cxlab attach " + options_.address);
+      options_.note("stopped at " + seconds_text(place.t) + "; cxlab attach " + options_.address);
     noted_ = true;
     stay(environment);
     stopped_ = pause_ = false;
@@ -292,10 +289,10 @@ std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environ
 std::string Debugger::where() const {
   if (!here_) return "running";
   if (shown_) return text_of(*shown_).value_or("");
-  if (at_end_) return "at the end of the run, " + seconds(place_.t);
+  if (at_end_) return "at the end of the run, " + seconds_text(place_.t);
   const auto next = place_.fired < 0 ? std::nullopt : next_activation(here_->engine());
   if (next) return before(here_->unique_name(), place_.t, next->rule, next->facts);
-  return here_->unique_name() + " at " + seconds(place_.t) +
+  return here_->unique_name() + " at " + seconds_text(place_.t) +
          (place_.fired < 0 ? kBeginOfTick : ", no rule is on its agenda");
 }
 
@@ -303,7 +300,7 @@ std::string Debugger::where() const {
 std::optional<std::string> Debugger::text_of(Target target) const {
   const Visit& visit = visits_[target.visit];
   const std::string& name = environment_names_[visit.environment];
-  if (visit.place.fired < 0) return name + " at " + seconds(visit.place.t) + kBeginOfTick;
+  if (visit.place.fired < 0) return name + " at " + seconds_text(visit.place.t) + kBeginOfTick;
   for (cx::Environment* environment : environments_()) {
     if (environment->unique_name() != name) continue;
     const inspect::Inspector inspector = inspect_(*environment);
