@@ -9,6 +9,7 @@
 #include "lab/session.h"
 #include "lab/why_not.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/support/agent_text.h"
 
 namespace {
 
@@ -22,14 +23,7 @@ const fs::path& recorded() {
     const fs::path here = folder->path();
     fs::create_directories(here / "rules");
     fuzz::promise(
-        write_file(here / "agent.yaml", R"(/**:
-  ros__parameters:
-    environments: ["main"]
-    main: {plugins: ["executive", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}
-)")
-                .ok() &&
+        write_file(here / "agent.yaml", agent_text("rules")).ok() &&
             write_file(here / "rules/rules.clp", "(defrule tick (time ?t) => (assert (seen ?t)))\n").ok() &&
             write_file(here / "game.yaml",
                        "schema: 1\nduration_s: 0.2\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")

@@ -10,8 +10,6 @@
 #include "folder.h"
 #include "lab/control/client.h"
 #include "lab/control/server.h"
-#include "lab/session.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -181,14 +179,11 @@ TEST_F(ControlServerTest, TakesThePlaceOfASocketThatNobodyHearsAndOfNothingElse)
 class ControlledRunTest : public FolderTest {
  protected:
   void begin(const std::string& rules) {
-    auto scenario = Scenario::load(FolderTest::scenario("game", rules), shipped());
-    ASSERT_TRUE(scenario) << scenario.error().text();
-    run_ = std::thread([this, scenario = *std::move(scenario)]() mutable {
-      PlayOptions options{.out = path("out").string(), .control_at = path("c.sock").string(), .begin_stopped = true};
+    scenario("game", rules);
+    run_ = std::thread([this] {
+      PlayOptions options{.control_at = path("c.sock").string(), .begin_stopped = true};
       options.spec.journal = JournalLevel::kFull;
-      auto played = play_scenario(options, std::move(scenario));
-      EXPECT_TRUE(played) << (played ? "" : played.error().text());
-      if (played) played_ = *std::move(played);
+      played_ = play("game", options);
     });
     for (int i = 0; i < 1000 && !client_; ++i) {
       std::this_thread::sleep_for(10ms);

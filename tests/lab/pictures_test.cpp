@@ -4,8 +4,6 @@
 
 #include "cx/base/process.h"
 #include "folder.h"
-#include "lab/session.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -32,13 +30,12 @@ TEST(SnapshotTimes, RejectsWhatCannotBe) {
 using PicturesTest = FolderTest;
 
 TEST_F(PicturesTest, ThatCannotBeMadeAreAnErrorBeforeTheRun) {
-  const auto file = scenario("game", kQuietRules);  // in an empty world
-  const auto played = play_scenario({.out = path("out").string(), .snapshot = "1"}, *Scenario::load(file, shipped()));
-  ASSERT_TRUE(played) << played.error().text();
-  ASSERT_TRUE(played->failure);
-  EXPECT_EQ(played->failure->kind, ErrorKind::kResource);
-  EXPECT_THAT(played->failure->message, HasSubstr("no pictures: the world is empty"));
-  EXPECT_EQ(played->result.ticks, 0);
+  scenario("game", kQuietRules);  // in an empty world
+  const Played played = play("game", {.snapshot = "1"});
+  ASSERT_TRUE(played.failure);
+  EXPECT_EQ(played.failure->kind, ErrorKind::kResource);
+  EXPECT_THAT(played.failure->message, HasSubstr("no pictures: the world is empty"));
+  EXPECT_EQ(played.result.ticks, 0);
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 #include "folder.h"
 #include "lab/replay.h"
 #include "lab/rerun.h"
-#include "lab/session.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -80,24 +78,11 @@ constexpr const char* kDoubling = R"(
 class SeatsTest : public FolderTest {
  protected:
   SeatsTest() {
-    scenario("game", kDoubling);
-    write("agent.yaml", R"(/**:
-  ros__parameters:
-    environments: ["main"]
-    main: {plugins: ["executive", "ros_msgs", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
-    ros_msgs: {plugin: "cx::RosMsgsPlugin"}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}
-)");
+    scenario("game", kDoubling, {"ros_msgs"});
     write("canvas.yaml", "schema: 1\nworld: {kind: turtlesim}\nduration_s: 3\n");
     write("timed.yaml", "schema: 1\nworld: {kind: rcll}\ntier: timed\nduration_s: 60\n");
   }
 
-  Scenario scene(const std::string& name) const {
-    auto scenario = Scenario::load(path(name + ".yaml"), shipped());
-    EXPECT_TRUE(scenario) << (scenario ? "" : scenario.error().text());
-    return *std::move(scenario);
-  }
   PlayOptions options(const std::string& out, std::vector<Seat> seats) const {
     PlayOptions options{.out = path(out).string()};
     options.spec.journal = JournalLevel::kFull;
@@ -105,19 +90,12 @@ class SeatsTest : public FolderTest {
     return options;
   }
   Played play(const std::string& name, const std::string& out, std::vector<Seat> seats) const {
-    auto played = play_scenario(options(out, std::move(seats)), scene(name));
-    EXPECT_TRUE(played) << (played ? "" : played.error().text());
-    return *std::move(played);
+    return FolderTest::play(name, options(out, std::move(seats)));
   }
   std::string refusal(std::vector<Seat> seats) const {
     const Played played = play("game", "refused", std::move(seats));
     std::filesystem::remove_all(path("refused"));
     return played.failure ? played.failure->text() : "none";
-  }
-  lab::Run run(const std::string& folder) const {
-    auto run = lab::Run::open(path(folder));
-    EXPECT_TRUE(run) << (run ? "" : run.error().text());
-    return *std::move(run);
   }
   /// Both halves play again without the program, and the whole run does.
   void plays_again(const std::string& folder, const std::vector<std::string>& streams) const {
@@ -190,7 +168,7 @@ TEST_F(SeatsTest, InStepsOfAnyLengthItIsTheSameRun) {
   play("game", "whole", {seat("counter", counting())});
   for (const SimTime length : {1ns, 7'000'001ns, 100'000'000ns, 333'333'333ns, 5'000'000'000ns}) {
     std::filesystem::remove_all(path("steps"));
-    auto session = Session::load(options("steps", {seat("counter", counting())}), scene("game"));
+    auto session = Session::load(options("steps", {seat("counter", counting())}), loaded("game"));
     ASSERT_TRUE(session) << session.error().text();
     std::int64_t ticks = 0;
     bool over = false;
@@ -218,7 +196,7 @@ TEST_F(SeatsTest, WhatIsSentBetweenStepsGoesOutInTheNextTick) {
     return made(bus);
   };
   script.decide = [](SeatBus&) { return Status(); };
-  auto session = Session::load(options("run", {seat("hand", script)}), scene("game"));
+  auto session = Session::load(options("run", {seat("hand", script)}), loaded("game"));
   ASSERT_TRUE(session) << session.error().text();
   for (const SimTime t : {500ms, 1000ms}) {
     ASSERT_TRUE((*session)->step(t));
@@ -324,7 +302,7 @@ TEST_F(SeatsTest, AnErrorOfTheProgramEndsTheRun) {
 TEST_F(SeatsTest, AStepAfterAnErrorTellsItAgain) {
   Script script;
   script.decide = [](SeatBus& bus) { return bus.now() >= 1s ? Status(input_error("enough")) : Status(); };
-  auto session = Session::load(options("run", {seat("s", script)}), scene("game"));
+  auto session = Session::load(options("run", {seat("s", script)}), loaded("game"));
   ASSERT_TRUE(session) << session.error().text();
   EXPECT_TRUE((*session)->step(500ms));
   for (int i = 0; i < 2; ++i) {
@@ -395,7 +373,7 @@ TEST_F(SeatsTest, AnotherCourseOfARunWithAProgramIsRefused) {
 
 TEST_F(SeatsTest, ARunThatWasNotClosedCanBeAsked) {
   {
-    auto session = Session::load(options("run", {seat("counter", counting())}), scene("game"));
+    auto session = Session::load(options("run", {seat("counter", counting())}), loaded("game"));
     ASSERT_TRUE(session);
     ASSERT_TRUE((*session)->step(1s));
     (*session)->episode().flush();

@@ -7,7 +7,6 @@
 #include "folder.h"
 #include "lab/replay.h"
 #include "lab/rerun.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -16,18 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class SessionTest : public FolderTest {
- protected:
-  Played play(const std::string& name, const PlayOptions& options = {}, const Host& host = {}) const {
-    auto scenario = Scenario::load(path(name + ".yaml"), shipped());
-    EXPECT_TRUE(scenario) << (scenario ? "" : scenario.error().text());
-    PlayOptions all = options;
-    if (all.out.empty()) all.out = path("out").string();
-    auto played = play_scenario(all, *std::move(scenario), host);
-    EXPECT_TRUE(played) << (played ? "" : played.error().text());
-    return *std::move(played);
-  }
-};
+using SessionTest = FolderTest;
 
 struct Watch final : ProgressSink, cx::LogSink {
   std::vector<std::string> notes, lines;
@@ -101,7 +89,7 @@ TEST_F(SessionTest, AFolderInUseIsWrongUsage) {
   scenario("game", kQuietRules);
   play("game");
   const PlayOptions options{.out = path("out").string()};
-  const auto again = play_scenario(options, *Scenario::load(path("game.yaml"), shipped()));
+  const auto again = play_scenario(options, loaded("game"));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, ErrorKind::kUsage);
 }

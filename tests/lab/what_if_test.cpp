@@ -9,7 +9,6 @@
 #include "lab/replay.h"
 #include "lab/rerun.h"
 #include "scenarios/catalogue.h"
-#include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
 namespace {
@@ -40,31 +39,14 @@ class WhatIfTest : public FolderTest {
  protected:
   void SetUp() override {
     scenario("game", kBroken);
-    write("agent.yaml", R"(/**:
-  ros__parameters:
-    environments: ["main"]
-    main: {plugins: ["executive", "ros_param", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
-    ros_param: {plugin: "cx::RosParamPlugin"}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}
-    patience: 1.5
-    unread: 5
-)");
+    write("agent.yaml", agent_text("rules", {"ros_param"}, {EnvText()}, "patience: 1.5\nunread: 5\n"));
     write("repair.clp", kRepair);
   }
   void play() const {
-    auto scenario = Scenario::load(path("game.yaml"), shipped());
-    ASSERT_TRUE(scenario) << scenario.error().text();
-    PlayOptions options{.out = path("out").string()};
+    PlayOptions options;
     options.spec.journal = JournalLevel::kFull;
-    const auto played = play_scenario(options, *std::move(scenario));
-    ASSERT_TRUE(played) << played.error().text();
-    ASSERT_FALSE(played->failure) << played->failure->text();
-  }
-  lab::Run run(const std::string& folder = "out") const {
-    auto run = Run::open(path(folder));
-    EXPECT_TRUE(run) << (run ? "" : run.error().text());
-    return *std::move(run);
+    const Played played = FolderTest::play("game", options);
+    ASSERT_FALSE(played.failure) << played.failure->text();
   }
   Expected<Rerun> try_out(const std::string& out, const WhatIf& what_if, const std::string& of = "out") const {
     return rerun(run(of), {.out = path(out).string(), .what_if = what_if});
@@ -311,15 +293,7 @@ class TwoEnvironments : public WhatIfTest {
  protected:
   void SetUp() override {
     WhatIfTest::SetUp();
-    write("agent.yaml", R"(/**:
-  ros__parameters:
-    environments: ["left", "right"]
-    left: {plugins: ["executive", "ros_param", "files"]}
-    right: {plugins: ["executive", "ros_param", "files"]}
-    executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
-    ros_param: {plugin: "cx::RosParamPlugin"}
-    files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["rules"], load: ["rules.clp"]}
-)");
+    write("agent.yaml", agent_text("rules", {"ros_param"}, {{.name = "left"}, {.name = "right"}}));
     play();
   }
 };

@@ -502,9 +502,7 @@ TEST_F(Faults, WrongFaultsAreBadInputWithTheirPlace) {
        {"{kind: machine_breaks, at: 1, machine: C-CSS1}", "{kind: piece_dropped, at: 1, robot: robt1}"}) {
     const auto file =
         write("names.yaml", std::string("schema: 1\nworld: {kind: rcll}\ntier: timed\nfaults:\n  - ") + text + "\n");
-    EpisodeOptions options;
-    options.interfaces = source_dir() / "cx/interfaces";
-    const auto episode = Episode::load(*Scenario::load(file, shipped()), options);
+    const auto episode = Episode::load(*Scenario::load(file, shipped()), options());
     ASSERT_FALSE(episode.ok());
     EXPECT_THAT(episode.error().text(), testing::AllOf(HasSubstr("names.yaml:5: "), HasSubstr("did you mean")));
   }

@@ -97,17 +97,13 @@ TEST_F(RunTime, TheRulesReplayAloneWithAllOfIt) {
   ASSERT_TRUE(stored->materialise(copies).ok());
   auto scenario = Scenario::load(file, shipped());
   ASSERT_TRUE(scenario.ok());
-  EpisodeOptions options;
-  options.spec.journal = JournalLevel::kFull;
-  options.run_folder = folder_ / "again";
-  std::filesystem::create_directories(options.run_folder);
+  EpisodeOptions options = this->options("again");
   options.replay =
       ReplaySource{folder_ / "run/inputs.bin", copies, {scenario->shares(scenario->agents[0])}, folder_ / "run"};
-  auto episode = Episode::load(*scenario, options);
-  ASSERT_TRUE(episode.ok()) << episode.error().text();
-  begin(**episode);
-  play(**episode, 1e9);
-  const Result again = (*episode)->close(RunStatus::kCompleted);
+  const auto episode = load(*scenario, options);
+  begin(*episode);
+  play(*episode, 1e9);
+  const Result again = episode->close(RunStatus::kCompleted);
   EXPECT_FALSE(again.reason) << again.reason->text();
   const auto before = streams(recorded), after = streams(again);
   for (const char* env : {"env/main", "env/second"}) EXPECT_EQ(before.at(env), after.at(env)) << env;
@@ -140,9 +136,7 @@ TEST_F(RunTime, WithSeveralManagersAStimulusNamesOne) {
         "agent.yaml, namespace: /b}\nstimuli:\n  - {at: 0.5, create_env: second}\n");
   auto scenario = Scenario::load(folder_ / "run.yaml", shipped());
   ASSERT_TRUE(scenario.ok());
-  EpisodeOptions options;
-  options.interfaces = source_dir() / "cx/interfaces";
-  const auto episode = Episode::load(*scenario, options);
+  const auto episode = Episode::load(*scenario, options());
   ASSERT_FALSE(episode.ok());
   EXPECT_NE(episode.error().text().find("there are 2 environment managers: say which with 'manager: "),
             std::string::npos)

@@ -479,21 +479,16 @@ TEST_F(SceneOf, NothingIsWrittenWithoutAJournalOrAWorld) {
   for (const auto& [file, level, there] :
        {std::tuple{game_, JournalLevel::kDecisions, true}, std::tuple{game_, JournalLevel::kNone, false},
         std::tuple{scenario("empty", {{"env", ""}}), JournalLevel::kDecisions, false}}) {
-    EpisodeOptions options;
-    options.interfaces = interfaces_dir();
-    options.models = models_dir();
+    EpisodeOptions options = this->options("run" + std::to_string(there) + std::to_string(static_cast<int>(level)));
     options.spec.journal = level;
-    options.run_folder = folder_ / ("run" + std::to_string(there) + std::to_string(static_cast<int>(level)));
-    std::filesystem::create_directories(options.run_folder);
     std::vector<Override> set;
     if (file == game_) set = {"tier=timed"};
     auto read_in = Scenario::load(file, shipped(), set);
     ASSERT_TRUE(read_in.ok()) << read_in.error().text();
-    auto episode = Episode::load(*read_in, options);
-    ASSERT_TRUE(episode.ok()) << episode.error().text();
-    begin(**episode);
-    play(**episode, 1);
-    (void)(*episode)->close(RunStatus::kStopped);
+    const auto episode = load(*read_in, options);
+    begin(*episode);
+    play(*episode, 1);
+    (void)episode->close(RunStatus::kStopped);
     EXPECT_EQ(std::filesystem::exists(options.run_folder / "scene.bin"), there);
   }
 }

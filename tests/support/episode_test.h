@@ -13,6 +13,7 @@
 #include "scenarios/episode.h"
 #include "scenarios/result.h"
 #include "scenarios/shipped/catalogue.h"
+#include "tests/support/agent_text.h"
 #include "tests/support/files.h"
 
 namespace cxlab {
@@ -52,18 +53,12 @@ class EpisodeTest : public testing::Test {
 
   /// A scenario `name`.yaml with one agent; `more` are further lines of it.
   std::filesystem::path scenario(const std::string& name, const std::vector<Env>& envs, const std::string& more = {}) {
-    std::string list, config;
+    std::vector<EnvText> texts;
     for (const Env& e : envs) {
-      list += (list.empty() ? "\"" : ", \"") + e.name + '"';
-      config += "    " + e.name + ": {plugins: [\"run_" + e.name + "\", \"ros_msgs\", \"load_" + e.name + "\"]}\n";
-      config +=
-          "    run_" + e.name + ": {plugin: \"cx::ExecutivePlugin\", refresh_rate: " + std::to_string(e.rate) + "}\n";
-      config += "    load_" + e.name + ": {plugin: \"cx::FileLoadPlugin\", pkg_share_dirs: [\"words\"], load: [\"" +
-                name + '/' + e.name + ".clp\"]}\n";
-      write("words/" + name + '/' + e.name + ".clp", e.rules);
+      texts.push_back({e.name, name + '/' + e.name + ".clp", e.rate});
+      write("words/" + texts.back().rules, e.rules);
     }
-    write(name + "_agent.yaml", "/**:\n  ros__parameters:\n    environments: [" + list +
-                                    "]\n    ros_msgs: {plugin: \"cx::RosMsgsPlugin\"}\n" + config);
+    write(name + "_agent.yaml", agent_text("words", {"ros_msgs"}, texts));
     return write(name + ".yaml",
                  "schema: 1\npackages: {words: words}\nagents: [{config: " + name + "_agent.yaml}]\n" + more);
   }
@@ -75,6 +70,15 @@ class EpisodeTest : public testing::Test {
     return read_in ? load(*read_in, run) : nullptr;
   }
   std::unique_ptr<Episode> load(const Scenario& scenario, const std::string& run = {}) {
+    return load(scenario, options(run));
+  }
+  static std::unique_ptr<Episode> load(const Scenario& scenario, EpisodeOptions options) {
+    auto episode = Episode::load(scenario, std::move(options));
+    EXPECT_TRUE(episode.ok()) << episode.error().text();
+    return episode ? *std::move(episode) : nullptr;
+  }
+  /// With the whole journal; in the folder `run`, if any.
+  EpisodeOptions options(const std::string& run = {}) {
     EpisodeOptions options;
     options.interfaces = interfaces_dir();
     options.models = models_dir();
@@ -84,9 +88,7 @@ class EpisodeTest : public testing::Test {
       options.run_folder = folder_ / run;
       std::filesystem::create_directories(options.run_folder);
     }
-    auto episode = Episode::load(scenario, options);
-    EXPECT_TRUE(episode.ok()) << episode.error().text();
-    return episode ? *std::move(episode) : nullptr;
+    return options;
   }
   static void begin(Episode& episode) {
     const Status s = episode.start();

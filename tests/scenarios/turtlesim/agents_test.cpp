@@ -26,23 +26,21 @@ class TurtleAgentsTest : public EpisodeTest {
   Result run(const std::string& name, const std::vector<Override>& set = {}, const std::string& folder = {}) {
     auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim" / (name + ".yaml"), shipped(), set);
     EXPECT_TRUE(scenario.ok()) << scenario.error().text();
-    EpisodeOptions options;
-    options.interfaces = source_dir() / "cx/interfaces";
-    options.models = source_dir() / "models";
-    options.log = &complaints_;
-    if (!folder.empty()) {
-      options.run_folder = folder_ / folder;
-      std::filesystem::create_directories(options.run_folder);
-    }
-    auto episode = Episode::load(*scenario, options);
-    EXPECT_TRUE(episode.ok()) << episode.error().text();
-    begin(**episode);
-    play(**episode, 1e9);
-    const Result result = (*episode)->close(RunStatus::kCompleted);
+    const auto episode = complained(*scenario, folder);
+    begin(*episode);
+    play(*episode, 1e9);
+    const Result result = episode->close(RunStatus::kCompleted);
     EXPECT_FALSE(result.reason) << result.reason->text();
     const Status expected = check_expectations(scenario->expect, result.to_json());
     EXPECT_TRUE(expected.ok()) << expected.error().text();
     return result;
+  }
+  /// An episode whose complaints are kept.
+  std::unique_ptr<Episode> complained(const Scenario& scenario, const std::string& folder = {}) {
+    EpisodeOptions made = options(folder);
+    made.spec = {};
+    made.log = &complaints_;
+    return load(scenario, std::move(made));
   }
   Complaints complaints_;
 };
@@ -57,14 +55,10 @@ TEST_F(TurtleAgentsTest, NothingIsLeftWhenFiguresEndInTheMidstOfIt) {
     auto scenario = Scenario::load(source_dir() / "scenarios/turtlesim/figures.yaml", shipped(),
                                    {std::string("duration_s=") + end});
     scenario->expect.clear();
-    EpisodeOptions options;
-    options.interfaces = source_dir() / "cx/interfaces";
-    options.log = &complaints_;
-    auto episode = Episode::load(*scenario, options);
-    ASSERT_TRUE(episode.ok()) << episode.error().text();
-    begin(**episode);
-    play(**episode, 1e9);
-    EXPECT_FALSE((*episode)->close(RunStatus::kCompleted).reason);
+    const auto episode = complained(*scenario);
+    begin(*episode);
+    play(*episode, 1e9);
+    EXPECT_FALSE(episode->close(RunStatus::kCompleted).reason);
     EXPECT_THAT(complaints_.all, IsEmpty()) << "at " << end;
   }
 }
