@@ -8,6 +8,7 @@
 namespace cxlab::rcll {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::ElementsAre;
@@ -195,6 +196,30 @@ TEST(Refbox, ControllersCommandAPausedGame) {
   story.run_until(65);
   EXPECT_THAT(controller.last_text("GameState"), HasSubstr("phase: POST_GAME"));
   EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("nobody has taken the field for 60 s")));
+}
+
+TEST(Refbox, SaysOnceThatNobodyTookTheFieldAndHowTheTeamsAreCalled) {
+  for (const auto& [team, names, settings] :
+       {std::tuple{"CYAN", "the teams CYAN. ", "set refbox.team_cyan ("},
+        std::tuple{"BOTH", "the teams CYAN and MAGENTA. ", "set refbox.team_cyan, refbox.team_magenta ("}}) {
+    WorldConfig config = RefboxStory::game();
+    config.team = team;
+    RefboxStory story(config);
+    story.open_stream();
+    story.run_until(59.9);
+    EXPECT_THAT(story.warnings(), IsEmpty());
+    story.run_until(150);
+    EXPECT_THAT(story.warnings(), ElementsAre(AllOf(HasSubstr(names), HasSubstr(settings))));
+  }
+}
+
+TEST(Refbox, SaysNothingWhereATeamHasItsName) {
+  WorldConfig config = RefboxStory::game();
+  config.refbox.team_cyan = "Carologistics";
+  RefboxStory story(config);
+  story.open_stream();
+  story.run_until(150);
+  EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
 TEST(Refbox, TellsControllersWhatPeopleShouldLookAfter) {
