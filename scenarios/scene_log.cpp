@@ -225,7 +225,7 @@ Expected<SceneReader> SceneReader::from_bytes(std::string bytes, std::string pat
 }
 
 void SceneReader::begin_chunk(std::size_t chunk) {
-  place_.emplace();
+  place_ = Place{};  // clang 16 cannot emplace a type of this class
   place_->chunk = chunk;
   place_->frame = chunks_[chunk].from;
 }
