@@ -410,6 +410,17 @@ TEST(Check, HostileRulesTakeNoLongTime) {
   EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
 }
 
+TEST(Check, ConstructsWithoutTheirPartsAreRead) {
+  for (const char* construct :
+       {"(deffunction)", "(deffunction f)", "(deffunction f \"doc\")", "(deftemplate)", "(defrule)", "(defrule r)",
+        "(defrule r =>)", "(defglobal)", "(deffacts)", "(deffacts d)", "(defmethod)", "(defmethod m)", "(defmodule)",
+        "(defclass)", "(defmessage-handler A)"}) {
+    SCOPED_TRACE(construct);
+    (void)found_in({{"cut.clp", construct}});
+    (void)found_in({{"honest.clp", kHonest}, {"cut.clp", construct}});
+  }
+}
+
 TEST(Check, SaysWhatIsNear) {
   const auto found =
       found_in({{"honest.clp", kHonest}, {"b.clp", "(defrule r (robot (state BUSSY)) => (printout t a))"}});
