@@ -47,9 +47,10 @@ void lengthen(const fs::path& folder, std::string& name) {
 
 std::string Manifest::to_json() const {
   Manifest manifest = *this;
-  const fs::path home = scenario_file().parent_path();
+  lengthen(out, manifest.folder);
+  const fs::path home = manifest.scenario_file().parent_path();
   for_each_name(manifest, [&](std::string& name) { shorten(home, name); });
-  shorten(folder, manifest.scenario);
+  shorten(manifest.folder, manifest.scenario);
   shorten(out, manifest.folder);
   return json_text(JsonWriter::json(manifest), 2) + '\n';
 }
