@@ -96,7 +96,7 @@ PLANNING = "rcll/planning.yaml"
 
 def one_line_each(text):
     """What a rule lacks, and other long sentences, without the breaks that make them narrow."""
-    return re.sub(r"\n {6,}(?!lacks|all its|[0-9])(?=\S)", " ", text)
+    return re.sub(r"\n {6,}(?!lacks|all its)(?=\S)", " ", text)
 
 
 AGENTS = [
