@@ -75,10 +75,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (std::size_t i = 0; i < manager.size(); ++i) all.push_back(&manager.environment(i));
       return all;
     };
-    debugger.watch(environments, [&](cx::Environment& environment) {
+    const auto inspect = [&](cx::Environment& environment) {
       return inspect::Inspector(environment.name_in_log(), environment.engine(), nothing_recorded,
                                 [](const std::string& file) { return file; });
-    });
+    };
+    const auto look = [](const std::string& what) -> Expected<std::string> { return "nothing called '" + what + "'"; };
+    debugger.watch(environments, inspect, look);
     for (std::size_t i = 0; i < manager.size(); ++i)
       (void)manager.environment(i).engine().load_text(kRules, "rules.clp", LoadMode::kBatch);
   });
