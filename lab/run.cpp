@@ -87,10 +87,10 @@ std::vector<std::string> Run::changed_surroundings() const {
 }
 
 fs::path Run::found(const fs::path& then) const {
-  if (!then.is_absolute() || manifest.out.empty()) return then;
+  if (!then.is_absolute() || manifest.out.empty() || path_exists(then)) return then;
   const fs::path here = fs::absolute(folder).lexically_normal();
   const fs::path moved = (here / then.lexically_relative(manifest.out)).lexically_normal();
-  return moved != then && path_exists(moved) ? moved : then;
+  return path_exists(moved) ? moved : then;
 }
 
 Expected<Scenario> Run::scenario() const {

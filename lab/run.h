@@ -42,7 +42,7 @@ struct Run {
                             bool trust_programs = false);
   /// What of versions and machine is another now, which explains other hashes: "C library: glibc 2.36, now glibc 2.41".
   std::vector<std::string> changed_surroundings() const;
-  /// Where a file of the run is now: beside the run, where both were moved together, else where it was.
+  /// Where a file of the run is now: where it was, or beside the run, where both were moved together.
   std::filesystem::path found(const std::filesystem::path& then) const;
   /// The scenario as it was read then, from the run's copy. Its files are named where they are `found`.
   Expected<Scenario> scenario() const;
