@@ -460,15 +460,16 @@ ROWS["definitions"] = [
 
 
 def recorded(folder):
-    """A run whose rules decide by what a stimulus says."""
-    here = pathlib.Path(folder)
-    (here / "rules").mkdir()
+    """A run whose rules decide by what a stimulus says. The files it was played from have gone: none lies beside the run."""
+    there = pathlib.Path(folder)
+    here = there / "gone"
+    (here / "rules").mkdir(parents=True)
     (here / "rules/rules.clp").write_text("(defrule start => (ros-msgs-create-subscription \"/x\" \"std_msgs/msg/String\"))\n(defrule said (ros-msgs-message) => (assert (said)))\n"
                                           "(defrule never (never) => (println never))\n")
     (here / "agent.yaml").write_text(CONFIG)
     (here / "scenario.yaml").write_text(SCENARIO + "stimuli: [{at: 0.5, publish: /x, type: std_msgs/msg/String, data: {data: a}}]\n")
-    subprocess.run([CXLAB, "run", "scenario.yaml", "--quiet", "--out", "run"], cwd=here, check=True, stdout=subprocess.DEVNULL)
-    return {str(path.relative_to(here)): path.read_bytes() for path in (here / "run").rglob("*") if path.is_file()}
+    subprocess.run([CXLAB, "run", "scenario.yaml", "--quiet", "--out", "../run"], cwd=here, check=True, stdout=subprocess.DEVNULL)
+    return {str(path.relative_to(there)): path.read_bytes() for path in (there / "run").rglob("*") if path.is_file()}
 
 
 ASKS = {"replay": ["replay", "run"], "rerun": ["rerun", "run", "--quiet", "--out", "out"], "why-not": ["why-not", "run", "never"], "facts": ["facts", "run"], "diff": ["diff", "run", "run"]}
