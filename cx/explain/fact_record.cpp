@@ -47,4 +47,15 @@ void apply(const JournalRecord& record, FactCopy& fact) {
   }
 }
 
+std::vector<std::int64_t> facts_of_firing(const RecordValue& data) {
+  std::vector<std::int64_t> numbers;
+  const RecordValue* facts = data.find("facts");
+  if (const auto* list = facts ? std::get_if<RecordValue::List>(&facts->value) : nullptr)
+    for (const RecordValue& fact : *list) {
+      const auto* number = std::get_if<std::int64_t>(&fact.value);
+      numbers.push_back(number ? *number : -1);
+    }
+  return numbers;
+}
+
 }  // namespace cxlab::explain

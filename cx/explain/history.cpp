@@ -44,14 +44,11 @@ void History::add(const JournalRecord& record) {
     firing.n = record.n;
     std::vector<FactCopy>& last_facts = last_facts_[module];
     last_facts.clear();
-    const RecordValue* numbers = record.data.find("facts");
-    if (const auto* list = numbers ? std::get_if<RecordValue::List>(&numbers->value) : nullptr)
-      for (const RecordValue& number : *list) {
-        const auto* known = std::get_if<std::int64_t>(&number.value);
-        if (!known || !present_.contains(*known)) continue;
-        firing.facts.push_back(*known);
-        last_facts.push_back(present_[*known].fact);
-      }
+    for (const std::int64_t fact : facts_of_firing(record.data)) {
+      if (!present_.contains(fact)) continue;
+      firing.facts.push_back(fact);
+      last_facts.push_back(present_[fact].fact);
+    }
     return;
   }
   const std::int64_t number = record.data.integer("fact");

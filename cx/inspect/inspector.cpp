@@ -6,6 +6,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
+#include "cx/explain/fact_record.h"
 #include "cx/explain/left_hand_side.h"
 #include "cx/explain/matcher.h"
 #include "cx/explain/names.h"
@@ -197,16 +198,13 @@ FiringCopy Inspector::firing(std::uint64_t n) const {
   firing.n = n;
   firing.t = timeline_->time(n);
   firing.rule = timeline_->name(n);
-  const JournalRecord record = timeline_->read(n);
-  const RecordValue* numbers = record.data.find("facts");
-  if (const auto* list = numbers ? std::get_if<RecordValue::List>(&numbers->value) : nullptr)
-    for (const RecordValue& number : *list)
-      if (const auto* fact = std::get_if<std::int64_t>(&number.value)) {
-        std::optional<std::uint64_t> last;
-        for (const std::uint64_t change : timeline_->changes(*fact))
-          if (change < n) last = change;
-        if (last) firing.facts.push_back(timeline_->fact_after(*last));
-      }
+  for (const std::int64_t fact : explain::facts_of_firing(timeline_->read(n).data)) {
+    if (fact < 0) continue;
+    std::optional<std::uint64_t> last;
+    for (const std::uint64_t change : timeline_->changes(fact))
+      if (change < n) last = change;
+    if (last) firing.facts.push_back(timeline_->fact_after(*last));
+  }
   if (const ConstructInfo* info = engine_->find_construct("defrule", firing.rule)) {
     firing.file = shown_file(info->file);
     firing.line = info->line;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "cx/explain/fact_record.h"
 #include "cx/explain/left_hand_side.h"
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
@@ -105,14 +106,8 @@ class Users {
     const auto& all = timeline.firings();
     for (auto n = std::ranges::upper_bound(all, since_); n != all.end(); ++n) {
       if (timeline.name(*n) != user.rule) continue;
-      const RecordValue data = timeline.read(*n).data;
-      const RecordValue* facts = data.find("facts");
-      const auto* list = facts ? std::get_if<RecordValue::List>(&facts->value) : nullptr;
-      if (!list || std::ranges::none_of(*list, [&](const RecordValue& one) {
-            const auto* number = std::get_if<std::int64_t>(&one.value);
-            return number && *number == static_cast<std::int64_t>(fact_.number);
-          }))
-        continue;
+      const std::vector<std::int64_t> facts = explain::facts_of_firing(timeline.read(*n).data);
+      if (std::ranges::find(facts, static_cast<std::int64_t>(fact_.number)) == facts.end()) continue;
       ++user.fired;
       user.last = timeline.time(*n);
     }

@@ -59,6 +59,7 @@ std::string lines_of(const std::vector<std::string>& lines, const char* none) {
 struct Debugger::Command {
   const char *name, *arguments, *what;
   Answer (*carry_out)(Debugger&, const std::string& rest);
+  bool anywhere = false;  ///< needs no rules at the place where the person is
 };
 
 const std::vector<Debugger::Command>& Debugger::commands() {
@@ -86,8 +87,8 @@ const std::vector<Debugger::Command>& Debugger::commands() {
     return d.go_on();
   };
   static const std::vector<Command> all{
-      {"help", "[COMMAND]", "what there is", [](D&, const std::string& rest) -> A { return {true, help(rest)}; }},
-      {"where", "", "where the run is", [](D& d, const std::string&) -> A { return {true, d.where()}; }},
+      {"help", "[COMMAND]", "what there is", [](D&, const std::string& rest) -> A { return {true, help(rest)}; }, true},
+      {"where", "", "where the run is", [](D& d, const std::string&) -> A { return {true, d.where()}; }, true},
       {"envs", "", "the environments, with their facts and rules on the agenda",
        [](D& d, const std::string&) -> A {
          std::vector<std::string> lines;
@@ -223,11 +224,11 @@ const std::vector<Debugger::Command>& Debugger::commands() {
       {"tick", "[N]", "goes on to the beginning of the next tick, or the N-th",
        [](D& d, const std::string& rest) { return count(d, rest, &D::ticks_); }},
       {"at", "T", "of a recorded run: goes to the first tick from T on, 312.4 or 5:12.4",
-       [](D& d, const std::string& rest) { return d.go_to_time(rest); }},
+       [](D& d, const std::string& rest) { return d.go_to_time(rest); }, true},
       {"back", "[N]", "of a recorded run: goes back to before the last rule that fired, or the N-th last",
-       [](D& d, const std::string& rest) { return d.back(rest); }},
+       [](D& d, const std::string& rest) { return d.back(rest); }, true},
       {"back-until", "RULE|PATTERN", "of a recorded run: goes back to before that rule fired, or the fact was made",
-       [](D& d, const std::string& rest) { return d.back_until(rest); }},
+       [](D& d, const std::string& rest) { return d.back_until(rest); }, true},
       {"until", "T|RULE|PATTERN", "goes on until a time, before a rule fires, or until a fact is there",
        [](D& d, const std::string& rest) {
          A set = d.set_break(rest, true);
@@ -297,6 +298,13 @@ std::string Debugger::help(const std::string& wanted) {
   if (text.empty()) return "there is no command '" + wanted + "'";
   if (wanted.empty()) text += "\nquit                              leaves; the run stays as it is";
   return text;
+}
+
+/// Whether the rules must have been played up to the place where the person is.
+bool Debugger::asks_about_place(const std::string& line) {
+  const std::string word = split(line).first;
+  const auto command = std::ranges::find(commands(), word, &Command::name);
+  return !word.empty() && (command == commands().end() || !command->anywhere);
 }
 
 Debugger::Answer Debugger::carry_out(const std::string& line) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "cx/base/json.h"
+#include "cx/explain/fact_record.h"
 #include "cx/inspect/text.h"
 
 namespace cxlab::lab {
@@ -23,30 +24,6 @@ std::string before(const std::string& environment, SimTime t, const std::string&
   std::string text = environment + " at " + seconds_text(t) + ", before rule " + rule + " fires for";
   for (const std::int64_t fact : facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
   return text;
-}
-
-/// Of the facts of a firing; -1 where a condition matched none.
-std::vector<std::int64_t> numbers_in(const RecordValue& firing) {
-  std::vector<std::int64_t> numbers;
-  const RecordValue* facts = firing.find("facts");
-  if (const auto* list = facts ? std::get_if<RecordValue::List>(&facts->value) : nullptr)
-    for (const RecordValue& fact : *list) {
-      const auto* number = std::get_if<std::int64_t>(&fact.value);
-      numbers.push_back(number ? *number : -1);
-    }
-  return numbers;
-}
-
-/// Whether it can be answered while the run is still at another place than the person.
-bool is_of_no_place(const Json& request) {
-  if (!request.is_object()) return true;
-  const auto line = request.find("line");
-  if (line == request.end() || !line->is_string()) return true;
-  const std::string text = line->get<std::string>();
-  const auto begin = text.find_first_not_of(" \t");
-  const std::string word =
-      begin == std::string::npos ? "" : text.substr(begin, text.find_first_of(" \t", begin) - begin);
-  return word == "at" || word == "back" || word == "back-until" || word == "help" || word == "where";
 }
 
 bool names(const std::string& wanted, const ActivationInfo& activation) {
@@ -311,7 +288,7 @@ std::optional<std::string> Debugger::text_of(Target target) const {
     for (std::size_t later = target.visit + 1; later < passed_ && visits_[later].next <= n; ++later)
       if (visits_[later].environment == visit.environment) return std::nullopt;  // it fired in another run of the rules
     const JournalRecord firing = timeline.read(n);
-    return before(name, visit.place.t, std::string(firing.data.text("rule")), numbers_in(firing.data));
+    return before(name, visit.place.t, std::string(firing.data.text("rule")), explain::facts_of_firing(firing.data));
   }
   return std::nullopt;
 }
@@ -329,8 +306,11 @@ void Debugger::answer(const ControlLines::Line& line) {
     return;
   }
   const Json request = parse_json(line.text);
+  const std::string asked = request.is_object() && request.contains("line") && request["line"].is_string()
+                                ? request["line"].get<std::string>()
+                                : std::string();
   // What was evaluated is undone first, and what is asked about the place where the person is, is asked there.
-  if (changed_ || (shown_ && !is_of_no_place(request))) {
+  if (changed_ || (shown_ && asks_about_place(asked))) {
     then_ = line;
     return go_to(here());
   }

@@ -124,6 +124,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
 
   // --- What a person asks (commands.cpp)
   Answer carry_out(const std::string& line);
+  static bool asks_about_place(const std::string& line);
   std::vector<std::string> completions(const std::string& begun);
   Expected<cx::Environment*> looked_at() const;
   Answer act(cx::ControlAct::Verb verb, const std::string& text);
