@@ -93,7 +93,7 @@ Error error_of(const std::exception& e) {
   std::_Exit(code);
 }
 
-/// Says what is going on, for commands that may take a while without a word.
+/// Says what is going on, for commands that may take a while without output.
 void report_silence_of(const CLI::App& app) {
   static constexpr std::string_view kLong[] = {"run",     "env",     "test",    "bench",    "plan",  "replay",
                                                "rerun",   "render",  "why-not", "validate", "facts", "agenda",

@@ -82,9 +82,8 @@ void print(const lab::WhyNotAnswer::InEnvironment& found, const explain::Wanted&
       break;
     case explain::Verdict::kTaken:
       print(
-          "all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS evaluates "
-          "a "
-          "test when a fact of it changes, not when what it calls gives another value",
+          "all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS "
+          "evaluates a test when a fact of it changes, not when what it calls gives another value",
           "  ");
       break;
     case explain::Verdict::kCondition: print(*answer.unmet, answer.alternatives); break;

@@ -1,11 +1,11 @@
 #include "lab/comparison.h"
-#include "cx/base/json.h"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "cx/base/file.h"
+#include "cx/base/json.h"
 #include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
 #include "cx/inspect/text.h"

@@ -1,7 +1,7 @@
 #include "lab/json_fields.h"
-#include "cx/base/json.h"
 
 #include "cx/base/file.h"
+#include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "scenarios/run_spec.h"
 

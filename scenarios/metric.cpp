@@ -1,9 +1,9 @@
 #include "scenarios/metric.h"
-#include "cx/base/json.h"
 
 #include <algorithm>
 #include <set>
 
+#include "cx/base/json.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/result.h"
 
