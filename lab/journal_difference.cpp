@@ -27,14 +27,16 @@ Expected<std::optional<JournalReader>> journal_of(const fs::path& run) {
   return std::optional(*std::move(reader));
 }
 
-bool same(const JournalRecord& a, const JournalRecord& b) { return a.t == b.t && a.kind == b.kind && a.data == b.data; }
+bool says_the_same(const JournalRecord& a, const JournalRecord& b) {
+  return a.t == b.t && a.kind == b.kind && a.data == b.data;
+}
 
 Difference difference(const JournalRecord* then, const JournalRecord* now) {
   const bool first = then && (!now || then->t <= now->t);
   const JournalRecord& one = first ? *then : *now;
   const auto text = [&](const JournalRecord* record) {
     if (!record) return std::string(kNothing);
-    return shown(*record) + (record->t == one.t ? "" : " at " + fixed_text(to_seconds(record->t), 3) + " s");
+    return lab::shown(*record) + (record->t == one.t ? "" : " at " + fixed_text(to_seconds(record->t), 3) + " s");
   };
   return {one.stream, one.t, text(then), text(now)};
 }
@@ -163,7 +165,7 @@ Expected<std::vector<Difference>> first_differences(const fs::path& then, const 
     }
     const JournalRecord partner = std::move((stream.*other).front());
     (stream.*other).pop_front();
-    if (same(partner, *record)) return {};
+    if (says_the_same(partner, *record)) return {};
     const bool is_then = side == &Stream::then;
     out.push_back(difference(is_then ? &*record : &partner, is_then ? &partner : &*record));
     stream = {{}, {}, true};

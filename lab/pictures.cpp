@@ -13,8 +13,6 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-std::string seconds(double value) { return general_text(value, 6) + " s"; }
-
 }  // namespace
 
 Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
@@ -26,7 +24,7 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
     const auto step = read_number<double>(text.substr(6));
     constexpr double kLeast = 1e-3;  // s; no tick in use is shorter, and every time is kept
     if (!step || !(*step > 0) || std::isinf(*step)) return bad();
-    if (*step < kLeast) return wrong("found '" + text + "', expected at least " + seconds(kLeast));
+    if (*step < kLeast) return wrong("found '" + text + "', expected at least " + seconds_text(kLeast));
     for (int k = 0; k * *step <= end; ++k) times.push_back(k * *step);
     return times;
   }
@@ -34,7 +32,8 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
   for (std::string word; std::getline(words, word, ',');) {
     const auto time = read_number<double>(word);
     if (!time || !(*time >= 0)) return bad();
-    if (*time > end) return wrong("there is no picture at " + seconds(*time) + ": the run ends at " + seconds(end));
+    if (*time > end)
+      return wrong("there is no picture at " + seconds_text(*time) + ": the run ends at " + seconds_text(end));
     times.push_back(*time);
   }
   if (times.empty()) return bad();

@@ -13,8 +13,6 @@ namespace cxlab::lab {
 
 namespace {
 
-std::string seconds_text(double value) { return general_text(value, 9) + " s"; }
-
 Status check_end(const std::string& option, double at, SimTime end) {
   if (from_seconds(at) <= end) return {};
   return usage_error(option + ": there is no picture at " + seconds_text(at) + ": the run ends at " +

@@ -181,8 +181,7 @@ Expected<Run::SceneAt> Run::scene(std::optional<SimTime> t) const {
 
 Status Run::reaches(SimTime t) const {
   if (!finished || t <= sim_time) return {};
-  return Error{
-      ErrorKind::kUsage, "the run ends at " + general_text(to_seconds(sim_time), 9) + " s", {}, 0, kAfterTheEnd};
+  return Error{ErrorKind::kUsage, "the run ends at " + seconds_text(to_seconds(sim_time)), {}, 0, kAfterTheEnd};
 }
 
 std::string Run::cut_off_text(const std::string& recording) const {
@@ -192,12 +191,11 @@ std::string Run::cut_off_text(const std::string& recording) const {
 
 Status Run::whole(SimTime reached) const {
   if (!finished || ticks == 0 || reached >= sim_time) return {};
-  return input_error("cut off " +
-                         (reached < SimTime::zero() ? "before the first tick"
-                                                    : "after " + general_text(to_seconds(reached), 9) + " s") +
-                         ", before the end of the run at " + general_text(to_seconds(sim_time), 9) +
-                         " s; what comes before is whole",
-                     (folder / "inputs.bin").string());
+  return input_error(
+      "cut off " +
+          (reached < SimTime::zero() ? "before the first tick" : "after " + seconds_text(to_seconds(reached))) +
+          ", before the end of the run at " + general_text(to_seconds(sim_time), 9) + " s; what comes before is whole",
+      (folder / "inputs.bin").string());
 }
 
 bool Run::has_whole_journal() const {

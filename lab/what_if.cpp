@@ -22,8 +22,6 @@ namespace cxlab::lab {
 
 namespace {
 
-std::string seconds(double s) { return general_text(s, 9) + " s"; }
-
 bool is_global(const std::string& name) { return name.starts_with("?*") && name.size() > 3 && name.ends_with('*'); }
 
 /// `limit` of `?*limit*`.
@@ -151,7 +149,7 @@ Error placed(Error error, const std::string& option, const cx::Environment& envi
 Status prepare(WhatIf& what_if, const Run& run, const Scenario& scenario) {
   if (run.finished && run.ticks == 0) return usage_error("--at: the run ended before its first tick");
   if (run.finished && from_seconds(what_if.at) > run.sim_time)
-    return usage_error("--at: the run ends at " + seconds(to_seconds(run.sim_time)));
+    return usage_error("--at: the run ends at " + seconds_text(to_seconds(run.sim_time)));
   if (!what_if.file.empty()) {
     if (!is_file(what_if.file))
       return input_error(path_exists(what_if.file) ? "is no file; expected one with rules" : "there is no such file",
@@ -205,7 +203,7 @@ Status WhatIfControl::begin(Change& change, SimTime t) const {
   change.begun = true;
   std::vector<std::string> known;
   for (const cx::Environment* environment : environments_()) known.push_back(environment->unique_name());
-  const std::string when = "the run at " + seconds(to_seconds(t));
+  const std::string when = "the run at " + seconds_text(to_seconds(t));
   for (const std::string& name : change.what_if.environments)
     if (std::ranges::count(known, name) == 0) return no_environment(name, known, when);
   if (!change.what_if.facts.empty() && change.what_if.environments.empty() && known.size() > 1)

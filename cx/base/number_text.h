@@ -20,6 +20,8 @@ std::optional<Number> read_number(std::string_view text) {
 
 /// As printf writes a number with "%.<digits>g" in the C locale: `digits` significant digits, "1.5", "1e-07".
 std::string general_text(double value, int digits);
+/// "312.4 s": nine significant digits.
+inline std::string seconds_text(double seconds) { return general_text(seconds, 9) + " s"; }
 /// As printf writes a number with "%.<decimals>f" in the C locale.
 std::string fixed_text(double value, int decimals);
 /// The shortest text that reads back as the same number.

@@ -41,9 +41,9 @@ struct Use {
   int line = 0;
 };
 
-class Reader {
+class WordReader {
  public:
-  explicit Reader(const RuleEngine& engine) : constructs_(engine.constructs()) {}
+  explicit WordReader(const RuleEngine& engine) : constructs_(engine.constructs()) {}
 
   std::vector<Error> read() {
     for (const ConstructInfo& info : constructs_)
@@ -223,6 +223,6 @@ class Reader {
 
 }  // namespace
 
-std::vector<Error> suspect_words(const RuleEngine& engine) { return Reader(engine).read(); }
+std::vector<Error> suspect_words(const RuleEngine& engine) { return WordReader(engine).read(); }
 
 }  // namespace cxlab::cx

@@ -447,7 +447,7 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
   if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
   const auto there = std::ranges::lower_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
   if (there != visits_.end()) return show({static_cast<std::size_t>(there - visits_.begin()), there->place.fired});
-  if (at_end_) return {false, "the run ends at " + general_text(to_seconds(place_.t), 9) + " s"};
+  if (at_end_) return {false, "the run ends at " + seconds_text(to_seconds(place_.t))};
   breaks_.push_back({.text = text + " s", .time = *time, .once = true});
   stopped_ = false;
   return {true, {}, true};

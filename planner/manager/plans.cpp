@@ -88,7 +88,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   if (options_.original && !wanted->objects.empty())
     return {"ERROR", "as in the original, an object filter breaks planning"};
   const SimTime loaded = instances_.at(goal.text("pddl_instance")).loaded;
-  auto task = instance->planning_task(*wanted, options_.original ? 0 : to_seconds(bus_.now() - loaded));
+  auto task = instance->planning_task(*wanted, options_.original ? 0 : cxlab::to_seconds(bus_.now() - loaded));
   if (!task) return {"ERROR", task.error().message};
   if (goal.type().find("output_dir")) dump(goal, *task);
   PlanOptions how;

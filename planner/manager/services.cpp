@@ -59,7 +59,7 @@ Expected<Instance*> PddlManager::find_instance(const std::string& name) {
                          "': none is loaded, add it with the service add_pddl_instance");
     return unknown_name("pddl instance", name, names);
   }
-  if (!options_.original && known->second.instance->advance(to_seconds(bus_.now() - known->second.loaded)))
+  if (!options_.original && known->second.instance->advance(cxlab::to_seconds(bus_.now() - known->second.loaded)))
     publish_update(name);
   return known->second.instance.get();
 }
