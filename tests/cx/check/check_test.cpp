@@ -321,6 +321,11 @@ INSTANTIATE_TEST_SUITE_P(
                   "SHUT))\n(deffacts d (door (is GONE)))\n(defrule r (time ?t) ?d <- (door (is GONE|SHUT)) (test (neq "
                   "(state-of ?t) "
                   "NONE)) => (bind ?s (state-of ?t)) (if (neq ?s NONE) then (modify ?d (is ?s))))"),
+        std::pair(
+            "an_allowed_value_near_another",
+            "(deftemplate door (slot is (allowed-values LOCKED LOCKER)))\n(deffunction state-of (?n) (if (> ?n 1) "
+            "then LOCKER else LOCKED))\n(deffacts d (door (is LOCKED)))\n(defrule r (time ?t) ?d <- (door) "
+            "=> (modify ?d (is (state-of ?t))))"),
         std::pair("a_not_of_another_one",
                   "(defrule r (robot (name ?n) (state IDLE)) (not (robot (name ~?n))) => (printout t ?n))"),
         std::pair("texts_from_outside",
