@@ -16,6 +16,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/question.h"
 #include "lab/control/client.h"
 #include "lab/time_travel.h"
 
@@ -207,7 +208,7 @@ int talk(ControlClient& client, const AttachOptions& options) {
 
 /// A run that has ended is played again.
 int travel(const AttachOptions& options) {
-  auto run = lab::Run::open(options.where, catalogue(), options.trust_programs);
+  auto run = open_run(options.where, options.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
   auto played = lab::TimeTravel::start(*run, console.host());
@@ -231,8 +232,7 @@ int attach(const AttachOptions& options) {
   std::string token = options.token;
   if (const char* set = std::getenv("CXLAB_CONTROL_TOKEN"); token.empty() && set != nullptr) token = set;
   auto client = ControlClient::connect(*address, token);
-  if (!client && std::filesystem::exists(std::filesystem::path(options.where) / "manifest.json", ignored))
-    return travel(options);
+  if (!client && folder) return travel(options);
   if (!client) return fail(client.error());
   return talk(**client, options);
 }

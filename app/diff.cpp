@@ -5,6 +5,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/question.h"
 #include "cx/base/json.h"
 #include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
@@ -112,9 +113,9 @@ void print(const lab::Comparison& found) {
 }
 
 int diff(const DiffOptions& options) {
-  auto a = lab::Run::open(options.a, catalogue(), options.trust_programs);
+  auto a = open_run(options.a, options.trust_programs);
   if (!a) return fail(a.error());
-  auto b = lab::Run::open(options.b, catalogue(), options.trust_programs);
+  auto b = open_run(options.b, options.trust_programs);
   if (!b) return fail(b.error());
   Console console(true);
   const auto found = lab::compare(*a, *b, console.host());

@@ -16,6 +16,14 @@ constexpr SimTime kEarliest = SimTime::min() + SimTime(1);
 
 }  // namespace
 
+Expected<lab::Run> open_run(const std::string& folder, bool trust_programs) {
+  auto run = lab::Run::open(folder, catalogue(), trust_programs);
+  if (run && run->failure)
+    std::fprintf(stderr, "note: the run failed at %s: %s\n", inspect::seconds_text(run->sim_time).c_str(),
+                 printable(run->failure->text()).c_str());
+  return run;
+}
+
 void add_question(CLI::App& command, Question& question, Times times) {
   add_limit_options(command);
   command.add_option("run", question.run, "Folder of the run")->required();
@@ -43,7 +51,7 @@ SimTime to_of(const Question& question) { return question.to ? from_seconds(*que
 
 int ask(const Question& question, const Ask& ask, lab::Moment::Options options) {
   if (question.from && question.to && *question.from > *question.to) return fail(usage_error("--from is after --to"));
-  auto run = lab::Run::open(question.run, catalogue(), question.trust_programs);
+  auto run = open_run(question.run, question.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
   auto moment = lab::Moment::open(*run, console.host(), options);

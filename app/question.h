@@ -13,6 +13,9 @@
 
 namespace cxlab::app {
 
+/// Opens a run to ask it. Of one that failed, standard error says first when and why.
+Expected<lab::Run> open_run(const std::string& folder, bool trust_programs = false);
+
 struct Question {
   std::string run, environment;
   std::optional<double> at, from, to;  ///< s

@@ -115,8 +115,8 @@ Json json_of(const inspect::RuleUse& use) {
 /// What fires in only one of two runs.
 int rules_against(const RulesOptions& options) {
   const Question& question = options.question;
-  auto a = lab::Run::open(question.run, catalogue(), question.trust_programs);
-  auto b = lab::Run::open(options.against, catalogue(), question.trust_programs);
+  auto a = open_run(question.run, question.trust_programs);
+  auto b = open_run(options.against, question.trust_programs);
   if (!a || !b) return fail((a ? b : a).error());
   Console console(true);
   auto two = lab::TwoMoments::open(*a, *b, console.host());
@@ -197,6 +197,7 @@ int why(const WhyOptions& options) {
       json["because"] = step.because;
       if (step.outside) json["outside"] = *step.outside;
       if (!step.note.empty()) json["note"] = step.note;
+      if (step.asserted) json["asserted"] = {{"t_s", to_seconds(step.asserted->t)}, {"by", json_of(step.asserted->by)}};
       steps.push_back(std::move(json));
     }
     return Answer{
@@ -238,8 +239,11 @@ void add_agenda(CLI::App& app, Action& action) {
           list.push_back({{"module", a.module}, {"rule", a.rule}, {"salience", a.salience}, {"facts", facts}});
         }
         const std::string text = inspect::text_of(agenda, inspector.focus());
-        return Answer{agenda.empty() ? text + "no rule waits\n" : text,
-                      {{"focus", inspector.focus()}, {"agenda", std::move(list)}}};
+        return Answer{
+            agenda.empty()
+                ? text + "no rule waits when the tick is over; inside it: cxlab attach RUN -c 'at T' -c agenda\n"
+                : text,
+            {{"focus", inspector.focus()}, {"agenda", std::move(list)}}};
       });
     };
   });

@@ -110,7 +110,13 @@ void print_what_if(const lab::Run& run, const lab::Rerun& again, double at) {
     column = std::max(column, result.then.size());
   }
   column = std::min<std::size_t>(column, 40);
-  std::printf("\n%-*s  %-*s  %s\n", static_cast<int>(width), "", static_cast<int>(column), "then", "now");
+  std::string then = "then", now = "now";
+  if (const SimTime end = again.played.result.sim_time; run.finished && end != run.sim_time) {
+    then += ", up to " + seconds_text(run.sim_time);
+    now += ", up to " + seconds_text(end);
+    column = std::max(column, then.size());
+  }
+  std::printf("\n%-*s  %-*s  %s\n", static_cast<int>(width), "", static_cast<int>(column), then.c_str(), now.c_str());
   for (const lab::ResultChange& result : again.results)
     std::printf("%-*s  %-*s  %s\n", static_cast<int>(width), result.what.c_str(), static_cast<int>(column),
                 printable(result.then).c_str(), printable(result.now).c_str());
@@ -120,7 +126,7 @@ void print_what_if(const lab::Run& run, const lab::Rerun& again, double at) {
     std::printf("\n");
   constexpr std::size_t kMost = 5;
   for (std::size_t i = 0; i < again.after.size() && i < kMost; ++i)
-    std::printf("%s: %s\n", i == 0 ? "first difference" : "then", printable(shortened(again.after[i].text())).c_str());
+    std::printf("%s: %s\n", i == 0 ? "first difference" : "and", printable(shortened(again.after[i].text())).c_str());
   if (again.after.size() > kMost) std::printf("and in %zu more streams\n", again.after.size() - kMost);
   if (!again.played.folder.empty()) std::printf("%s\n", again.played.folder.c_str());
 }

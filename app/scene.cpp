@@ -7,6 +7,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/question.h"
 #include "cx/base/json.h"
 #include "lab/run.h"
 #include "lab/scene_answer.h"
@@ -23,7 +24,7 @@ struct SceneOptions {
 };
 
 int show(const SceneOptions& options) {
-  const auto run = lab::Run::open(options.run, catalogue());
+  const auto run = open_run(options.run);
   if (!run) return fail(run.error());
   auto found = run->scene(options.at ? std::optional(from_seconds(*options.at)) : std::nullopt);
   if (!found) return fail(lab::about_option(found.error(), "--at"));

@@ -164,7 +164,7 @@ int why_not(const WhyNotOptions& options) {
   auto wanted = wanted_of(options.where);
   if (!wanted) return fail(wanted.error());
   const Question& asked = options.question;
-  auto run = lab::Run::open(asked.run, catalogue(), asked.trust_programs);
+  auto run = open_run(asked.run, asked.trust_programs);
   if (!run) return fail(run.error());
   Console console(true);
   lab::WhyNotQuestion question{options.rule, {}, *std::move(wanted), asked.environment};
@@ -176,8 +176,9 @@ int why_not(const WhyNotOptions& options) {
     std::printf("%s\n", json_text(lab::to_json(*answer), 2).c_str());
     return 0;
   }
-  std::printf("after the tick at %s%s:\n", seconds_text(answer->at).c_str(),
-              answer->cut_off ? run->cut_off_text("log").c_str() : "");
+  std::printf("after the tick at %s%s%s:\n", seconds_text(answer->at).c_str(),
+              answer->cut_off ? run->cut_off_text("log").c_str() : "",
+              asked.at ? "" : ", the last one; --at T asks about another time");
   for (const auto& found : answer->environments) print(found, question.wanted);
   return 0;
 }

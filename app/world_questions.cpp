@@ -7,6 +7,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/question.h"
 #include "cx/base/json.h"
 #include "lab/run.h"
 #include "lab/table_text.h"
@@ -40,7 +41,7 @@ const WorldQuestion* find_question(const WorldKind& world, const std::string& na
 
 int answer(const WorldAsk& ask) {
   if (ask.from && ask.to && *ask.from > *ask.to) return fail(usage_error("--from is after --to"));
-  auto run = lab::Run::open(ask.run, catalogue());
+  auto run = open_run(ask.run);
   if (!run) return fail(run.error());
   const auto scenario = run->scenario();
   if (!scenario) return fail(scenario.error());

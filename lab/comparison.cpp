@@ -92,7 +92,7 @@ class Streams {
 
   struct Parting {
     std::string environment;
-    std::uint64_t n = 0;  ///< the first record that differs, or that only one of them has
+    std::uint64_t in_a = 0, in_b = 0;  ///< the first record that differs, or that only one of them has
     SimTime t{};
   };
   /// Where they part first, as far as both have been played; looks at each record once.
@@ -100,13 +100,19 @@ class Streams {
     find_pairs();
     std::optional<Parting> first;
     for (Pair& pair : pairs_) {
-      const std::uint64_t end = std::min(pair.a->end(), pair.b->end());
-      std::uint64_t& n = pair.compared;
-      for (n = std::max({n, pair.a->begin(), pair.b->begin()}); n < end && pair.a->same(n, *pair.b);) ++n;
-      if (n >= std::max(pair.a->end(), pair.b->end())) continue;
-      const auto time = [n](const Timeline& timeline) { return timeline.has(n) ? timeline.time(n) : kNever; };
-      const SimTime t = std::min(time(*pair.a), time(*pair.b));
-      if (!first || t < first->t) first = {pair.environment, n, t};
+      const Timeline &a = *pair.a, &b = *pair.b;
+      std::uint64_t &n = pair.compared_a, &m = pair.compared_b;
+      n = std::max(n, a.begin());
+      m = std::max(m, b.begin());
+      while (true) {  // what a rerun was to do is no event of the rules: what they make of it is
+        while (a.has(n) && a.is_planned(n)) ++n;
+        while (b.has(m) && b.is_planned(m)) ++m;
+        if (!a.has(n) || !b.has(m) || !a.same(n, b, m)) break;
+        ++n, ++m;
+      }
+      if (!a.has(n) && !b.has(m)) continue;
+      const SimTime t = std::min(a.has(n) ? a.time(n) : kNever, b.has(m) ? b.time(m) : kNever);
+      if (!first || t < first->t) first = {pair.environment, n, m, t};
     }
     return first;
   }
@@ -115,7 +121,7 @@ class Streams {
   struct Pair {
     std::string environment;
     const Timeline *a = nullptr, *b = nullptr;
-    std::uint64_t compared = 0;  // records before it are the same
+    std::uint64_t compared_a = 0, compared_b = 0;  // records before them are the same
   };
   /// Environments come and go while a run is played.
   void find_pairs() {
@@ -144,11 +150,11 @@ Comparison::Side side_of(const Inspector& inspector, std::uint64_t n) {
   return side;
 }
 
-/// The data of record `n` around the first letter in which that of the other run differs, where the events are called
-/// the same: what came from outside, say.
-void remark_on_data(const Timeline& a, const Timeline& b, std::uint64_t n, Comparison::First& first) {
-  if (!a.has(n) || !b.has(n) || first.a.what != first.b.what) return;
-  const std::string of_a = to_json(a.read(n).data), of_b = to_json(b.read(n).data);
+/// The data of the records around the first letter in which they differ, where the events are called the same: what
+/// came from outside, say.
+void remark_on_data(const Timeline& a, const Timeline& b, const Streams::Parting& parted, Comparison::First& first) {
+  if (!a.has(parted.in_a) || !b.has(parted.in_b) || first.a.what != first.b.what) return;
+  const std::string of_a = to_json(a.read(parted.in_a).data), of_b = to_json(b.read(parted.in_b).data);
   constexpr std::size_t kBefore = 60, kShown = 160;
   const auto at = static_cast<std::size_t>(std::ranges::mismatch(of_a, of_b).in1 - of_a.begin());
   const std::size_t from = at > kBefore ? at - kBefore : 0;
@@ -208,10 +214,10 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   for (auto& [in_a, in_b] : environments->both) {
     compare_constructs(in_a, in_b, out.constructs);
     if (!parting || parting->environment != in_a.name()) continue;
-    const std::uint64_t n = parting->n;
-    out.first = {in_a.name(), parting->t, side_of(in_a, n), side_of(in_b, n)};
-    remark_on_data(in_a.timeline(), in_b.timeline(), n, *out.first);
-    const std::string rule_of_a = rule_at(in_a.timeline(), n), rule_of_b = rule_at(in_b.timeline(), n);
+    out.first = {in_a.name(), parting->t, side_of(in_a, parting->in_a), side_of(in_b, parting->in_b)};
+    remark_on_data(in_a.timeline(), in_b.timeline(), *parting, *out.first);
+    const std::string rule_of_a = rule_at(in_a.timeline(), parting->in_a);
+    const std::string rule_of_b = rule_at(in_b.timeline(), parting->in_b);
     if (rule_of_a == rule_of_b) continue;
     if (!rule_of_b.empty()) remark_on_rule(in_a, rule_of_b, parting->t, out.first->a);
     if (!rule_of_a.empty()) remark_on_rule(in_b, rule_of_a, parting->t, out.first->b);

@@ -142,7 +142,7 @@ Expected<std::optional<Difference>> difference_before(SimTime t, const fs::path&
   return !found || *found ? found : inputs_before(t, then, now, then_whole);
 }
 
-Expected<std::vector<Difference>> first_differences(const fs::path& then, const fs::path& now) {
+Expected<std::vector<Difference>> first_differences(const fs::path& then, const fs::path& now, SimTime end) {
   struct Stream {
     std::deque<JournalRecord> then, now;  // that have no partner yet; one of them is empty
     bool parted = false;
@@ -158,7 +158,7 @@ Expected<std::vector<Difference>> first_differences(const fs::path& then, const 
     auto record = reader.record();
     if (!record) return record.error();
     Stream& stream = streams[record->stream];
-    if (stream.parted || is_planned(*record)) return {};
+    if (stream.parted || record->t > end || is_planned(*record)) return {};
     if ((stream.*other).empty()) {
       (stream.*side).push_back(*std::move(record));
       return {};

@@ -29,9 +29,9 @@ std::string shown(const JournalRecord& record);
 Expected<std::optional<Difference>> difference_before(SimTime t, const std::filesystem::path& then,
                                                       const std::filesystem::path& now, bool then_whole);
 
-/// The first difference of each stream in journal.jsonl, in order of time. Numbers of records and what was planned
-/// (`is_planned`) do not count.
-Expected<std::vector<Difference>> first_differences(const std::filesystem::path& then,
-                                                    const std::filesystem::path& now);
+/// The first difference of each stream in journal.jsonl up to `end`, in order of time. Numbers of records and what was
+/// planned (`is_planned`) do not count.
+Expected<std::vector<Difference>> first_differences(const std::filesystem::path& then, const std::filesystem::path& now,
+                                                    SimTime end = kNever);
 
 }  // namespace cxlab::lab

@@ -158,7 +158,10 @@ Status compare(const Run& run, const WorldKind& world, SimTime since, Rerun& aga
   auto before = difference_before(since, run.folder, again.played.folder, run.finished);
   if (!before) return before.error();
   again.before = *std::move(before);
-  auto after = first_differences(run.folder, again.played.folder);
+  // Of a shorter run the last tick is left out, in which all that runs is deactivated.
+  SimTime end = again.played.result.sim_time;
+  end = !run.finished || end == run.sim_time ? kNever : std::min(end, run.sim_time) - SimTime(1);
+  auto after = first_differences(run.folder, again.played.folder, end);
   if (!after) return after.error();
   again.after = *std::move(after);
   return {};

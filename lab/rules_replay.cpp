@@ -12,9 +12,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has_first_tick(const fs::path& inputs) {
+Expected<bool> has_first_tick(const fs::path& inputs) {
   auto log = InputLogReader::open(inputs);
-  if (!log) return false;
+  if (!log) return log.error();
   while (log->reached() < SimTime::zero())
     if (!log->next()) break;
   return log->reached() >= SimTime::zero();
@@ -24,10 +24,14 @@ bool has_first_tick(const fs::path& inputs) {
 
 Expected<RulesReplay> RulesReplay::load(const Run& run, const Host& host, const Options& given) {
   RulesReplay replay;
-  if ((!run.finished || run.ticks > 0) && !has_first_tick(run.folder / "inputs.bin"))
-    return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
-                                    : "the run ended before the log of its inputs had the first tick",
-                       run.folder.string());
+  if (!run.finished || run.ticks > 0) {
+    const auto begun = has_first_tick(run.folder / "inputs.bin");
+    if (!begun) return begun.error();
+    if (!*begun)
+      return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
+                                      : "the run ended before the log of its inputs had the first tick",
+                         run.folder.string());
+  }
   auto scratch = ScratchFolder::create(RemovedBy::kServant);
   if (!scratch) return scratch.error();
   replay.scratch = *std::move(scratch);

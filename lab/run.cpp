@@ -39,6 +39,14 @@ Status read_result(const Json& json, Run& run) {
   run.finished = !run.stream_hashes.empty();
   const Json& reason = json.at("reason");
   run.unfinished = reason.is_object() && reason.value("code", "") == "unfinished";  // of unfinished_result
+  if (run.status == "failed" && reason.is_object() && !run.unfinished) {
+    const auto text = [&](const char* key) {
+      return reason.contains(key) && reason[key].is_string() ? reason[key].get<std::string>() : std::string();
+    };
+    const bool has_line = reason.contains("line") && reason["line"].is_number_integer();
+    run.failure =
+        Error{ErrorKind::kRun, text("message"), text("file"), has_line ? reason["line"].get<int>() : 0, text("code")};
+  }
   for (const Json& error : json.at("rule_errors"))
     if (error.at("side") == "load")
       run.not_loaded.try_emplace(std::string(without_module(error.at("rule").get_ref<const std::string&>())),

@@ -31,7 +31,8 @@ struct Run {
   SimTime sim_time{};
   std::int64_t ticks = 0;
   std::string status;
-  bool unfinished = false;  ///< it is still being played, or its process was killed
+  bool unfinished = false;       ///< it is still being played, or its process was killed
+  std::optional<Error> failure;  ///< why a run that failed did so
   std::map<std::string, std::string> stream_hashes;
   std::optional<std::string> physics_hash;
   std::map<std::string, Error> not_loaded;  ///< by name of the rule, without module: why

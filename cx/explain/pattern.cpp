@@ -202,7 +202,9 @@ Expected<Pattern> Pattern::parse_plain(const std::string& text, const std::strin
   if (reading.forms.size() != 1 || !reading.forms[0].list) return bad("expected one pattern in parentheses");
   for (const Token& token : tokens_of(reading.forms[0]))
     if (token.kind == Token::Kind::kConnective)
-      return bad("&, | and ~ are not understood here; use several expectations");
+      return bad(
+          "&, | and ~ are not understood here: found one of them, expected a value, or ? for any; ask once for each "
+          "value");
   const Term term = tree_of(reading.forms[0]);
   for (const Term& slot : term.items)
     for (const Term& value : slot.items)

@@ -106,6 +106,7 @@ class Explainer {
     unmet.values = values_of(with->bindings);
     const std::string noun = pattern.is_object() ? "instance" : "fact";
     if (!best.fact) {
+      unmet.none_there = true;
       unmet.because = "there is no " + noun + (pattern.is_object() ? "" : " of " + pattern.template_name());
       return unmet;
     }

@@ -26,6 +26,7 @@ struct UnmetCondition {
   std::optional<std::string> fact;  ///< the nearest one, the one that forbids, or the one without a partner
   std::uint64_t fact_number = 0;    ///< of it, as in the journal; 0: it is none, or several
   std::string slot;                 ///< the first that differs in it; "implied" for an ordered fact, may be empty
+  bool none_there = false;          ///< there is no fact of its template at all
   std::optional<std::size_t> matches_alone;  ///< of a pattern: facts that match it without the conditions before
   Values values;                             ///< in the combination that got furthest
 

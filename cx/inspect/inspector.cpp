@@ -93,6 +93,8 @@ FactHistory Inspector::history_of(std::int64_t number, std::int64_t index, std::
 }
 
 Error Inspector::no_template(const std::string& name) const {
+  if (name.find_first_of(" ()") != name.npos)
+    return input_error("found '" + name + "', expected a template, or a pattern in parentheses: '(order (id 3))'");
   return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
 }
 
@@ -100,7 +102,9 @@ Expected<Inspector::Wanted> Inspector::wanted_in(const std::string& what) const 
   Wanted wanted;
   if (const auto index = index_in(what)) {
     auto fact = engine_->fact(*index);
-    if (!fact) return input_error("there is no fact " + what + " at that time");
+    if (!fact)
+      return input_error("there is no fact " + what +
+                         " when that tick is over; a pattern, as '(order (id 3))', also finds one that has gone");
     wanted.template_name = fact->template_name;
     wanted.fact = *std::move(fact);
   } else if (!what.empty() && what.front() == '(') {
@@ -394,6 +398,8 @@ Derivation Inspector::why(std::uint64_t record) const {
       // Only what it is now: an older version of the fact has no index of its own.
       if (index != indices.end() && timeline_->changes(fact).back() == n) step.index = index->second;
       if (own.empty() && !step.outside) step.note = doer_of(n).text();
+      if (const std::uint64_t first = timeline_->changes(fact).front(); i == 0 && first != n)
+        if (FactChange made = change(first); made.by.kind != Doer::Kind::kStart) step.asserted = std::move(made);
     } else if (step.kind == RecordKind::kFire) {
       FiringCopy fired = firing(n);
       step.text = fired.rule;

@@ -91,6 +91,7 @@ struct Derivation {
     std::vector<std::size_t> because;    ///< indices of steps; the latest first
     std::optional<std::string> outside;  ///< record of another stream, "node/robot1:17"
     std::string note;                    ///< of a step without a cause: why it has none
+    std::optional<FactChange> asserted;  ///< of the fact that was asked for, where it has been changed since
     bool planned = false;                ///< of what was done from outside: `cxlab rerun` was to do it
   };
   std::vector<Step> steps;  ///< the first is what was asked for; each record once

@@ -57,10 +57,20 @@ bool may_match(const check::SlotConstraint& slot, std::span<const Term> values) 
   return (slot.one_of.empty() || slot.one_of.contains(value)) && !slot.none_of.contains(value);
 }
 
+/// What is looked for, and which slots a change must set one of: those in which the facts differ from it. Empty: some
+/// fact matches the pattern by itself, or there is none.
+struct Needed {
+  check::PatternSlots pattern;
+  std::set<std::string> differing;
+};
+
 /// Whether a fact or the changes of one, written from item `from` on, can fit. A change must set a slot that the
 /// pattern asks for, else it makes no difference.
-bool may_make(const check::PatternSlots& wanted, const Term& term, std::size_t from) {
+bool may_make(const Needed& needed, const Term& term, std::size_t from) {
+  const check::PatternSlots& wanted = needed.pattern;
   const auto values = check::values_of(term, from);
+  const auto is_set = [&](const std::string& slot) { return values.contains(slot); };
+  if (from == 2 && !needed.differing.empty() && std::ranges::none_of(needed.differing, is_set)) return false;
   bool sets_any = false;
   for (const auto& [name, slot] : wanted.slots) {
     const auto set = values.find(name);
@@ -80,8 +90,8 @@ const Term* modify_at(const Term& term, int line) {
 }
 
 /// How a construct could do it; empty: it could not.
-std::string how_of(const check::Touch& touch, const check::PatternSlots& wanted, bool forbids) {
-  if (touch.template_name != wanted.name) return {};
+std::string how_of(const check::Touch& touch, const Needed& wanted, bool forbids) {
+  if (touch.template_name != wanted.pattern.name) return {};
   switch (touch.how) {
     case check::How::kAssert: return !forbids && (!touch.term || may_make(wanted, *touch.term, 1)) ? "asserts" : "";
     case check::How::kModify: {
@@ -92,6 +102,17 @@ std::string how_of(const check::Touch& touch, const check::PatternSlots& wanted,
     case check::How::kRetract: return forbids ? "retracts" : "";
     default: return {};
   }
+}
+
+/// The slots in which facts of the pattern's template differ from it; empty where one matches.
+std::set<std::string> differing_slots(const RuleEngine& engine, const explain::Pattern& pattern) {
+  std::set<std::string> slots;
+  for (const FactCopy& fact : engine.facts(pattern.template_name())) {
+    const auto mismatches = pattern.mismatches(fact);
+    if (mismatches.empty()) return {};
+    for (const explain::Mismatch& one : mismatches) slots.insert(one.slot);
+  }
+  return slots;
 }
 
 /// The rules that have made, changed or taken away a fact of the template.
@@ -143,8 +164,9 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
       maker.lacks = explain::unmet_condition(engine, *info);
     out.makers.push_back(std::move(maker));
   };
+  const Needed needed{*wanted, out.forbids ? std::set<std::string>() : differing_slots(engine, *pattern)};
   for (const check::Touch& touch : base->touches()) {
-    const std::string how = how_of(touch, *wanted, out.forbids);
+    const std::string how = how_of(touch, needed, out.forbids);
     if (how.empty()) continue;
     if (touch.by->is_rule()) {
       add(*touch.by, how, {});
@@ -161,11 +183,15 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
 
   if (const auto made = inspector.last_made(*pattern)) {
     out.made = inspector.change(*made);
-    for (const std::uint64_t n : inspector.timeline().changes(static_cast<std::int64_t>(out.made->after.number)))
-      if (n > *made && !out.gone) {
-        FactChange later = inspector.change(n);
-        if (later.kind == RecordKind::kRetract || !pattern->matches(later.after)) out.gone = std::move(later);
-      }
+    out.matched = out.made->after;
+    for (const std::uint64_t n : inspector.timeline().changes(static_cast<std::int64_t>(out.made->after.number))) {
+      if (n <= *made || out.gone) continue;
+      FactChange later = inspector.change(n);
+      if (later.kind == RecordKind::kRetract || !pattern->matches(later.after))
+        out.gone = std::move(later);
+      else
+        out.matched = std::move(later.after);
+    }
   }
   if (unmet.fact_number > 0) {
     const auto changes = inspector.timeline().changes(static_cast<std::int64_t>(unmet.fact_number));
@@ -186,7 +212,7 @@ std::string Makers::text() const {
     const auto when = [](const FactChange& change) {
       return std::string(done_by(change.kind)) + " at " + seconds_text(change.t) + " by " + change.by.text();
     };
-    const std::string what = "the last fact that matched " + pattern, fact = made->after.print(),
+    const std::string what = "the last fact that matched " + pattern, fact = matched->print(),
                       end = "was " + when(*made) + (gone ? ", and " + when(*gone) : "");
     if (const std::string sentence = what + ", " + fact + ", " + end; fits(sentence, "  ")) {
       line(sentence);

@@ -29,6 +29,7 @@ struct Makers {
 
   /// The last fact that matched the pattern by itself: made then, and gone since, if it has.
   std::optional<FactChange> made, gone;
+  std::optional<FactCopy> matched;  ///< that fact as it was last while it matched
   /// The last change of the nearest fact, or of the one that forbids.
   std::optional<FactChange> changed;
 

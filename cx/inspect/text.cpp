@@ -185,10 +185,26 @@ std::string text_of(const std::vector<RuleUse>& rules) {
               (use->activated == 1 ? " time\n" : " times\n");
   }
   if (!never.empty()) {
+    // Many rules wait for facts that never came, of trouble say: those that lack more than a fact come first.
+    std::map<std::string, std::vector<const RuleUse*>> by_reason;
+    for (const RuleUse* use : never)
+      if (use->unmet && use->unmet->none_there) by_reason[use->unmet->because].push_back(use);
+    const auto is_grouped = [&](const RuleUse* use) {
+      constexpr std::size_t kFewest = 3;
+      return use->unmet && use->unmet->none_there && by_reason[use->unmet->because].size() >= kFewest;
+    };
     text += "never on the agenda, with what they lack now:\n";
     for (const RuleUse* use : never) {
+      if (is_grouped(use)) continue;
       text += "  " + use->rule + place(use->file, use->line) + '\n';
       if (use->unmet) text += text_of(*use->unmet, "condition " + std::to_string(use->unmet->number), "    ");
+    }
+    for (const auto& [reason, uses] : by_reason) {
+      if (!is_grouped(uses.front())) continue;
+      std::string list;
+      for (const RuleUse* use : uses) list += (list.empty() ? "" : ", ") + use->rule + place(use->file, use->line);
+      text +=
+          "  " + std::to_string(uses.size()) + " rules for which " + reason + ":\n" + laid_out(list, "    ", "    ");
     }
   }
   return text;
@@ -212,8 +228,10 @@ std::string line_of(const Derivation::Step& step) {
     case RecordKind::kDecision:
     case RecordKind::kModify:
     case RecordKind::kRetract:
-      text = (step.index > 0 ? "f-" + std::to_string(step.index) + "  " : "") + step.text + "  " + done_by(step.kind) +
-             " at " + seconds_text(step.t);
+      text = (step.index > 0 ? "f-" + std::to_string(step.index) + "  " : "") + step.text + "  ";
+      if (step.asserted)
+        text += "asserted at " + seconds_text(step.asserted->t) + " by " + step.asserted->by.text() + ", ";
+      text += std::string(done_by(step.kind)) + " at " + seconds_text(step.t);
       break;
     case RecordKind::kFire:
       text = "rule " + step.text + place(step.file, step.line) + " at " + seconds_text(step.t);

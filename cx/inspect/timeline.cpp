@@ -67,11 +67,16 @@ std::string_view Timeline::data_of(std::uint64_t n) const {
   return std::string_view(data_).substr(entry(n).data, end - entry(n).data);
 }
 
-bool Timeline::same(std::uint64_t n, const Timeline& other) const {
-  if (time(n) != other.time(n) || kind(n) != other.kind(n) || data_of(n) != other.data_of(n)) return false;
-  return std::ranges::equal(causes_of(n), other.causes_of(n), [&](const StoredCause& a, const StoredCause& b) {
-    return a.n == b.n && names_[a.stream] == other.names_[b.stream];
+bool Timeline::same(std::uint64_t n, const Timeline& other, std::uint64_t m) const {
+  if (time(n) != other.time(m) || kind(n) != other.kind(m) || data_of(n) != other.data_of(m)) return false;
+  return std::ranges::equal(causes_of(n), other.causes_of(m), [&](const StoredCause& a, const StoredCause& b) {
+    const std::string& stream = names_[a.stream];
+    return stream == other.names_[b.stream] && (a.n == b.n || (stream == stream_ && b.n - a.n == m - n));
   });
+}
+
+bool Timeline::is_planned(std::uint64_t n) const {
+  return kind(n) == RecordKind::kControl && cxlab::is_planned(read(n));
 }
 
 JournalRecord Timeline::read(std::uint64_t n) const {

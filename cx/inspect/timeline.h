@@ -44,8 +44,12 @@ class Timeline {
   };
   std::vector<Cause> causes(std::uint64_t n) const;
 
-  /// Whether record `n` of both says the same; causes in other streams count by name.
-  bool same(std::uint64_t n, const Timeline& other) const;
+  /// Whether record `n` and record `m` of the other one say the same. Causes count by stream and number; those of this
+  /// stream may be as far apart as `n` and `m`.
+  bool same(std::uint64_t n, const Timeline& other, std::uint64_t m) const;
+  bool same(std::uint64_t n, const Timeline& other) const { return same(n, other, n); }
+  /// Whether the record says what `cxlab rerun` was to do then.
+  bool is_planned(std::uint64_t n) const;
 
   /// The records that asserted, changed and retracted the fact of that number, in order.
   std::span<const std::uint64_t> changes(std::int64_t fact) const;

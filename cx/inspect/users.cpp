@@ -169,7 +169,7 @@ std::string FactFuture::text() const {
              (user.fired == 1 ? std::string("once, at ") : std::to_string(user.fired) + " times, the last time at ") +
              seconds_text(*user.last);
     else
-      out += " has not fired for it";
+      out += " has not fired for it" + std::string(fact->changes.size() > 1 ? " since then" : "");
     out += '\n';
     if (user.lacks)
       out += text_of(*user.lacks, "lacks condition " + std::to_string(user.lacks->number), "      ");
@@ -178,7 +178,7 @@ std::string FactFuture::text() const {
   }
   if (!nearly.empty()) out += "  rules that need another value in it:\n";
   for (const FactUser& user : nearly) line(place(user) + ": " + user.differs, "    ");
-  if (!forbidden.empty()) out += "  rules that it keeps from firing, where the values are the same:\n";
+  if (!forbidden.empty()) out += "  rules that it keeps from firing, for the same values:\n";
   for (const FactUser& user : forbidden) line(place(user) + ": " + user.condition, "    ");
   return out;
 }

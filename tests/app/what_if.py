@@ -52,6 +52,8 @@ class WhatIf(Lab):
         self.assertNotIn("Permission denied", text + done.stderr)
         self.assertEqual(self.lines("run", 1), self.lines("again", 1))
         self.plays_as_recorded("again")
+        # The repair is no difference itself, and what its rules do first is.
+        self.assertRegex(self.cxlab("diff", "run", "again", expect=1).stdout, r"what differs first, in main:\na: .*\n   rule finish did not fire: .*\nb: rule finish \(repair")
 
     def test_the_answer_as_json(self):
         self.small_run()
@@ -79,6 +81,8 @@ class WhatIf(Lab):
         self.small_run("--until", 1)
         answer = self.what_if("--at", 0.5, "--then", "repair.clp", "--until", "0:01.5")
         self.assertEqual((answer["then"]["sim_time_s"], answer["now"]["sim_time_s"]), (1, 1.5))
+        self.assertRegex(self.cxlab("rerun", "run", "--at", 0.5, "--then", "repair.clp", "--until", 0.8, "--out", "short").stdout,
+                         r"\n +then, up to 1\.000 s +now, up to 0\.800 s\n(.*\n)+\nfirst difference: env/main at 0\.500 s: .*\nshort\n$")
         self.assertIn("--until: found 0.2", self.cxlab("rerun", "run", "--at", 0.5, "--until", 0.2, expect=2).stderr)
 
     def test_a_run_that_failed_goes_on_with_a_repair(self):
