@@ -47,12 +47,25 @@ const char* word(PlanStatus status) {
   return "ended";
 }
 
+Json to_json(const planner::OutOfReach& out_of_reach) {
+  Json out = {{"text", out_of_reach.text()}};
+  for (const planner::Cause& cause : out_of_reach.causes) {
+    Json& one = out["causes"].emplace_back(Json{{"condition", cause.condition}});
+    if (!cause.when.empty()) one["when"] = cause.when;
+    if (!cause.makers.empty())
+      one.update({{"makers", cause.makers}, {"verb", cause.verb}, {"followed", cause.followed}, {"at", cause.at}});
+    if (!cause.end.empty()) one["end"] = cause.end;
+  }
+  return out;
+}
+
 /// `timed`: with wall times; without, the same budget gives the same bytes.
 Json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool timed) {
   Json out;
   out["status"] = word(answer.status);
   out["reason"] = answer.reason;
   out["units"] = answer.units;
+  if (answer.out_of_reach) out["out_of_reach"] = to_json(*answer.out_of_reach);
   if (!answer.plan) return out;
   out["makespan_s"] = answer.plan->makespan_s;
   out["lower_bound_s"] = answer.lower_bound_s;
@@ -153,6 +166,7 @@ int report(const planner::PlanAnswer& answer, const planner::Task& task, const P
                answer.units > 0 || answer.status != PlanStatus::kBudget
                    ? ("; " + std::to_string(answer.units) + " units").c_str()
                    : "");
+  if (answer.out_of_reach) std::fprintf(stderr, "%s\n", answer.out_of_reach->text().c_str());
   int code = static_cast<int>(answer.status);
   if (answer.plan) {
     const double makespan = answer.plan->makespan_s, bound = answer.lower_bound_s;

@@ -1,6 +1,7 @@
 #include "planner/planner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -30,6 +31,7 @@ constexpr std::int64_t kShareOfWarmStart = 8;   ///< of the budget, for each hal
 constexpr std::int64_t kIdle = 2000;            ///< moves without a better plan that end the first improvements
 constexpr std::uint64_t kKindsOfRounds = 4;     ///< of improvement
 constexpr std::size_t kMostMissing = 5;         ///< numbers that an answer names
+constexpr std::int64_t kUnitsOfExplanation = 5'000'000;
 
 const Conclusion kProvedByHappenings = {PlanStatus::kUnsolvable,
                                         "no order of starts, ends and events reaches the goal"};
@@ -252,9 +254,14 @@ Expected<PlanAnswer> find_plan(const Task& task, const PlanOptions& options) {
   Expected<GroundTask> made = ground(task, budget);
   if (!made && is(made.error(), Failure::kOutOfBudget)) return conclude({PlanStatus::kBudget, made.error().message});
   if (!made) return made.error();
-  if (made->proved_unsolvable)
+  if (made->proved_unsolvable) {
+    std::optional<double> seconds_left = options.timeout_s;
+    if (seconds_left) *seconds_left -= std::chrono::duration<double>(Incumbent::Clock::now() - began).count();
+    Budget rest(std::min(options.budget - budget.units(), kUnitsOfExplanation), seconds_left);
+    answer.out_of_reach = explain_out_of_reach(task, rest, options.initial_state);
     return conclude({PlanStatus::kUnsolvable, "the goal is out of reach, judged by facts one by one and in pairs" +
                                                   missing_values(task, *made)});
+  }
   PlanningContext context(task, options, budget, *std::move(made), began);
   Conclusion conclusion = Portfolio(context).run();
   context.bound.report(context.best, answer);

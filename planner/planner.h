@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "cx/base/expected.h"
+#include "planner/explain/out_of_reach.h"
 #include "planner/pddl/failure.h"
 #include "planner/pddl/plan.h"
 #include "planner/schedule/stn.h"
@@ -41,11 +42,15 @@ struct PlanOptions {
   /// Called with every plan that is better than all before it.
   std::function<void(const TimedPlan&, std::int64_t units)> on_plan{};
   std::size_t most_memory_mb = 2048;
+  std::string initial_state = ":init";  ///< its name in explanations
 };
 
 struct PlanAnswer {
   PlanStatus status = PlanStatus::kEnded;
   std::string reason;  ///< one sentence
+  /// Why the goal is out of reach, where facts one by one or in pairs prove it. Costs no units, but ends with the
+  /// budget.
+  std::optional<OutOfReach> out_of_reach{};
   std::optional<TimedPlan> plan;
   double lower_bound_s = 0;  ///< no plan is shorter
   /// The bound holds only for plans in which no two actions change the same fact at the same instant.

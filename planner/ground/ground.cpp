@@ -511,18 +511,34 @@ void ask_for_values(GroundTask& task) {
   }
 }
 
-}  // namespace
-
-Expected<GroundTask> ground(const Task& task, Budget& budget) {
+/// Incomplete if the budget ends.
+Expected<GroundTask> write_out(const Task& task, Budget& budget) {
   Expected<Reachable> reachable = find_reachable(task, kMostActions, budget);
   if (!reachable) return reachable.error();
   GroundTask out = Grounder(task, std::move(*reachable), budget).run();
   merge_instants(out);
   if (!budget.over()) ask_for_values(out);
-  if (!budget.over()) prune(out, budget);
-  if (!budget.over()) find_idle(task, out, budget);
-  if (budget.over()) return out_of_budget("while the problem was written out");
   return out;
+}
+
+Expected<GroundTask> if_in_budget(Expected<GroundTask> task, Budget& budget) {
+  if (task && budget.over()) return out_of_budget("while the problem was written out");
+  return task;
+}
+
+}  // namespace
+
+Expected<GroundTask> ground(const Task& task, Budget& budget) {
+  Expected<GroundTask> out = write_out(task, budget);
+  if (out && !budget.over()) prune(*out, budget);
+  if (out && !budget.over()) find_idle(task, *out, budget);
+  return if_in_budget(std::move(out), budget);
+}
+
+Expected<GroundTask> ground_by_facts(const Task& task, Budget& budget) {
+  Expected<GroundTask> out = write_out(task, budget);
+  if (out && !budget.over()) prune_by_facts(*out, budget);
+  return if_in_budget(std::move(out), budget);
 }
 
 }  // namespace cxlab::planner

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <tuple>
+#include <utility>
 
 namespace cxlab::planner {
 
@@ -58,6 +59,8 @@ class Pairs {
         if (!is_set(row(facts[i]), facts[j])) return false;
     return true;
   }
+
+  Together together() && { return {words_, std::move(rows_)}; }
 
  private:
   /// Its own effects are no news to it: they are in what it left possible.
@@ -137,7 +140,7 @@ class Pairs {
 Possible possible_by_pairs(const GroundTask& task, Budget& budget) {
   Possible possible{ById<char>(task.actions.size(), 1)};
   if (!task.axioms.empty() || task.facts.size() > kMostFacts || task.actions.size() > 4 * kMostFacts) return possible;
-  const Pairs pairs(task, budget);
+  Pairs pairs(task, budget);
   if (budget.over()) return possible;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
@@ -145,6 +148,7 @@ Possible possible_by_pairs(const GroundTask& task, Budget& budget) {
                           pairs.reachable(action.end.facts);
   }
   possible.goal = pairs.reachable(task.goal.facts);
+  possible.together = std::move(pairs).together();
   return possible;
 }
 

@@ -2,6 +2,7 @@
 // What `ground` does one after the other, beside the join (reachable.h) and the removal of what is needless
 // (renumber.h).
 
+#include <cstddef>
 #include <vector>
 
 #include "planner/ground/budget.h"
@@ -17,10 +18,19 @@ std::vector<char> relevant_actions(const Task& task);
 /// What conditions read through derived predicates, by action of the domain; empty without derived predicates.
 ById<SchemaReads> find_derived_reads(const Domain& domain);
 
+/// Which facts can be true, and which two of them at once. Empty: nothing is known.
+struct Together {
+  std::size_t words = 0;     ///< of a row
+  std::vector<Word> rows{};  ///< by fact: bits of the facts that can be true with it
+
+  bool can_be(int a, int b) const { return words == 0 || is_set(&rows[static_cast<std::size_t>(a) * words], b); }
+};
+
 /// What can happen, judged by pairs of facts.
 struct Possible {
   ById<char> actions;  ///< by action: its start and its end
   bool goal = true;    ///< the goal can hold
+  Together together{};
 };
 /// Finds facts that are never true together, and actions that therefore cannot happen (h2, Haslum and Geffner 2000).
 /// Beginnings and ends count one by one, so that overlapping plans are covered; numbers are assumed to allow

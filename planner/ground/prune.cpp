@@ -218,12 +218,15 @@ bool keep_possible(GroundTask& task, Budget& budget) {
 
 }  // namespace
 
+void prune_by_facts(GroundTask& task, Budget& budget) {
+  task.proved_unsolvable = task.proved_unsolvable || !keep_useful(task, budget);
+}
+
 void prune(GroundTask& task, Budget& budget) {
-  if (task.proved_unsolvable || !keep_useful(task, budget) || (!budget.over() && !keep_possible(task, budget))) {
-    task.proved_unsolvable = true;
-    return;
-  }
-  if (budget.over()) return;
+  prune_by_facts(task, budget);
+  if (budget.over() || task.proved_unsolvable) return;
+  task.proved_unsolvable = !keep_possible(task, budget);
+  if (budget.over() || task.proved_unsolvable) return;
   put_significant_numbers_first(task);
   drop_copies(task, budget);
   if (!budget.over()) offer_durations(task, budget);
