@@ -91,7 +91,7 @@ int conclude(const lab::Played& played, const Console& console) {
   if (shown > 0) std::fprintf(stderr, "%s %zu, reported in the log above\n", coloured("errors:", kRed).c_str(), shown);
   if (played.failure) return static_cast<int>(played.failure->kind);
   if (!console.quiet())
-    for (const std::string& warning : played.result.warnings)
+    for (const std::string& warning : played.result.all_warnings())
       std::fprintf(stderr, "%s %s\n", coloured("warning:", kYellow).c_str(), printable(warning).c_str());
   if (!page) return fail(page.error());
   return interrupted(what_there_is(played));

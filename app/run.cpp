@@ -45,9 +45,9 @@ int run(RunOptions options) {
       std::printf("interrupted after %s of simulated time; up to then:\n",
                   seconds_text(played.result.sim_time).c_str());
     std::fputs(played.result.score_board.c_str(), stdout);
-    if (!played.result.warnings.empty() || !played.result.rule_errors.empty())
-      std::printf("%zu warnings, %zu errors of rules\n", played.result.warnings.size(),
-                  played.result.rule_errors.size());
+    const std::size_t warnings = played.result.all_warnings().size();
+    if (warnings > 0 || !played.result.rule_errors.empty())
+      std::printf("%zu warnings, %zu errors of rules\n", warnings, played.result.rule_errors.size());
   }
   if (!options.quiet && played.result.status == RunStatus::kCompleted && until > duration &&
       to_seconds(played.result.sim_time) >= duration)

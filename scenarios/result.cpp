@@ -69,7 +69,7 @@ Json result_json(const Result& r) {
                                   {"side", e.side},
                                   {"tick", e.tick},
                                   {"message", e.message}});
-  out["warnings"] = r.warnings;
+  out["warnings"] = r.all_warnings();
   out["journal_hash"] = r.journal_hash;
   out["physics_hash"] = r.physics_hash.empty() ? Json(nullptr) : Json(r.physics_hash);
   out["stream_hashes"] = Json::object();
@@ -104,6 +104,12 @@ Json value_at(const Json& root, const std::string& path) {
 }
 
 }  // namespace
+
+std::vector<std::string> Result::all_warnings() const {
+  std::vector<std::string> all = warnings;
+  all.insert(all.end(), tallies.begin(), tallies.end());
+  return all;
+}
 
 std::string Result::at(const std::string& path) const {
   const Json value = value_at(result_json(*this), path);

@@ -40,12 +40,17 @@ struct Result {
   std::string score_board;        ///< lines for a terminal; a world adds its own
   std::vector<RuleErrorResult> rule_errors;
   std::vector<std::string> warnings;  ///< given parameters that nobody asked for, errors that rules printed
+  /// Warnings that count what happened in this game ("skills failed: robot1 2 of 7"). Their text differs from game to
+  /// game, so sweeps leave them to the metrics.
+  std::vector<std::string> tallies;
   std::string journal_hash, physics_hash;
   std::vector<std::pair<std::string, std::string>> stream_hashes;  ///< name -> hash, by name
 
   /// Fills the section of that key, or adds it after the others. Text that is no JSON becomes a string.
   void set(const std::string& key, std::string json);
   std::string to_json() const;  ///< pretty-printed, UTF-8
+  /// What a person sees as warnings: `warnings`, then `tallies`.
+  std::vector<std::string> all_warnings() const;
   /// What result.json has at that path, as JSON ("teams.CYAN.points"); empty if there is nothing.
   std::string at(const std::string& path) const;
 };

@@ -116,7 +116,7 @@ void report_robots(std::span<const sim::RobotStats> robots, std::span<const Main
           (failed.empty() ? "" : ", ") + s.name + ' ' + std::to_string(s.failures) + " of " + std::to_string(s.skills);
     skills += s.skills;
   }
-  if (!failed.empty()) result.warnings.push_back("skills failed: " + failed);
+  if (!failed.empty()) result.tallies.push_back("skills failed: " + failed);
   constexpr double kLongEnough = 60;  // s; before that an agent may still look around
   if (skills == 0 && !robots.empty() && end >= kLongEnough)
     result.warnings.push_back("no robot was given a skill in the whole game");
