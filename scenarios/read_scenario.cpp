@@ -20,6 +20,19 @@ void read_packages(const yaml::Value& value, std::map<std::string, PackageSpec>&
   }
 }
 
+/// Adds parameters by their whole names: `a: {b: {c: 1}}` is `a.b.c: 1`, so that an override can set one of them
+/// alone. Of two with one name the later one counts.
+void read_params(const yaml::Value& value, const std::string& before, std::vector<cx::GivenParameter>& out) {
+  for (const auto& [name, param] : value.as_map().entries()) {
+    if (param.is_map()) {
+      read_params(param, before + name + '.', out);
+      continue;
+    }
+    std::erase_if(out, [&](const cx::GivenParameter& other) { return other.name == before + name; });
+    out.push_back({before + name, param.dump(), param.origin()});
+  }
+}
+
 AgentSpec read_agent(const yaml::Value& value) {
   AgentSpec agent;
   yaml::Map map = value.as_map();
@@ -29,9 +42,7 @@ AgentSpec read_agent(const yaml::Value& value) {
   }
   map.read("namespace", agent.name_space).read("remap", agent.remaps);
   read_packages(map.get("packages"), agent.packages);
-  if (const yaml::Value params = map.get("params"))
-    for (const auto& [name, param] : params.as_map().entries())
-      agent.params.push_back({name, param.dump(), param.origin()});
+  if (const yaml::Value params = map.get("params")) read_params(params, "", agent.params);
   map.read("activate", agent.activate);
   map.finish();
   if (const Status s = bus::check_node(agent.name_space, agent.remaps); !s) map.fail(s.error());
