@@ -1,12 +1,16 @@
 // cxlab bench: scenarios x strategies x seeds, each episode in a process of its own.
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <utility>
 
 #include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "cx/base/json.h"
+#include "cx/base/number_text.h"
 #include "lab/sweep/sweep.h"
 #include "lab/sweep/table.h"
 
@@ -17,32 +21,156 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchOptions {
-  std::string suite, out;
+  std::string suite, out, cell;
+  std::vector<std::string> collect;
   int jobs = 1;
-  bool json = false, quiet = false;
+  double time_limit_s = 0;
+  bool json = false, quiet = false, verbose = false, cells = false;
+
+  fs::path folder() const {
+    return out.empty() ? fs::path("runs") / ("bench-" + fs::path(suite).stem().string()) : fs::path(out);
+  }
 };
+
+bool all_count(const std::vector<lab::Row>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const lab::Row& row) { return row.counts(); });
+}
+
+int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options) {
+  const std::vector<lab::TableLine> table = lab::table_of(rows, catalogue());
+  if (options.json)
+    std::fputs(lab::to_json(table).c_str(), stdout);
+  else
+    std::printf("%s%s\n", lab::to_text(table).c_str(), (options.folder() / "rows.csv").c_str());
+  return all_count(rows) ? 0 : static_cast<int>(ErrorKind::kNo);
+}
+
+/// What a suite consists of, a line each: the number that `--cell` takes, and what is played.
+int list_cells(const lab::Suite& suite, const BenchOptions& options) {
+  Json list = Json::array();
+  for (const lab::Cell& cell : suite.cells()) {
+    if (!options.json) {
+      std::string title = lab::title_of(cell);
+      std::ranges::replace(title, '\n', ' ');
+      std::printf("%zu\t%s\n", cell.number, title.c_str());
+      continue;
+    }
+    Json parameters = Json::object();
+    for (const lab::Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
+    list.push_back({{"cell", cell.number},
+                    {"scenario", cell.scenario},
+                    {"strategy", cell.strategy},
+                    {"game", cell.game},
+                    {"seed", cell.seed},
+                    {"parameters", std::move(parameters)},
+                    {"tags", cell.tags},
+                    {"row", "rows/" + lab::row_name(cell) + ".json"},
+                    {"command", lab::command_of(cell)}});
+  }
+  if (options.json) std::printf("%s\n", json_text(list, 2).c_str());
+  return 0;
+}
+
+/// The cells of "17" or "17..20".
+Expected<std::vector<lab::Cell>> chosen_cells(const lab::Suite& suite, const std::string& text) {
+  std::vector<lab::Cell> cells = suite.cells();
+  const std::size_t dots = text.find("..");
+  const auto first = read_number<std::size_t>(text.substr(0, dots));
+  const auto last = dots == text.npos ? first : read_number<std::size_t>(text.substr(dots + 2));
+  if (!first || !last || *first < 1 || *last < *first || *last > cells.size())
+    return usage_error("--cell: found '" + text + "', expected the number of a cell, 1 to " +
+                       std::to_string(cells.size()) + ", or a range of them, as 1.." + std::to_string(cells.size()));
+  return std::vector<lab::Cell>(cells.begin() + static_cast<std::ptrdiff_t>(*first) - 1,
+                                cells.begin() + static_cast<std::ptrdiff_t>(*last));
+}
+
+std::string finished_text(std::size_t rows, std::size_t cells) {
+  return std::to_string(rows) + " of " + std::to_string(cells) +
+         " episodes are finished and kept; the same command plays the others";
+}
+
+int play_cells(const lab::Suite& suite, const BenchOptions& options, const lab::Host& host) {
+  const auto cells = chosen_cells(suite, options.cell);
+  if (!cells) return fail(cells.error());
+  const auto rows = lab::play_cells(suite, *cells, {options.folder(), options.jobs, options.time_limit_s}, host);
+  if (!rows) return fail(rows.error());
+  Json list = Json::array();
+  for (const lab::Row& row : *rows) {
+    const std::string file = (options.folder() / "rows" / (lab::row_name(row.cell) + ".json")).string();
+    if (options.json)
+      list.push_back({{"cell", row.cell.number},
+                      {"status", row.status},
+                      {"exit", row.exit_code},
+                      {"row", file},
+                      {"key", row.key}});
+    else
+      std::printf("%s\n", file.c_str());
+  }
+  if (options.json) std::printf("%s\n", json_text(list, 2).c_str());
+  if (const int code = interrupted(finished_text(rows->size(), cells->size()))) return code;
+  return all_count(*rows) ? 0 : static_cast<int>(ErrorKind::kNo);
+}
+
+/// "3, 5..8, 12", with no more than a few of them.
+std::string ranges_text(const std::vector<std::size_t>& numbers) {
+  constexpr std::size_t kMost = 8;
+  std::string out;
+  std::size_t ranges = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++ranges) {
+    std::size_t end = i + 1;
+    while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
+    if (ranges == kMost) return out + ", ...";
+    out += (out.empty() ? "" : ", ") + std::to_string(numbers[i]);
+    if (end > i + 1) out += ".." + std::to_string(numbers[end - 1]);
+    i = end;
+  }
+  return out;
+}
+
+int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab::Host& host) {
+  const auto found = lab::collect(suite, {options.collect.begin(), options.collect.end()}, options.folder(), host);
+  if (!found) return fail(found.error());
+  if (const int code = interrupted("nothing is collected")) return code;
+  const std::size_t cells = found->rows.size() + found->missing.size();
+  host.note(std::to_string(found->rows.size()) + " of " + std::to_string(cells) + " cells have a row; " +
+            std::to_string(found->taken) + " rows were taken");
+  if (found->of_other_programs > 0)
+    host.note(std::to_string(found->of_other_programs) + " rows are of another build of cxlab, and do not count");
+  if (found->outdated > 0)
+    host.note(std::to_string(found->outdated) +
+              " rows are of games that this suite does not play: its files have changed, or it never had them");
+  if (found->broken > 0) host.note(std::to_string(found->broken) + " files are not rows, or are cut short");
+  const int code = print_table(found->rows, options);
+  if (!found->contradictory.empty())
+    return fail(
+        negative("cells " + ranges_text(found->contradictory) +
+                 ": two rows of the same game differ, which must not be; the machines that played them differ, or "
+                 "one of the files has been changed by hand"));
+  if (!found->missing.empty())
+    return fail(negative("cells " + ranges_text(found->missing) + " have no row; cxlab bench " + options.suite +
+                         " --out " + options.folder().string() + " plays them"));
+  return code;
+}
 
 int bench(const BenchOptions& options) {
   auto suite = lab::Suite::load(options.suite);
   if (!suite) return fail(suite.error());
   suite->catalogue = &catalogue();
-  if (Status s = suite->check(); !s) return fail(s.error());
-  const fs::path folder = options.out.empty() ? fs::path("runs") / ("bench-" + fs::path(options.suite).stem().string())
-                                              : fs::path(options.out);
+  if (options.cells) return list_cells(*suite, options);
+  // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
+  if (options.cell.empty())
+    if (Status s = suite->check(); !s) return fail(s.error());
   Console console(options.quiet);
   if (options.quiet) stop_reporting();
-  const auto rows = lab::sweep(*suite, {folder, options.jobs}, console.host());
+  if (options.verbose) console.show_all_games();
+  const lab::Host host = console.host();
+  if (!options.cell.empty()) return play_cells(*suite, options, host);
+  if (!options.collect.empty()) return collect_rows(*suite, options, host);
+  const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);
+  console.clear();
   if (!rows) return fail(rows.error());
-  if (const int code = interrupted(std::to_string(rows->size()) + " of " + std::to_string(suite->cells().size()) +
-                                   " episodes are finished and kept; the same command plays the others"))
-    return code;
-  const std::vector<lab::TableLine> table = lab::table_of(*rows, catalogue());
-  if (options.json)
-    std::fputs(lab::to_json(table).c_str(), stdout);
-  else
-    std::printf("%s%s\n", lab::to_text(table).c_str(), (folder / "rows.csv").c_str());
-  const bool all_count = std::all_of(rows->begin(), rows->end(), [](const lab::Row& row) { return row.counts(); });
-  return all_count ? 0 : static_cast<int>(ErrorKind::kNo);
+  if (const int code = interrupted(finished_text(rows->size(), suite->cells().size()))) return code;
+  return print_table(*rows, options);
 }
 
 }  // namespace
@@ -50,14 +178,36 @@ int bench(const BenchOptions& options) {
 void add_bench(CLI::App& app, Action& action) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/bench.md)");
-  command->footer("Example:\n  cxlab bench benchmarks/rcll.yaml -j 2");
+  command->footer(
+      "Examples:\n"
+      "  cxlab bench benchmarks/rcll.yaml -j 2\n"
+      "  cxlab bench benchmarks/rcll.yaml --cell 17 --out rows-of-this-machine\n"
+      "  cxlab bench benchmarks/rcll.yaml --collect rows-of-* --out runs/bench-rcll");
   add_limit_options(*command);
   command->add_option("suite", options->suite, "Suite file (YAML)")->required();
   whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,
                       "Folder of the rows (default runs/bench-<suite>); rows that would come out the same are kept");
+  command->add_option("--time-limit", options->time_limit_s, "Ends an episode after so many seconds of wall time")
+      ->check(positive())
+      ->type_name("S");
+  CLI::Option* cells =
+      command->add_flag("--cells", options->cells, "Lists the cells of the suite by number, and plays nothing");
+  CLI::Option* cell =
+      command->add_option("--cell", options->cell, "Plays only this cell, or those of a range: writes their rows")
+          ->type_name("N[..M]");
+  CLI::Option* collect =
+      command
+          ->add_option("--collect", options->collect,
+                       "Takes the rows of these folders into the folder of --out, writes its tables, and plays nothing")
+          ->type_name("DIR")
+          ->expected(1, -1);
+  const std::array modes{cells, cell, collect};
+  for (std::size_t i = 0; i < modes.size(); ++i)
+    for (std::size_t j = i + 1; j < modes.size(); ++j) modes[i]->excludes(modes[j]);
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
-  command->add_flag("--quiet", options->quiet, "No line for each episode");
+  command->add_flag("--quiet", options->quiet, "No progress and no lines for episodes");
+  command->add_flag("-v,--verbose", options->verbose, "A line for each episode");
   command->callback([options, &action] { action = [options] { return bench(*options); }; });
 }
 

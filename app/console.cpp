@@ -400,26 +400,65 @@ void Console::progress(double done, double total) {
   if (g_activity.done < 0 && g_activity.text >= 0) doing("playing");
   g_activity.done = static_cast<std::int64_t>(done);
   g_activity.total = static_cast<std::int64_t>(total);
-  if (quiet_) return;
-  const auto now = Clock::now();
-  if (now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
-  last_ = now;
-  has_said();
-  const double wall = std::chrono::duration<double>(now - start_).count();
+  if (quiet_ || !is_due()) return;
+  const double wall = std::chrono::duration<double>(last_ - start_).count();
   const double share = total > 0 ? done / total : 0;
   const double left = share > 0 ? wall / share - wall : 0;
   if (terminal_) {
-    constexpr int kWidth = 30;
-    std::string bar(static_cast<std::size_t>(std::lround(share * kWidth)), '#');
-    bar.resize(kWidth, '.');
-    std::fprintf(stderr, "\r\033[K[%s] %s of %s  %.0f x real time  %.0f s left", bar.c_str(), clock_text(done).c_str(),
-                 clock_text(total).c_str(), done / wall, left);
-    std::fflush(stderr);
-    drawn_ = g_activity.drawn = true;
+    char text[128];
+    std::snprintf(text, sizeof text, "%s of %s  %.0f x real time  %.0f s left", clock_text(done).c_str(),
+                  clock_text(total).c_str(), done / wall, left);
+    draw(share, text);
   } else {
     std::fprintf(stderr, "%s of %s, %.0f x real time, %.0f s left\n", clock_text(done).c_str(),
                  clock_text(total).c_str(), done / wall, left);
   }
+}
+
+bool Console::is_due() {
+  const auto now = Clock::now();
+  if (now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return false;
+  last_ = now;
+  has_said();
+  return true;
+}
+
+void Console::draw(double share, const std::string& text) {
+  constexpr int kWidth = 30;
+  std::string bar(static_cast<std::size_t>(std::lround(share * kWidth)), '#');
+  bar.resize(kWidth, '.');
+  std::fprintf(stderr, "\r\033[K[%s] %s", bar.c_str(), text.c_str());
+  std::fflush(stderr);
+  drawn_ = g_activity.drawn = true;
+}
+
+/// "4:10 left", "2 h 05 min left"; empty while nobody knows.
+static std::string left_text(const lab::GamesProgress& games) {
+  if (!games.seconds_left || games.done == games.total) return {};
+  const long seconds = std::lround(*games.seconds_left);
+  if (seconds < 3600) return clock_text(static_cast<double>(seconds)) + " left";
+  char text[64];
+  std::snprintf(text, sizeof text, "%ld h %02ld min left", seconds / 3600, seconds / 60 % 60);
+  return text;
+}
+
+void Console::sweep_progress(const lab::GamesProgress& games) {
+  if (quiet_ || !is_due()) return;
+  std::string text = std::to_string(games.done) + " of " + std::to_string(games.total) + " games";
+  if (games.incomplete > 0) text += ", " + std::to_string(games.incomplete) + " not completed";
+  text += ", " + std::to_string(games.playing) + " at play";
+  if (const std::string left = left_text(games); !left.empty()) text += ", " + left;
+  if (terminal_)
+    draw(games.total > 0 ? static_cast<double>(games.done) / static_cast<double>(games.total) : 0, text);
+  else
+    std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void Console::game_ended(std::string_view line, const lab::GamesProgress& games, bool remarkable) {
+  if (quiet_) return;
+  if (!remarkable && !all_games_ && (terminal_ || (games.done < games.total && !is_due()))) return;
+  const std::string left = left_text(games);
+  note(std::string(line) + (left.empty() ? "" : " (" + left + ')'));
 }
 
 void Console::note(std::string_view text) {

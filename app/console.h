@@ -34,6 +34,10 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   lab::Host host();
 
   void progress(double done, double total) override;
+  void sweep_progress(const lab::GamesProgress& games) override;
+  void game_ended(std::string_view line, const lab::GamesProgress& games, bool remarkable) override;
+  /// A line for each game of a sweep, not only for those that are remarkable and now and then.
+  void show_all_games() { all_games_ = true; }
   void note(std::string_view text) override;
   void line(const cx::LogLine& line) override;
   /// Takes the line of progress away, so that other output can be printed.
@@ -44,7 +48,12 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool quiet_, terminal_, drawn_ = false;
+  /// Whether it is time for another line of progress, which is then the last one.
+  bool is_due();
+  /// Draws the line of progress anew, after a bar.
+  void draw(double share, const std::string& text);
+
+  bool quiet_, terminal_, drawn_ = false, all_games_ = false;
   Clock::time_point start_, last_;
   std::unique_ptr<cx::LogSink> log_;  // where lines are printed
   std::set<std::string> errors_;      // of the log

@@ -2,7 +2,9 @@
 // The program around a run: who sees its lines and its progress, and who may stop it.
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "cx/engine/limits.h"
@@ -10,11 +12,23 @@
 
 namespace cxlab::lab {
 
+/// How far a sweep has come.
+struct GamesProgress {
+  std::size_t done = 0, total = 0;  ///< games; those that are kept are done
+  std::size_t playing = 0;
+  std::size_t incomplete = 0;          ///< of those that are done: failed or crashed
+  std::optional<double> seconds_left;  ///< of wall time; none before the first game has ended
+};
+
 class ProgressSink {
  public:
   virtual ~ProgressSink() = default;
   /// `done` of `total` simulated seconds have been played.
   virtual void progress(double done, double total) = 0;
+  /// A sweep goes on; called several times a second.
+  virtual void sweep_progress(const GamesProgress&) {}
+  /// One game of a sweep has ended. `remarkable`: it was not completed, or has a warning that is new for its strategy.
+  virtual void game_ended(std::string_view line, const GamesProgress&, [[maybe_unused]] bool remarkable) { note(line); }
   /// One line for a person: the folder of the run, files that were taken from copies.
   virtual void note(std::string_view text) = 0;
 };

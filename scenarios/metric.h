@@ -28,6 +28,7 @@ struct Metric {
   std::string_view per = {};   ///< the path of a number that the result is divided by: "sim_time_s"
   std::string_view unit = {};  ///< "s", "m"; "share" is 0 to 1; empty: a plain number
   bool more_is_better = true;
+  bool of_machine = false;  ///< depends on the machine and the hour: kept out of files that are compared byte for byte
   std::string_view title = {};  ///< of its column in the table of `bench`; empty: it is in the rows only
   int digits = 1;               ///< after the point, in that table
 };

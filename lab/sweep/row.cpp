@@ -15,11 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSchema = 2;
-/// The keys of a row in JSON, without the figures.
-constexpr std::string_view kKeys[] = {"schema",    "scenario",     "strategy", "game",   "seed",  "file",
-                                      "overrides", "status",       "exit",     "errors", "world", "compared",
-                                      "metrics",   "journal_hash", "program",  "files"};
+constexpr int kSchema = 3;
+/// The keys of a row in JSON without the figures, and the columns of the index (index.cpp).
+constexpr std::string_view kKeys[] = {
+    "schema",    "key",          "scenario", "strategy",     "game",     "seed",      "parameters", "file",
+    "overrides", "status",       "exit",     "errors",       "warnings", "world",     "compared",   "metrics",
+    "played",    "journal_hash", "program",  "files",        "cell",     "completed", "reason",     "tags",
+    "cpu_s",     "peak_rss_mb",  "host",     "agent_commit", "command",  "row"};
 
 std::string csv_field(const std::string& field) {
   if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
@@ -46,54 +48,66 @@ void Row::measure(const WorldKind& kind, const std::string& result_json) {
   const std::vector<const Metric*> metrics = metrics_of(kind);
   const std::vector<std::optional<double>> values = cxlab::measure(metrics, result_json);
   figures.clear();
-  for (std::size_t i = 0; i < metrics.size(); ++i) figures.push_back({std::string(metrics[i]->name), values[i]});
+  for (std::size_t i = 0; i < metrics.size(); ++i)
+    figures.push_back({std::string(metrics[i]->name), values[i], metrics[i]->of_machine});
 }
 
-bool is_key_of_row(std::string_view name) { return std::ranges::find(kKeys, name) != std::end(kKeys); }
-
-namespace {
-
-/// Whether two overrides set the same. A file of a game may lie elsewhere: its name and its content say which it is.
-bool same_override(const std::string& then, const std::string& now, const Cell& cell_now) {
-  if (cell_now.game_override.empty() || now != cell_now.game_override) return then == now;
-  const std::size_t path = now.find('=') + 1;
-  return then.starts_with(now.substr(0, path));
+bool is_key_of_row(std::string_view name) {
+  std::string low(name);
+  std::ranges::transform(low, low.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kKeys, low) != std::end(kKeys);
 }
 
-}  // namespace
+std::string Row::digest() const {
+  std::string text = program;
+  for (const std::string& part : portable_overrides(cell)) text += '\0' + part;
+  for (const auto& [name, hash] : files) text += '\0' + name + '\0' + hash;
+  return content_hash(text);
+}
 
-bool Row::is_current(const Cell& now, const std::string& program_now, const FileNames& names) const {
-  const bool played = !files.empty() && !journal_hash.empty();  // else a file that was missing may be there now
-  if (!played || program != program_now || cell.game != now.game) return false;
-  if (!std::ranges::equal(cell.overrides, now.overrides,
-                          [&now](const std::string& a, const std::string& b) { return same_override(a, b, now); }))
-    return false;
-  return std::ranges::all_of(files, [&names](const auto& file) {
-    const fs::path path = names.path_of(file.first);
-    return !path.empty() && hash_of(path) == file.second;
+bool Row::is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash) const {
+  return !journal_hash.empty() && tells_of(now, program_now, names, hash);
+}
+
+bool Row::tells_of(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash) const {
+  if (files.empty() || program != program_now || cell.game != now.game || cell.seed != now.seed) return false;
+  if (file != names.name_of(now.file) || portable_overrides(cell) != portable_overrides(now)) return false;
+  return std::ranges::all_of(files, [&](const auto& read) {
+    const fs::path path = names.path_of(read.first);
+    return !path.empty() && (hash ? hash(path) : hash_of(path)) == read.second;
   });
 }
 
 std::string Row::to_json() const {
-  Json names = Json::array();
+  Json names = Json::array(), parameters = Json::object(), played = Json::object();
   for (const Figure& figure : figures) names.push_back(figure.metric);
+  for (const Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
   Json out{{"schema", kSchema},
+           {"key", key},
            {"scenario", cell.scenario},
            {"strategy", cell.strategy},
            {"game", cell.game},
            {"seed", cell.seed},
-           {"file", cell.file.string()},
-           {"overrides", cell.overrides},
+           {"parameters", std::move(parameters)},
+           {"file", file},
+           {"overrides", portable_overrides(cell)},
            {"status", status},
            {"exit", exit_code},
            {"errors", errors},
+           {"warnings", warnings},
            {"world", world},
            {"compared", compared},
            {"metrics", std::move(names)}};
-  for (const Figure& figure : figures) out[figure.metric] = figure.value ? Json(*figure.value) : Json(nullptr);
+  for (const Figure& figure : figures)
+    (figure.of_machine ? played : out)[figure.metric] = figure.value ? Json(*figure.value) : Json(nullptr);
   out["journal_hash"] = journal_hash;
   out["program"] = program;
   out["files"] = files;
+  played["cpu_s"] = circumstances.cpu_s;
+  played["peak_rss_mb"] = circumstances.peak_rss_mb;
+  played["host"] = circumstances.host;
+  played["agent_commit"] = circumstances.agent_commit;
+  out["played"] = std::move(played);
   return json_text(out, 2) + '\n';
 }
 
@@ -102,24 +116,31 @@ Expected<Row> Row::parse(const std::string& text) {
     const Json json = parse_json(text);
     if (json.at("schema") != kSchema) return input_error("a row of another version of cxlab");
     Row row;
+    row.key = json.at("key");
     row.cell.scenario = json.at("scenario");
     row.cell.strategy = json.at("strategy");
     row.cell.seed = json.at("seed");
-    row.cell.file = json.at("file").get<std::string>();
+    row.file = json.at("file");
     row.cell.overrides = json.at("overrides").get<std::vector<std::string>>();
     row.cell.game = json.at("game");
+    for (const auto& [name, value] : json.at("parameters").items()) row.cell.parameters.push_back({name, value});
     row.program = json.at("program");
     row.files = json.at("files").get<std::map<std::string, std::string>>();
     row.status = json.at("status");
     row.exit_code = json.at("exit");
     row.errors = json.at("errors").get<std::vector<std::string>>();
+    row.warnings = json.at("warnings").get<std::vector<std::string>>();
     row.world = json.at("world");
     row.compared = json.at("compared");
+    const Json& played = json.at("played");
     for (const std::string& metric : json.at("metrics").get<std::vector<std::string>>()) {
-      const Json& value = json.at(metric);
-      row.figures.push_back({metric, value.is_null() ? std::nullopt : std::optional(value.get<double>())});
+      if (is_key_of_row(metric)) return input_error("not a row of a sweep: a metric is called '" + metric + "'");
+      const bool of_machine = played.contains(metric);
+      const Json& value = of_machine ? played.at(metric) : json.at(metric);
+      row.figures.push_back({metric, value.is_null() ? std::nullopt : std::optional(value.get<double>()), of_machine});
     }
     row.journal_hash = json.at("journal_hash");
+    row.circumstances = {played.at("cpu_s"), played.at("peak_rss_mb"), played.at("host"), played.at("agent_commit")};
     return row;
   } catch (const Json::exception& e) {
     return input_error(std::string("not a row of a sweep: ") + e.what());
@@ -142,7 +163,8 @@ std::string to_csv(const std::vector<Row>& rows) {
   std::vector<std::string> metrics;
   for (const Row& row : rows)
     for (const Figure& figure : row.figures)
-      if (std::ranges::find(metrics, figure.metric) == metrics.end()) metrics.push_back(figure.metric);
+      if (!figure.of_machine && std::ranges::find(metrics, figure.metric) == metrics.end())
+        metrics.push_back(figure.metric);
   std::string out = "scenario,strategy,game,seed,status,exit";
   for (const std::string& metric : metrics) out += ',' + csv_field(metric);
   out += ",journal_hash\n";

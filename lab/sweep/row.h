@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,42 +21,65 @@ namespace cxlab::lab {
 struct Figure {
   std::string metric;
   std::optional<double> value;
+  bool of_machine = false;  ///< as of its Metric
+};
+
+/// What is different wherever and whenever the same game is played. No comparison reads it.
+struct Circumstances {
+  double cpu_s = 0;  ///< of its process
+  double peak_rss_mb = 0;
+  std::string host;
+  std::string agent_commit;  ///< checked out in the git repository of the agent; empty: there is none
 };
 
 struct Row {
   Cell cell;
   // What it was played from
   std::string program;                       ///< digest of cxlab itself
+  std::string file;                          ///< the scenario by its name (FileNames)
   std::map<std::string, std::string> files;  ///< that the run read: name (FileNames) -> content hash
+  std::string key;                           ///< digest of all that (`digest`)
   // How it went
   std::string status;  ///< as in result.json; "crashed" if the process ended without a result
   int exit_code = 0;
-  std::vector<std::string> errors;
+  std::vector<std::string> errors;  ///< why it was not completed
+  std::vector<std::string> warnings;
   std::string world;            ///< kind of the world; empty: the scenario could not be read, or the process crashed
   std::string compared;         ///< the metric that `bench` compares; empty: the world declares none
   std::vector<Figure> figures;  ///< of the metrics of the world, in their order
   std::string journal_hash;
+  Circumstances circumstances{};
 
   /// Whether its figures count: the game was played to its end.
   bool counts() const { return status == "completed" && exit_code == 0; }
   std::optional<double> figure(std::string_view metric) const;
   /// Sets world, the compared metric and the figures.
   void measure(const WorldKind& kind, const std::string& result_json);
+  /// The digest of program, overrides and files. Rows with the same one are of the same game, wherever the files lie
+  /// and whatever suite and strategy are called.
+  std::string digest() const;
+
+  using Hash = std::function<std::string(const std::filesystem::path&)>;
   /// Whether the same would be played now: by this program, with the same overrides and the same content of all files,
   /// wherever they lie.
-  bool is_current(const Cell& now, const std::string& program_now, const FileNames& names) const;
+  bool is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {}) const;
+  /// The same of a game that was begun, and perhaps not played to its end: it crashed, or could not read a file.
+  bool tells_of(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {}) const;
 
+  /// The same bytes wherever and whenever the game is played, but for the value of the last key, `played`.
   std::string to_json() const;
+  /// Its cell has neither the folders of its files nor tags and number: these are of the suite.
   static Expected<Row> parse(const std::string& text);
 };
 
-/// The key of a row's JSON: no metric may have its name.
+/// The key of a row's JSON, or a column of the index: no metric may have its name, in capital letters or not.
 bool is_key_of_row(std::string_view name);
 /// The hash of a file's content now; empty if it cannot be read.
 std::string hash_of(const std::filesystem::path& file);
 /// The name of a row's file without extension: readable, and different for different cells of a suite.
 std::string row_name(const Cell& cell);
-/// All rows as comma-separated values (RFC 4180). Each metric of any row has a column.
+/// All rows as comma-separated values (RFC 4180). Each metric of any row has a column, but for those of the machine:
+/// the same games give the same bytes.
 std::string to_csv(const std::vector<Row>& rows);
 
 }  // namespace cxlab::lab

@@ -79,11 +79,151 @@ std::vector<SuiteGame> read_games(const yaml::Value& value, const fs::path& from
   return out;
 }
 
-/// Single-quoted YAML.
-std::string in_quotes(const std::string& text) {
+/// The text in single quotes; a quote in it becomes `quote`.
+std::string in_quotes(const std::string& text, const char* quote) {
   std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  for (const char c : text) out += c == '\'' ? std::string(quote) : std::string(1, c);
   return out + '\'';
+}
+
+constexpr const char* kYamlQuote = "''";
+constexpr const char* kShellQuote = "'\\''";
+
+std::string game_override(const std::string& path, const std::string& file) {
+  return path + '=' + in_quotes(file, kYamlQuote);
+}
+
+// --- grids
+
+/// One value of one parameter of a grid.
+struct Choice {
+  std::string label;  ///< in names of strategies
+  std::vector<std::string> overrides;
+  std::vector<Origin> origins;
+};
+struct Axis {
+  std::string name;
+  std::vector<Choice> choices;
+};
+
+void read_overrides(const yaml::Value& list, std::vector<std::string>& overrides, std::vector<Origin>& origins) {
+  if (!list) return;
+  for (const yaml::Value& item : list.as_list()) {
+    overrides.push_back(item.as_string());
+    origins.push_back(item.origin());
+  }
+}
+
+/// `PATH: [1, 2, 3]`, or `NAME: {LABEL: [overrides], ...}`.
+Axis read_axis(const std::string& path, const yaml::Value& values) {
+  Axis axis{path, {}};
+  const auto add = [&axis](Choice choice, const yaml::Value& place) {
+    if (choice.label.empty() || choice.label.find('/') != std::string::npos)
+      place.fail("found '" + choice.label + "', expected a value without '/'; with a label any value can be given: " +
+                 axis.name + ": {LABEL: [PATH=VALUE]}");
+    else if (std::ranges::find(axis.choices, choice.label, &Choice::label) != axis.choices.end())
+      place.fail("found the value '" + choice.label + "' twice, expected each once");
+    else
+      axis.choices.push_back(std::move(choice));
+  };
+  if (values.is_map()) {
+    yaml::Map map = values.as_map();
+    for (const auto& [label, overrides] : map.entries()) {
+      Choice choice{label, {}, {}};
+      read_overrides(overrides, choice.overrides, choice.origins);
+      add(std::move(choice), overrides ? overrides : values);
+    }
+  } else {
+    for (const yaml::Value& item : values.as_list())
+      if (!item.is_scalar())
+        item.fail("found " + item.found() + ", expected a number or a word; other values need a label: " + axis.name +
+                  ": {LABEL: [PATH=VALUE]}");
+      else
+        add({item.text(), {path + '=' + item.dump()}, {item.origin()}}, item);
+  }
+  if (axis.choices.empty()) values.fail("expected at least one value of " + path);
+  return axis;
+}
+
+/// The end of each path that is enough to tell it from the others: "robots" for "world.robots".
+void shorten_names(std::vector<Axis>& axes) {
+  std::vector<std::string> names;
+  for (const Axis& axis : axes) {
+    std::size_t from = axis.name.rfind('.');
+    const auto same = [&](const Axis& other) {
+      return &other != &axis && ('.' + other.name).ends_with('.' + axis.name.substr(from + 1));
+    };
+    while (from != std::string::npos && std::any_of(axes.begin(), axes.end(), same))
+      from = from == 0 ? std::string::npos : axis.name.rfind('.', from - 1);
+    names.push_back(axis.name.substr(from + 1));  // of npos: the whole name
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) axes[i].name = names[i];
+}
+
+/// A strategy for each combination of values, each on top of `base`; the last parameter varies fastest.
+std::vector<Strategy> read_grid(const yaml::Value& value, const Strategy& base) {
+  constexpr std::size_t kMost = 10000;
+  std::vector<Axis> axes;
+  yaml::Map map = value.as_map();
+  for (const auto& [path, values] : map.entries()) {
+    if (path.empty()) map.fail("expected the path of a parameter, as world.robots");
+    if (std::ranges::find(axes, path, &Axis::name) != axes.end())
+      map.fail("found '" + path + "' twice, expected each once");
+    axes.push_back(read_axis(path, values));
+  }
+  shorten_names(axes);
+  std::vector<Strategy> out;
+  if (axes.empty()) {
+    value.fail("expected parameters, each with its values: {world.robots: [1, 2, 3]}");
+    return out;
+  }
+  std::size_t combinations = 1;
+  for (const Axis& axis : axes) {
+    if (axis.choices.empty()) return out;  // reported
+    combinations *= axis.choices.size();
+    if (combinations > kMost) {
+      value.fail("found more than " + std::to_string(kMost) + " combinations, expected fewer");
+      return out;
+    }
+  }
+  for (std::size_t number = 0; number < combinations; ++number) {
+    Strategy& strategy = out.emplace_back(base);
+    std::size_t below = combinations, rest = number;
+    for (const Axis& axis : axes) {
+      below /= axis.choices.size();
+      const Choice& choice = axis.choices[rest / below];
+      rest %= below;
+      strategy.name += (strategy.name.empty() ? "" : " ") + axis.name + '=' + choice.label;
+      strategy.parameters.push_back({axis.name, choice.label});
+      strategy.overrides.insert(strategy.overrides.end(), choice.overrides.begin(), choice.overrides.end());
+      strategy.origins.insert(strategy.origins.end(), choice.origins.begin(), choice.origins.end());
+    }
+  }
+  return out;
+}
+
+/// `NAME: [overrides]`, or `NAME: {set: [overrides], grid: {...}, tags: [...]}`.
+std::vector<Strategy> read_strategy(const std::string& name, const yaml::Value& value) {
+  Strategy strategy{name, {}};
+  if (!value || !value.is_map()) {
+    read_overrides(value, strategy.overrides, strategy.origins);
+    return {strategy};
+  }
+  yaml::Map map = value.as_map();
+  read_overrides(map.get("set"), strategy.overrides, strategy.origins);
+  map.read("tags", strategy.tags);
+  const yaml::Value grid = map.get("grid");
+  std::vector<Strategy> out = grid ? read_grid(grid, strategy) : std::vector{strategy};
+  map.finish();
+  return out;
+}
+
+void add_strategies(std::vector<Strategy> more, const yaml::Value& place, std::vector<Strategy>& out) {
+  for (Strategy& strategy : more)
+    if (std::ranges::find(out, strategy.name, &Strategy::name) != out.end())
+      place.fail("found strategy '" + strategy.name + "' twice, expected each once");
+    else
+      out.push_back(std::move(strategy));
 }
 
 }  // namespace
@@ -115,22 +255,17 @@ Expected<Suite> Suite::load(const fs::path& file) {
       suite.scenarios[i].named = names[i];
     }
   }
-  if (const yaml::Value strategies = map.require("strategies")) {
+  const yaml::Value grid = map.get("grid");
+  if (const yaml::Value strategies = grid ? map.get("strategies") : map.require("strategies")) {
     yaml::Map names = strategies.as_map();
-    for (const auto& [name, overrides] : names.entries()) {
-      const auto same = [&name = name](const Strategy& other) { return other.name == name; };
-      if (std::any_of(suite.strategies.begin(), suite.strategies.end(), same))
-        strategies.fail("found strategy '" + name + "' twice, expected each once");
+    for (const auto& [name, value] : names.entries()) {
       if (name.empty() || name.find('/') != name.npos)
         strategies.fail("found '" + name + "', expected a name for the strategy, without '/'");
-      Strategy& strategy = suite.strategies.emplace_back(Strategy{name, {}});
-      if (!overrides) continue;
-      for (const yaml::Value& item : overrides.as_list()) {
-        strategy.overrides.push_back(item.as_string());
-        strategy.origins.push_back(item.origin());
-      }
+      add_strategies(read_strategy(name, value), strategies, suite.strategies);
     }
   }
+  if (grid) add_strategies(read_grid(grid, {}), grid, suite.strategies);
+  map.read("tags", suite.tags);
   const yaml::Value games = map.get("games");
   if (games) {
     suite.games = read_games(games, file.parent_path());
@@ -158,6 +293,37 @@ Expected<Scenario> load_scenario(const Suite& suite, const fs::path& file, const
 
 }  // namespace
 
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
+  return !text.empty() && text.find_first_not_of(kPlain) == text.npos ? text : in_quotes(text, kShellQuote);
+}
+
+std::vector<std::string> portable_overrides(const Cell& cell) {
+  std::vector<std::string> out = cell.overrides;
+  for (std::string& item : out)
+    if (!cell.game_override.empty() && item == cell.game_override)
+      item = game_override(item.substr(0, item.find('=')), cell.game_file.filename().string());
+  return out;
+}
+
+std::string title_of(const Cell& cell) {
+  return cell.scenario + ' ' + cell.strategy + (cell.game.empty() ? "" : " game " + cell.game) + " seed " +
+         std::to_string(cell.seed);
+}
+
+std::string command_of(const Cell& cell) {
+  const std::string seed = std::to_string(cell.seed);
+  std::string out = "cxlab run " + shell_word(fs::absolute(cell.file).lexically_normal().string());
+  for (const std::string& item : cell.overrides) {
+    if (item == "seed=" + seed) continue;
+    const bool game = !cell.game_override.empty() && item == cell.game_override;
+    out += " --set " + shell_word(game ? game_override(item.substr(0, item.find('=')),
+                                                       fs::absolute(cell.game_file).lexically_normal().string())
+                                       : item);
+  }
+  return out + " --seed " + seed;
+}
+
 std::vector<Cell> Suite::cells() const {
   std::vector<Cell> out;
   for (const SuiteScenario& scenario : scenarios)
@@ -172,9 +338,15 @@ std::vector<Cell> Suite::cells() const {
               out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides, game.name});
           if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
           if (!path_of_game.empty())
-            cell.overrides.push_back(cell.game_override = path_of_game + '=' + in_quotes(game.file.string()));
+            cell.overrides.push_back(cell.game_override = game_override(path_of_game, game.file.string()));
           cell.overrides.push_back("seed=" + std::to_string(seed));
           cell.named = scenario.named;
+          cell.game_file = game.file;
+          cell.parameters = strategy.parameters;
+          cell.tags = tags;
+          for (const std::string& tag : strategy.tags)
+            if (std::ranges::find(tags, tag) == tags.end()) cell.tags.push_back(tag);
+          cell.number = out.size();
         }
     }
   return out;
@@ -203,20 +375,24 @@ Status Suite::check() const {
   for (const Cell& cell : cells()) {
     const bool first_game = games.empty() || cell.game == games.front().name;
     if (cell.seed != seeds.front() || (!first_game && cell.strategy != strategies.front().name)) continue;
-    const auto wrong = [&](const Error& error) {
-      const auto used = std::ranges::find(strategies, cell.strategy, &Strategy::name);
-      const std::string what = "strategy '" + cell.strategy + "': " + error.text();
-      for (std::size_t i = 0; i < used->origins.size(); ++i)
-        if (error.text().starts_with(used->overrides[i] + ':')) return input_error(what, used->origins[i]);
-      return input_error(what);
-    };
-    auto scenario = load_scenario(*this, cell.file, cell.overrides);
-    if (!scenario) return wrong(scenario.error());
-    if (Status s = check_world(*scenario, *this); !s) return s;
-    auto episode = Episode::load(*std::move(scenario), shared_episode_options());
-    if (!episode) return wrong(episode.error());
+    if (Status s = check(cell); !s) return s;
   }
   return {};
+}
+
+Status Suite::check(const Cell& cell) const {
+  const auto wrong = [&](const Error& error) {
+    const auto used = std::ranges::find(strategies, cell.strategy, &Strategy::name);
+    const std::string what = "strategy '" + cell.strategy + "': " + error.text();
+    for (std::size_t i = 0; i < used->origins.size(); ++i)
+      if (error.text().starts_with(used->overrides[i] + ':')) return input_error(what, used->origins[i]);
+    return input_error(what);
+  };
+  auto scenario = load_scenario(*this, cell.file, cell.overrides);
+  if (!scenario) return wrong(scenario.error());
+  if (Status s = check_world(*scenario, *this); !s) return s;
+  auto episode = Episode::load(*std::move(scenario), shared_episode_options());
+  return episode ? Status() : Status(wrong(episode.error()));
 }
 
 }  // namespace cxlab::lab

@@ -1,9 +1,11 @@
 #pragma once
-// What a sweep plays: scenarios x strategies x games x seeds (docs/bench.md).
+// What a sweep plays: scenarios x strategies x games x seeds (docs/bench.md). A grid of parameters gives a strategy for
+// each combination of its values.
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -12,10 +14,19 @@
 
 namespace cxlab::lab {
 
+/// What a grid varies, by its name there, and the value that it has.
+struct Parameter {
+  std::string name, value;
+
+  bool operator==(const Parameter&) const = default;
+};
+
 struct Strategy {
   std::string name;
-  std::vector<std::string> overrides;  ///< as of `--set`
-  std::vector<Origin> origins = {};    ///< of these
+  std::vector<std::string> overrides;      ///< as of `--set`
+  std::vector<Origin> origins = {};        ///< of these
+  std::vector<Parameter> parameters = {};  ///< in the order of its grid; none: it is not of a grid
+  std::vector<std::string> tags = {};      ///< words by which its games are found again
 };
 
 struct SuiteScenario {
@@ -40,14 +51,29 @@ struct Cell {
   std::string game{};                  ///< by name; empty = as the scenario says
   std::string game_override{};         ///< the one of the overrides that names the file of the game
   std::string named{};                 ///< the scenario as the suite names it
+  std::filesystem::path game_file{};
+  std::vector<Parameter> parameters{};
+  std::vector<std::string> tags{};  ///< of the suite, then of the strategy
+  std::size_t number = 0;           ///< in the suite, from 1
 };
+
+/// The overrides, with the file of the game by its name alone: the same wherever it lies.
+std::vector<std::string> portable_overrides(const Cell& cell);
+/// "game fast game g1 seed 7".
+std::string title_of(const Cell& cell);
+/// The command that plays the game of this cell again, for a shell, with the scenario's path from the root.
+std::string command_of(const Cell& cell);
+
+/// The text as one word of a shell.
+std::string shell_word(const std::string& text);
 
 struct Suite {
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
-  std::vector<Strategy> strategies;
+  std::vector<Strategy> strategies;  ///< then those of the grid, in the order of its keys; the last one varies fastest
   std::vector<std::uint64_t> seeds;
   std::vector<SuiteGame> games;  ///< in order of names; none: as the scenarios say
   Origin games_origin{};
+  std::vector<std::string> tags{};          ///< of all games
   std::string tier;                         ///< instead of the scenarios'; empty = theirs
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
@@ -57,6 +83,8 @@ struct Suite {
   /// Loads every scenario with every strategy, and with every game, so that a misspelt override or a missing file does
   /// not cost a night of failed episodes.
   Status check() const;
+  /// Loads what this cell names.
+  Status check(const Cell& cell) const;
 };
 
 }  // namespace cxlab::lab

@@ -1,24 +1,28 @@
 #include "lab/sweep/sweep.h"
 
 #include <dlfcn.h>
-#include <fcntl.h>
-#include <sys/file.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstring>
 #include <fstream>
 #include <list>
 #include <map>
 #include <set>
-#include <thread>
 
 #include "cx/base/append_file.h"
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/journal/file_store.h"
-#include "cx/journal/run_folder.h"
 #include "lab/confine.h"
 #include "lab/session.h"
+#include "lab/sweep/remaining_time.h"
+#include "lab/sweep/row_folder.h"
 
 namespace cxlab::lab {
 
@@ -26,27 +30,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One sweep at a time in a folder; given up when the process ends.
-class FolderLock {
- public:
-  static Expected<std::unique_ptr<FolderLock>> take(const fs::path& folder) {
-    const int file = open((folder / ".lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-    if (file < 0) return resource_error("cannot be written", folder.string());
-    std::unique_ptr<FolderLock> lock(new FolderLock(file));
-    if (flock(file, LOCK_EX | LOCK_NB) != 0)
-      return resource_error("another sweep works in this folder; wait for it or use another one", folder.string());
-    return lock;
-  }
-  ~FolderLock() { release(); }
-  void release() {
-    if (file_ >= 0) close(file_);
-    file_ = -1;
-  }
+using Clock = std::chrono::steady_clock;
 
- private:
-  explicit FolderLock(int file) : file_(file) {}
-  int file_;
-};
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// Files that are mapped into this process to be executed: program and libraries.
 std::set<std::string> libraries() {
@@ -58,18 +44,37 @@ std::set<std::string> libraries() {
   return out;
 }
 
+/// What this process has used so far.
+Circumstances circumstances_now(const std::string& agent_commit) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) / 1e6;
+  };
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024, host,
+          agent_commit};
+}
+
 /// Plays one episode; in a process of its own.
 Row play(const Cell& cell, const Catalogue& catalogue, const std::string& program, const FileNames& names,
-         const Host& host) {
+         const std::string& agent_commit, const Host& host) {
   const std::set<std::string> before = libraries();
   Row row;
   row.cell = cell;
   row.program = program;
+  row.file = names.name_of(cell.file);
   row.status = "failed";
-  const auto refused = [&row](const Error& error) {
+  const auto completed = [&]() -> Row& {
+    row.key = row.digest();
+    row.circumstances = circumstances_now(agent_commit);
+    return row;
+  };
+  const auto refused = [&](const Error& error) {
     row.errors = {error.text()};
     row.exit_code = static_cast<int>(error.kind);
-    return row;
+    return completed();
   };
   const auto note = [&row, &names](const fs::path& file) {
     if (auto& hash = row.files[names.name_of(file)]; hash.empty()) hash = hash_of(file);
@@ -88,57 +93,256 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   row.status = to_string(played->result.status);
   row.exit_code = played->failure ? static_cast<int>(played->failure->kind) : 0;
   for (const Error& error : played->errors) row.errors.push_back(error.text());
-  for (const std::string& warning : played->result.warnings)
-    if (!warning.starts_with("skills failed: ")) row.errors.push_back(warning);  // of robots by name: no two are alike
+  row.warnings = played->result.warnings;
   row.measure(world, played->result.to_json());
   row.journal_hash = played->result.journal_hash;
-  return row;
+  return completed();
 }
 
-std::optional<Row> read_row(const fs::path& file) {
-  const auto text = read_file(file);
-  auto row = text ? Row::parse(*text) : Expected<Row>(text.error());
-  return row ? std::optional<Row>(*std::move(row)) : std::nullopt;
-}
-
-/// The row that a process has left beside the name that it gets.
-std::optional<Row> take_row(const fs::path& file, const Cell& cell, const std::string& program) {
-  const fs::path part = file.string() + ".part";
-  auto row = read_row(part);
-  std::error_code error;
-  if (!row) {
-    fs::remove(part, error);
-    return row;
-  }
-  row->cell = cell;
-  row->program = program;
-  fs::rename(part, file, error);
-  return row;
-}
+/// Exit code of a process that could not write its row: the disk is full, and all others would fail as well.
+constexpr int kRowNotWritten = 74;
 
 struct Running {
   std::size_t cell;
-  fs::path file;
+  fs::path part;
   Process process;
+  Clock::time_point begin = Clock::now();
+  bool over_time = false;
 };
 
+/// Returns when one of them has ended, or after so many milliseconds.
+void wait_for_any(const std::list<Running>& running, int milliseconds) {
+  std::vector<pollfd> ends;
+  for (const Running& one : running)
+    ends.push_back({static_cast<int>(syscall(SYS_pidfd_open, one.process.pid(), 0)), POLLIN, 0});
+  poll(ends.data(), ends.size(), milliseconds);
+  for (const pollfd& end : ends)
+    if (end.fd >= 0) close(end.fd);
+}
+
+/// The last line of a log that says something.
+std::string last_line(const fs::path& log) {
+  constexpr std::size_t kLongest = 500;
+  auto text = read_file(log);
+  if (!text) return {};
+  text->erase(text->find_last_not_of(" \n\r\t") + 1);
+  const std::string line = text->substr(text->rfind('\n') + 1);
+  return line.size() <= kLongest ? line : line.substr(0, kLongest) + " ...";
+}
+
+/// Why a process ended without a row.
+std::string reason_of(const Running& ended, int code, const fs::path& log, double time_limit_s) {
+  std::string out;
+  if (ended.over_time) {
+    out = "ended after " + general_text(time_limit_s, 6) + " s of wall time, its limit";
+  } else if (const char* name = code > 128 ? sigabbrev_np(code - 128) : nullptr) {
+    out = std::string("killed by SIG") + name;
+    if (code == 128 + SIGKILL) out += ": the machine had no memory left, or somebody ended it";
+  } else {
+    out = "the process ended with exit code " + std::to_string(code) + " and left no row";
+  }
+  const std::string said = last_line(log);
+  return said.empty() ? out : out + "; it printed last: " + said;
+}
+
 std::string line_of(const Row& row) {
-  std::string errors;
-  for (const std::string& error : row.errors) errors += "; " + error;
+  std::string messages;
+  for (const auto* texts : {&row.errors, &row.warnings})
+    for (const std::string& text : *texts) messages += "; " + text;
   const auto value = row.journal_hash.empty() ? std::nullopt : row.figure(row.compared);
   const std::string figure =
       row.compared.empty() ? "" : ", " + row.compared + ' ' + (value ? general_text(*value, 6) : "-");
-  return row.cell.scenario + ' ' + row.cell.strategy + (row.cell.game.empty() ? "" : " game " + row.cell.game) +
-         " seed " + std::to_string(row.cell.seed) + ": " + row.status + ", exit " + std::to_string(row.exit_code) +
-         figure + errors;
+  return title_of(row.cell) + ": " + row.status + ", exit " + std::to_string(row.exit_code) + figure + messages;
 }
 
-/// How the files of a cell are called. A scenario that cannot be read has no packages.
-FileNames names_of(const Cell& cell, const Catalogue& catalogue) {
-  FileNames names(cell.file);
-  if (const auto scenario = Scenario::load(cell.file, catalogue, {cell.overrides.begin(), cell.overrides.end()}))
-    names.use_packages(*scenario);
-  return names;
+std::string kind_of(const Cell& cell) { return cell.scenario + '\0' + cell.strategy; }
+
+/// Plays the cells of a sweep whose rows are not there.
+class CellPlayer {
+ public:
+  CellPlayer(const Suite& suite, const std::vector<Cell>& cells, const SweepOptions& options, const Host& host,
+             RowFolder& folder)
+      : suite_(suite),
+        cells_(cells),
+        options_(options),
+        host_(host),
+        folder_(folder),
+        matcher_(*suite.catalogue, program_digest()),
+        found_(cells.size()) {}
+
+  /// The rows of all cells, or those that there were before a stop.
+  Expected<std::vector<Row>> rows() {
+    keep();
+    if (!open_.empty())
+      if (const auto warning = warning_without_wall()) host_.note(*warning);
+    auto next = open_.begin();
+    while ((next != open_.end() || !running_.empty()) && !host_.stopped()) {
+      for (; next != open_.end() && running_.size() < static_cast<std::size_t>(options_.jobs); ++next)
+        if (Status s = begin(*next); !s) return s.error();
+      report();
+      wait_for_any(running_, 100);
+      if (Status s = take_ended(); !s) return s.error();
+    }
+    running_.clear();  // ends those that still play
+    std::vector<Row> out;
+    for (std::optional<Row>& row : found_)
+      if (row) out.push_back(*std::move(row));
+    return out;
+  }
+
+ private:
+  /// Finds the rows that are there, and what is to be played.
+  void keep() {
+    for (std::size_t i = 0; i < cells_.size() && !host_.stopped(); ++i) {
+      found_[i] = folder_.find(cells_[i], matcher_);
+      if (found_[i]) {
+        found_[i]->files.clear();
+        ++progress_.done;
+        if (!found_[i]->counts()) ++progress_.incomplete;
+      } else {
+        open_.push_back(i);
+        remaining_.add(kind_of(cells_[i]));
+      }
+    }
+    progress_.total = cells_.size();
+    if (progress_.done > 0) host_.note(std::to_string(progress_.done) + " rows are current and kept");
+    for (const std::optional<Row>& row : found_)
+      if (row && !(row->errors.empty() && row->warnings.empty())) host_.note("kept: " + line_of(*row));
+  }
+
+  Status begin(std::size_t i) {
+    const Cell& cell = cells_[i];
+    const fs::path file = folder_.file_of(cell), part = folder_.unfinished(file);
+    std::error_code error;
+    fs::remove(file, error);
+    ProcessOptions process;
+    process.out = process.err = Stream::file(folder_.log_of(cell));
+    const FileNames& names = matcher_.names_of(cell);
+    const std::string& commit = matcher_.agent_commit_of(cell);
+    auto started = Process::fork(process, [&] {
+      folder_.release();
+      auto out = AppendFile::create(part);  // the process opens no file of the sweep once rules have run
+      if (!out) return kRowNotWritten;
+      const Row row = play(cell, *suite_.catalogue, matcher_.program(), names, commit, host_);
+      return out->append(row.to_json()) && out->close() ? 0 : kRowNotWritten;
+    });
+    if (!started) return started.error();
+    remaining_.begun(kind_of(cell));
+    running_.push_back({i, part, *std::move(started)});
+    return {};
+  }
+
+  Status take_ended() {
+    for (auto it = running_.begin(); it != running_.end();) {
+      const double seconds = seconds_since(it->begin);
+      auto code = it->process.wait_for(0);
+      if (!code && options_.time_limit_s > 0 && seconds > options_.time_limit_s) {
+        it->over_time = true;
+        it->process.kill();
+        code = it->process.wait();
+      }
+      if (!code) {
+        ++it;
+        continue;
+      }
+      remaining_.ended(kind_of(cells_[it->cell]), seconds);
+      if (Status s = take(*it, *code); !s) return s;
+      it = running_.erase(it);
+    }
+    return {};
+  }
+
+  /// Takes the row that a process has left, or makes one that says why it left none.
+  Status take(const Running& ended, int code) {
+    const Cell& cell = cells_[ended.cell];
+    const fs::path file = folder_.file_of(cell), log = folder_.log_of(cell);
+    std::error_code error;
+    std::optional<Row>& row = found_[ended.cell] = read_row(ended.part);
+    if (row) {
+      row->cell = cell;
+      fs::rename(ended.part, file, error);
+      if (error) return resource_error("cannot be written: " + error.message(), file.string());
+    } else {
+      fs::remove(ended.part, error);
+      if (code == kRowNotWritten)
+        return resource_error(
+            "the row cannot be written; is the disk full? Rows that are there are kept, and the same "
+            "command goes on",
+            file.string());
+      row = crashed(cell, code, reason_of(ended, code, log, options_.time_limit_s));
+      if (Status s = folder_.write(*row); !s) return s;
+    }
+    if (fs::file_size(log, error) == 0 && !error) fs::remove(log, error);
+    row->files.clear();
+    ++progress_.done;
+    if (!row->counts()) ++progress_.incomplete;
+    progress_.playing = running_.size() - 1;
+    if (host_.progress) {
+      const std::string line =
+          '[' + std::to_string(progress_.done) + '/' + std::to_string(progress_.total) + "] " + line_of(*row);
+      estimate();
+      host_.progress->game_ended(line, progress_, !row->counts() || warns_of_something_new(*row));
+    }
+    return {};
+  }
+
+  /// Whether it has a warning that no other game of its strategy had so far; the table counts them all.
+  bool warns_of_something_new(const Row& row) {
+    bool is_new = false;
+    for (const std::string& text : row.warnings) is_new |= warnings_.insert(kind_of(row.cell) + '\0' + text).second;
+    return is_new;
+  }
+
+  Row crashed(const Cell& cell, int code, const std::string& reason) {
+    Row row;
+    row.cell = cell;
+    row.program = matcher_.program();
+    row.file = matcher_.names_of(cell).name_of(cell.file);
+    row.files[row.file] = matcher_.hash(cell.file);
+    if (!cell.game_file.empty())
+      row.files[matcher_.names_of(cell).name_of(cell.game_file)] = matcher_.hash(cell.game_file);
+    row.key = row.digest();
+    row.status = "crashed";
+    row.exit_code = code;
+    row.errors = {reason};
+    row.circumstances.agent_commit = matcher_.agent_commit_of(cell);
+    return row;
+  }
+
+  void estimate() {
+    double playing_s = 0;
+    for (const Running& one : running_) playing_s += seconds_since(one.begin);
+    progress_.seconds_left = remaining_.estimate(options_.jobs, playing_s);
+  }
+
+  void report() {
+    if (!host_.progress) return;
+    progress_.playing = running_.size();
+    estimate();
+    host_.progress->sweep_progress(progress_);
+  }
+
+  const Suite& suite_;
+  const std::vector<Cell>& cells_;
+  const SweepOptions& options_;
+  const Host& host_;
+  RowFolder& folder_;
+  RowMatcher matcher_;
+  std::vector<std::optional<Row>> found_;
+  std::vector<std::size_t> open_;  // cells
+  std::list<Running> running_;
+  RemainingTime remaining_;
+  std::set<std::string> warnings_;  // that were printed
+  GamesProgress progress_;
+};
+
+/// What a row says of its game, without where and when it was played and how the suite calls it.
+std::string outcome_of(Row row) {
+  row.cell = {};
+  row.circumstances = {};
+  for (Figure& figure : row.figures)
+    if (figure.of_machine) figure.value.reset();
+  return row.to_json();
 }
 
 }  // namespace
@@ -153,83 +357,82 @@ std::string program_digest() {
 }
 
 Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host) {
-  const fs::path rows = options.folder / "rows";
-  std::error_code error;
-  fs::create_directories(rows, error);
-  if (error) return resource_error(error.message(), options.folder.string());
-  auto lock = FolderLock::take(options.folder);
-  if (!lock) return lock.error();
-
-  const std::string program = program_digest();
+  auto folder = RowFolder::open(options.folder, FolderUse::kAlone);
+  if (!folder) return folder.error();
+  folder->remove_unfinished();
   const std::vector<Cell> cells = suite.cells();
-  std::vector<std::optional<Row>> found(cells.size());
-  std::vector<std::size_t> open;
-  std::map<std::pair<std::string, std::string>, FileNames> names;  // by scenario and strategy
-  const auto names_for = [&](const Cell& cell) -> const FileNames& {
-    const auto known = names.find({cell.scenario, cell.strategy});
-    if (known != names.end()) return known->second;
-    return names.emplace(std::pair(cell.scenario, cell.strategy), names_of(cell, *suite.catalogue)).first->second;
-  };
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    auto row = read_row(rows / (row_name(cells[i]) + ".json"));
-    if (row && row->is_current(cells[i], program, names_for(cells[i])))
-      found[i] = std::move(row);
-    else
-      open.push_back(i);
-  }
-  std::size_t done = cells.size() - open.size();
-  if (done > 0) host.note(std::to_string(done) + " rows are current and kept");
-  for (const std::optional<Row>& row : found)
-    if (row && !row->errors.empty()) host.note("kept: " + line_of(*row));
+  auto rows = CellPlayer(suite, cells, options, host, *folder).rows();
+  if (!rows) return rows.error();
+  if (Status s = folder->write_tables(*rows, suite); !s) return s.error();
+  return rows;
+}
 
-  if (const auto warning = warning_without_wall()) host.note(*warning);
-  std::list<Running> running;
-  for (auto next = open.begin(); (next != open.end() || !running.empty()) && !host.stopped();) {
-    while (next != open.end() && running.size() < static_cast<std::size_t>(options.jobs)) {
-      const std::size_t i = *next++;
-      const fs::path file = rows / (row_name(cells[i]) + ".json");
-      const fs::path part = file.string() + ".part";
-      fs::remove(file, error);
-      fs::remove(part, error);
-      ProcessOptions process;
-      process.out = process.err = Stream::file(fs::path(file).replace_extension(".log"));
-      const FileNames& of_cell = names_for(cells[i]);
-      auto started = Process::fork(process, [&] {
-        (*lock)->release();
-        auto out = AppendFile::create(part);  // the process opens no file of the sweep once rules have run
-        if (!out) return static_cast<int>(ErrorKind::kResource);
-        const Row row = play(cells[i], *suite.catalogue, program, of_cell, host);
-        return out->append(row.to_json()) && out->close() ? 0 : static_cast<int>(ErrorKind::kResource);
-      });
-      if (!started) return started.error();
-      running.push_back({i, file, *std::move(started)});
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    for (auto it = running.begin(); it != running.end();) {
-      const auto code = it->process.wait_for(0);
-      if (!code) {
-        ++it;
-        continue;
-      }
-      std::optional<Row>& row = found[it->cell];
-      row = take_row(it->file, cells[it->cell], program);
-      if (!row) {
-        row.emplace().cell = cells[it->cell];
-        row->program = program;
-        row->status = "crashed";
-        row->exit_code = *code;
-      }
-      host.note('[' + std::to_string(++done) + '/' + std::to_string(cells.size()) + "] " + line_of(*row));
-      it = running.erase(it);
-    }
-  }
-  running.clear();  // ends those that still play
+Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell>& cells, const SweepOptions& options,
+                                      const Host& host) {
+  auto folder = RowFolder::open(options.folder, FolderUse::kTogether);
+  if (!folder) return folder.error();
+  return CellPlayer(suite, cells, options, host, *folder).rows();
+}
 
-  std::vector<Row> out;
-  for (std::optional<Row>& row : found)
-    if (row) out.push_back(*std::move(row));
-  if (Status s = replace_file(options.folder / "rows.csv", to_csv(out)); !s) return s.error();
-  return out;
+Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& from, const fs::path& folder,
+                            const Host& host) {
+  for (const fs::path& source : from)
+    if (!is_folder(source / "rows"))
+      return input_error("expected a folder with the rows of a sweep, rows/*.json", source.string());
+  auto out = RowFolder::open(folder, FolderUse::kTogether);
+  if (!out) return out.error();
+  RowMatcher matcher(*suite.catalogue, program_digest());
+  Collected collected;
+
+  std::vector<fs::path> sources{folder};
+  for (const fs::path& source : from)
+    if (std::error_code error; !fs::equivalent(source, folder, error)) sources.push_back(source);
+  std::multimap<std::string, fs::path> known;  // by identity
+  for (const fs::path& source : sources)
+    for (const fs::path& file : row_files(source)) {
+      if (host.stopped()) return collected;
+      const auto row = read_row(file);
+      if (!row)
+        ++collected.broken;
+      else if (row->program != matcher.program())
+        ++collected.of_other_programs;
+      else
+        known.emplace(identity_of(row->cell), file);
+    }
+
+  std::set<fs::path> used;
+  for (const Cell& cell : suite.cells()) {
+    std::optional<Row> best;
+    fs::path place;
+    bool contradictory = false;
+    const auto [first, last] = known.equal_range(identity_of(cell));
+    for (auto it = first; it != last; ++it) {
+      auto row = read_row(it->second);
+      if (!row || !matcher.tells_of(*row, cell)) continue;
+      used.insert(it->second);
+      const bool better = !best || (best->journal_hash.empty() && !row->journal_hash.empty());
+      if (best && !row->journal_hash.empty() && !best->journal_hash.empty() && outcome_of(*row) != outcome_of(*best))
+        contradictory = true;
+      if (!better) continue;
+      best = std::move(row);
+      place = it->second;
+    }
+    if (contradictory) collected.contradictory.push_back(cell.number);
+    if (!best) {
+      collected.missing.push_back(cell.number);
+      continue;
+    }
+    best->cell = cell;
+    if (place != out->file_of(cell)) {
+      if (Status s = out->write(*best); !s) return s.error();
+      ++collected.taken;
+    }
+    best->files.clear();
+    collected.rows.push_back(*std::move(best));
+  }
+  collected.outdated = known.size() - used.size();
+  if (Status s = out->write_tables(collected.rows, suite); !s) return s.error();
+  return collected;
 }
 
 }  // namespace cxlab::lab

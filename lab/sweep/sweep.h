@@ -1,11 +1,10 @@
 #pragma once
-// Plays the episodes of a suite, each in a process of its own, and keeps their rows in a folder:
-//
-//   rows/*.json   one an episode; one that is there and current is not played again
-//   rows/*.log    what the episode's process printed
-//   rows.csv      all of them
+// Plays the episodes of a suite, each in a process of its own, and keeps their rows in a folder (row_folder.h). Any
+// machine can play single cells; their rows are collected afterwards.
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -17,13 +16,35 @@ namespace cxlab::lab {
 
 struct SweepOptions {
   std::filesystem::path folder;
-  int jobs = 1;  ///< episodes at once
+  int jobs = 1;             ///< episodes at once
+  double time_limit_s = 0;  ///< of wall time for an episode, which is ended then; 0 = none
 };
 
-/// The rows of all cells, in their order; also of episodes that failed or crashed. Fails if another sweep works in the
-/// folder; after a stop by the host there are only the rows of the episodes that had ended. The calling process must
+/// The rows of all cells, in their order; also of episodes that failed or crashed. Rows that are there and current are
+/// kept, others are played; then come the tables. Fails if another sweep works in the folder; after a stop by the host
+/// there are only the rows of the episodes that had ended. Rows of answers have no `files`. The calling process must
 /// have one thread only: its copies play.
 Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host = {});
+
+/// The same for some cells: the job of one machine. It writes their rows and no tables, and others may play other cells
+/// into the same folder.
+Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell>& cells, const SweepOptions& options,
+                                      const Host& host = {});
+
+struct Collected {
+  std::vector<Row> rows;             ///< in the order of their cells
+  std::vector<std::size_t> missing;  ///< numbers of cells without a row
+  std::size_t taken = 0;             ///< rows that came from elsewhere
+  // Files that are no rows of this suite
+  std::size_t of_other_programs = 0, outdated = 0, broken = 0;
+  /// Cells of which two rows of the same game differ.
+  std::vector<std::size_t> contradictory;
+};
+
+/// Takes the rows that count for the suite from these folders of sweeps into `folder`, and writes the tables. Each cell
+/// counts once; a row of a game that crashed counts where there is no other one.
+Expected<Collected> collect(const Suite& suite, const std::vector<std::filesystem::path>& from,
+                            const std::filesystem::path& folder, const Host& host = {});
 
 /// A digest of the program and libraries that play.
 std::string program_digest();

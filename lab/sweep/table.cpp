@@ -38,7 +38,9 @@ Json summary_json(const Summary& s) {
 }
 
 void add_errors(const Row& row, TableLine& line) {
-  for (const std::string& text : std::set<std::string>(row.errors.begin(), row.errors.end())) {
+  std::set<std::string> texts(row.errors.begin(), row.errors.end());
+  texts.insert(row.warnings.begin(), row.warnings.end());
+  for (const std::string& text : texts) {
     const auto known = std::ranges::find(line.errors, text, [](const auto& error) { return error.first; });
     if (known == line.errors.end())
       line.errors.emplace_back(text, 1);

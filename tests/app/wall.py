@@ -156,8 +156,10 @@ class Crashes(Behind):
         self.write("suite.yaml", 'scenarios: [scenario.yaml]\nseeds: [1]\nstrategies:\n  short: ["duration_s=0.5"]\n  whole: []\n')
         done = self.cxlab("bench", "suite.yaml", "--out", "sweep")
         rows = [json.loads(p.read_text()) for p in sorted((self.folder / "sweep/rows").glob("*.json"))]
-        self.assertEqual([row["status"] for row in rows], ["completed"], done.stderr)
-        self.assertIn(" crashed", done.stderr)
+        self.assertEqual([row["status"] for row in rows], ["completed", "crashed"], done.stderr)
+        self.assertEqual(rows[1]["exit"], 70)
+        self.assertRegex(rows[1]["errors"][0], r"exit code 70 .*rule fall: .*crashed \(SIGSEGV\)")
+        self.assertIn(rows[1]["errors"][0], done.stderr)
 
     def test_story_that_crashes_fails_alone(self):
         self.write("rules/rules.clp", "(defrule fall (fall) => (crash))\n(defrule stand (stand) => (assert (stood)))\n")

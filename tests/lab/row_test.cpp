@@ -16,13 +16,18 @@ class RowTest : public FolderTest {
   Row row() const {
     Row out;
     out.cell = {"game", "fast", 7, "game.yaml", {"world.robots=2", "seed=7"}};
+    out.cell.parameters = {{"robots", "2"}};
     out.program = "1234";
+    out.file = "game.yaml";
+    out.key = "5678";
     out.files = {{"rules.clp", hash_of(path("rules.clp"))}};
     out.status = "completed";
     out.errors = {"something \"quoted\"\nand more"};
+    out.warnings = {"careful"};
     out.world = "rcll";
     out.compared = "points";
-    out.figures = {{"points", 237.0}, {"busy", 0.25}, {"late_s", std::nullopt}};
+    out.figures = {{"points", 237.0}, {"busy", 0.25}, {"late_s", std::nullopt}, {"wall_time_s", 1.5, true}};
+    out.circumstances = {2.25, 30.5, "here", "c0ffee"};
     out.journal_hash = "abcd";
     return out;
   }
@@ -46,19 +51,21 @@ TEST_F(RowTest, IsCurrentWhileProgramOverridesAndFilesAreTheSame) {
   write("rules.clp", "(defrule a =>)");
   const Row then = row();
   const FileNames names(path("game.yaml"));
-  EXPECT_TRUE(then.is_current(then.cell, "1234", names));
-  EXPECT_FALSE(then.is_current(then.cell, "another program", names));
-  Cell other = then.cell;
+  Cell now = then.cell;
+  now.file = path("game.yaml");
+  EXPECT_TRUE(then.is_current(now, "1234", names));
+  EXPECT_FALSE(then.is_current(now, "another program", names));
+  Cell other = now;
   other.overrides = {"world.robots=3", "seed=7"};
   EXPECT_FALSE(then.is_current(other, "1234", names));
   other.overrides = {"world.robots=2"};
   EXPECT_FALSE(then.is_current(other, "1234", names));
   write("rules.clp", "(defrule b =>)");
-  EXPECT_FALSE(then.is_current(then.cell, "1234", names));
+  EXPECT_FALSE(then.is_current(now, "1234", names));
   write("rules.clp", "(defrule a =>)");
-  EXPECT_TRUE(then.is_current(then.cell, "1234", names));
+  EXPECT_TRUE(then.is_current(now, "1234", names));
   std::filesystem::remove(path("rules.clp"));
-  EXPECT_FALSE(then.is_current(then.cell, "1234", names));
+  EXPECT_FALSE(then.is_current(now, "1234", names));
 }
 
 TEST_F(RowTest, IsCurrentWhereTheSameFilesLieInAnotherFolder) {
@@ -66,10 +73,13 @@ TEST_F(RowTest, IsCurrentWhereTheSameFilesLieInAnotherFolder) {
   Row then = row();
   then.cell.file = path("here/game.yaml");
   then.cell.game = "g1";
+  then.cell.game_file = path("here/g1.yaml");
   then.cell.overrides = {"world.game='" + path("here/g1.yaml").string() + "'", "seed=7"};
+  then.cell.game_override = then.cell.overrides[0];
   then.files = {{"rules.clp", hash_of(path("here/rules.clp"))}};
   Cell now = then.cell;
   now.file = path("there/game.yaml");
+  now.game_file = path("there/g1.yaml");
   now.overrides[0] = now.game_override = "world.game='" + path("there/g1.yaml").string() + "'";
   const FileNames names(now.file);
   EXPECT_TRUE(then.is_current(now, "1234", names));
@@ -81,6 +91,58 @@ TEST_F(RowTest, IsCurrentWhereTheSameFilesLieInAnotherFolder) {
   now.overrides[1] = "seed=7";
   write("there/rules.clp", "(defrule b =>)");
   EXPECT_FALSE(then.is_current(now, "1234", names));
+}
+
+TEST_F(RowTest, ARowTellsOfAnEpisodeThatDidNotComeToItsEnd) {
+  write("rules.clp", "(defrule a =>)");
+  Row then = row();
+  then.journal_hash.clear();
+  const FileNames names(path("game.yaml"));
+  Cell now = then.cell;
+  now.file = path("game.yaml");
+  EXPECT_FALSE(then.is_current(now, "1234", names));
+  EXPECT_TRUE(then.tells_of(now, "1234", names));
+  Cell other = now;
+  other.seed = 8;
+  EXPECT_FALSE(then.tells_of(other, "1234", names));
+  other = now;
+  other.file = path("other.yaml");
+  EXPECT_FALSE(then.tells_of(other, "1234", names));
+  EXPECT_FALSE(then.tells_of(now, "another program", names));
+}
+
+TEST_F(RowTest, TheDigestIsThatOfContentAlone) {
+  const Row then = row();
+  Row other = then;
+  other.cell.strategy = "called otherwise";
+  other.cell.scenario = "too";
+  other.cell.file = "/elsewhere/game.yaml";
+  EXPECT_EQ(other.digest(), then.digest());
+  other = then;
+  other.program = "12345";
+  EXPECT_NE(other.digest(), then.digest());
+  other = then;
+  other.cell.overrides[0] = "world.robots=3";
+  EXPECT_NE(other.digest(), then.digest());
+  other = then;
+  other.files["rules.clp"] = "changed";
+  EXPECT_NE(other.digest(), then.digest());
+}
+
+TEST_F(RowTest, OnlyTheLastKeyDiffersFromMachineToMachine) {
+  const auto without_played = [](const Row& row) {
+    auto json = nlohmann::ordered_json::parse(row.to_json());
+    EXPECT_EQ(std::prev(json.end()).key(), "played");
+    json.erase("played");
+    return json.dump();
+  };
+  Row other = row();
+  other.cell.file = "/elsewhere/game.yaml";
+  other.figures.back().value = 99;
+  other.circumstances = {7, 8, "there", "beef"};
+  EXPECT_NE(other.to_json(), row().to_json());
+  EXPECT_EQ(without_played(other), without_played(row()));
+  EXPECT_EQ(to_csv({other}), to_csv({row()}));
 }
 
 TEST_F(RowTest, ARowWithoutFilesIsPlayedAgain) {
@@ -211,6 +273,7 @@ TEST_F(RowTest, MeasuresWhatTheWorldDeclares) {
 TEST(KeysOfRow, AreThoseThatARowWithoutFiguresHas) {
   const auto json = nlohmann::json::parse(Row().to_json());
   for (const auto& [key, value] : json.items()) EXPECT_TRUE(is_key_of_row(key)) << key;
+  EXPECT_TRUE(is_key_of_row("Seed")) << "SQLite makes no difference";
   EXPECT_FALSE(is_key_of_row("points"));
 }
 

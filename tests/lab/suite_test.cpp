@@ -37,6 +37,78 @@ TEST_F(SuiteTest, HasACellForEachScenarioStrategyAndSeed) {
   EXPECT_EQ(cells[4].scenario, "b");
 }
 
+TEST_F(SuiteTest, AGridIsAStrategyForEachCombination) {
+  const auto suite = load(
+      "scenarios: [a.yaml]\nseeds: [7]\nstrategies: {plain: []}\n"
+      "grid: {world.robots: [3, 1], planner.patience: [1000, \"5\"]}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  std::vector<std::string> names;
+  for (const Strategy& strategy : suite->strategies) names.push_back(strategy.name);
+  EXPECT_THAT(names, ElementsAre("plain", "robots=3 patience=1000", "robots=3 patience=5", "robots=1 patience=1000",
+                                 "robots=1 patience=5"));
+  const std::vector<Cell> cells = suite->cells();
+  ASSERT_EQ(cells.size(), 5u);
+  EXPECT_TRUE(cells[0].parameters.empty());
+  EXPECT_THAT(cells[2].overrides, ElementsAre("world.robots=3", "planner.patience=\"5\"", "seed=7"));
+  EXPECT_THAT(cells[2].parameters, ElementsAre(Parameter{"robots", "3"}, Parameter{"patience", "5"}));
+  EXPECT_EQ(cells[2].number, 3u);
+}
+
+TEST_F(SuiteTest, NamesOfParametersAreAsLongAsTheyMustBe) {
+  const auto suite =
+      load("scenarios: [a.yaml]\nseeds: [7]\ngrid: {x.robots: [3], y.robots: [1], y.rob: [2], z: [0]}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  ASSERT_EQ(suite->strategies.size(), 1u);
+  EXPECT_EQ(suite->strategies[0].name, "x.robots=3 y.robots=1 rob=2 z=0");
+}
+
+TEST_F(SuiteTest, AStrategyHasItsOwnGridOnTopOfItsOverrides) {
+  const auto suite = load(
+      "scenarios: [a.yaml]\nseeds: [7]\ntags: [night]\nstrategies:\n  base: {set: [x=1], tags: [old, night]}\n"
+      "  fast: {set: [x=2], grid: {mode: {one: [y=1, z=1], two: []}, w: [a]}, tags: [new]}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  const std::vector<Cell> cells = suite->cells();
+  ASSERT_EQ(cells.size(), 3u);
+  EXPECT_EQ(cells[0].strategy, "base");
+  EXPECT_THAT(cells[0].tags, ElementsAre("night", "old"));
+  EXPECT_EQ(cells[1].strategy, "fast mode=one w=a");
+  EXPECT_THAT(cells[1].overrides, ElementsAre("x=2", "y=1", "z=1", "w=a", "seed=7"));
+  EXPECT_THAT(cells[2].overrides, ElementsAre("x=2", "w=a", "seed=7"));
+  EXPECT_THAT(cells[2].tags, ElementsAre("night", "new"));
+}
+
+TEST_F(SuiteTest, WrongGridsAreErrors) {
+  const auto error = [this](const std::string& grid) {
+    return error_of("scenarios: [a.yaml]\nseeds: [1]\nstrategies: {robots=2: []}\ngrid: " + grid + "\n");
+  };
+  EXPECT_THAT(error("{}"), HasSubstr("suite.yaml:4: grid: expected parameters, each with its values"));
+  EXPECT_THAT(error("[1]"), HasSubstr("expected a map"));
+  EXPECT_THAT(error("{a.b: []}"), HasSubstr("grid.a.b: expected at least one value of a.b"));
+  EXPECT_THAT(error("{a.b: 3}"), HasSubstr("expected a list"));
+  EXPECT_THAT(error("{a.b: [1, 2, 1]}"), HasSubstr("found the value '1' twice"));
+  EXPECT_THAT(error("{a.b: [{c: 1}]}"), HasSubstr("other values need a label: a.b: {LABEL: [PATH=VALUE]}"));
+  EXPECT_THAT(error("{a.b: [x/y]}"), HasSubstr("without '/'"));
+  EXPECT_THAT(error("{a.robots: [2]}"), HasSubstr("found strategy 'robots=2' twice"));
+  EXPECT_THAT(error("{a: {x: y}}"), HasSubstr("expected a list"));
+  std::string many = "{";
+  for (int i = 0; i < 14; ++i) many += "p" + std::to_string(i) + ": [1, 2], ";
+  EXPECT_THAT(error(many + "q: [1]}"), HasSubstr("more than 10000 combinations"));
+  EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: [1]\nstrategies: {s: {sett: []}}\n"),
+              HasSubstr("did you mean 'set'"));
+}
+
+TEST_F(SuiteTest, TheCommandOfACellPlaysItAgainFromAnyFolder) {
+  write("games/g 1.yaml", "down: []\n");
+  write("s.yaml", "schema: 1\nworld: {kind: rcll}\n");
+  const auto suite =
+      load("scenarios: [s.yaml]\ngames: games\nseeds: [4]\ntier: timed\nstrategies: {s: [world.robots=2]}\n");
+  ASSERT_TRUE(suite) << suite.error().text();
+  const std::string quote = R"('\'')";  // a single quote, for a shell
+  EXPECT_EQ(command_of(suite->cells().front()), "cxlab run " + path("s.yaml").string() +
+                                                    " --set world.robots=2 --set tier=timed --set 'world.game=" +
+                                                    quote + path("games/g 1.yaml").string() + quote + "' --seed 4");
+}
+
 TEST_F(SuiteTest, PlaysEachGameOfAFolderOnceUnlessSeedsAreNamed) {
   write("games/b.yaml", "down: []\n");
   write("games/a.yaml", "down: []\n");

@@ -186,8 +186,8 @@ TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
       "scenarios: [game.yaml]\nseeds: [1]\nstrategies: {wrong: ['agents[0].params={clips_manager.gian: 1}']}\n")));
   ASSERT_TRUE(rows);
   EXPECT_TRUE(rows->front().counts());
-  ASSERT_EQ(rows->front().errors.size(), 1u);
-  EXPECT_THAT(rows->front().errors.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
+  ASSERT_EQ(rows->front().warnings.size(), 1u);
+  EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
 }
 
 TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sqlite3
 import subprocess
 import unittest
 
@@ -65,7 +66,7 @@ class Tables(Lab):
         keys = [(scenario, strategy, seed) for scenario in ("empty", 'e, "x"\ny') for strategy in STRATEGIES for seed in (1, 9007199254740993)]
         self.assertEqual(list(zip(rows.scenario, rows.strategy, rows.seed)), keys)
         self.integers(rows, "seed", "exit")
-        self.real_numbers(rows, *FIGURES)
+        self.real_numbers(rows, *(figure for figure in FIGURES if figure in rows))
         self.assertEqual(rows.groupby("strategy").status.unique().map(list).to_dict(), {name: ["failed" if name == "broken" else "completed"] for name in STRATEGIES})
         self.assertTrue((rows.journal_hash.str.len() == 32).all())
         self.assertTrue(rows.game.isna().all())
@@ -74,7 +75,19 @@ class Tables(Lab):
         self.assertEqual(sorted((f.scenario, f.strategy, f.seed, f.exit, f.journal_hash) for f in files),
                          sorted(zip(rows.scenario, rows.strategy, rows.seed, rows.exit, rows.journal_hash)))
 
-        played = rows[rows.status == "completed"].groupby(["scenario", "strategy"])
+        # The index has the same rows, with the figures of the machine.
+        with sqlite3.connect(self.folder / "o/runs.sqlite") as database:
+            index = pandas.read_sql("SELECT * FROM runs ORDER BY cell", database)
+            messages = pandas.read_sql("SELECT * FROM messages JOIN runs USING (cell)", database)
+        self.assertEqual(list(zip(index.scenario, index.strategy, index.seed)), keys)
+        self.integers(index, "cell", "seed", "exit", "completed")
+        self.real_numbers(index, *FIGURES, "cpu_s", "peak_rss_mb")
+        self.assertTrue((index.cpu_s > 0).all())
+        common = [column for column in rows if column not in ("game",)]
+        pandas.testing.assert_frame_equal(index[common], rows[common], check_exact=True)
+        self.assertEqual(set(messages[messages.kind == "error"].strategy), {"broken"})
+
+        played = index[index.status == "completed"].groupby(["scenario", "strategy"])
         for line in lines:
             if line["strategy"] == "broken":
                 self.assertEqual((line["episodes"], line["completed"]), (2, 0))

@@ -1,0 +1,14 @@
+#pragma once
+// Which commit is checked out, read from the files of git. The program git is not started: what stands in the
+// configuration of a stranger's repository would run.
+
+#include <filesystem>
+#include <string>
+
+namespace cxlab::lab {
+
+/// The commit that is checked out in the repository around this folder, as 40 or 64 hex digits; empty if there is none.
+/// It does not say whether files have been changed since.
+std::string git_commit_of(const std::filesystem::path& folder);
+
+}  // namespace cxlab::lab

@@ -1,0 +1,174 @@
+#include "lab/sweep/row_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "cx/base/append_file.h"
+#include "cx/base/file.h"
+#include "cx/journal/run_folder.h"
+#include "lab/git_commit.h"
+#include "lab/sweep/index.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kUnfinished = ".part";
+
+/// Of the first agent whose configuration or package lies in a repository; without agents, of the scenario.
+std::string commit_of_agent(const Scenario& scenario) {
+  const fs::path home = scenario.file.parent_path();
+  std::vector<fs::path> folders;
+  for (const AgentSpec& agent : scenario.agents) {
+    if (agent.config.find("://") == std::string::npos) folders.push_back((home / agent.config).parent_path());
+    for (const auto& [name, folder] : scenario.shares(agent)) folders.emplace_back(folder);
+  }
+  folders.push_back(home);
+  for (const fs::path& folder : folders)
+    if (std::string commit = git_commit_of(folder); !commit.empty()) return commit;
+  return {};
+}
+
+}  // namespace
+
+std::string identity_of(const Cell& cell) {
+  std::string out = cell.game + '\0' + std::to_string(cell.seed);
+  for (const std::string& part : portable_overrides(cell)) out += '\0' + part;
+  return out;
+}
+
+std::string RowMatcher::hash(const fs::path& file) {
+  const auto [known, is_new] = hashes_.try_emplace(file);
+  if (is_new) known->second = hash_of(file);
+  return known->second;
+}
+
+bool RowMatcher::is_current(const Row& row, const Cell& cell) {
+  return row.is_current(cell, program_, names_of(cell), [this](const fs::path& file) { return hash(file); });
+}
+
+bool RowMatcher::tells_of(const Row& row, const Cell& cell) {
+  return row.tells_of(cell, program_, names_of(cell), [this](const fs::path& file) { return hash(file); });
+}
+
+const RowMatcher::Place& RowMatcher::place_of(const Cell& cell) {
+  const auto known = places_.find({cell.scenario, cell.strategy});
+  if (known != places_.end()) return known->second;
+  Place place{FileNames(cell.file), {}};
+  // A scenario that cannot be read has no packages.
+  if (const auto scenario = Scenario::load(cell.file, catalogue_, {cell.overrides.begin(), cell.overrides.end()})) {
+    place.names.use_packages(*scenario);
+    place.agent_commit = commit_of_agent(*scenario);
+  }
+  return places_.emplace(std::pair(cell.scenario, cell.strategy), std::move(place)).first->second;
+}
+
+Expected<RowFolder> RowFolder::open(const fs::path& folder, FolderUse use) {
+  std::error_code error;
+  fs::create_directories(folder / "rows", error);
+  if (error) return resource_error(error.message(), folder.string());
+  const int lock = ::open((folder / ".lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+  if (lock < 0) return resource_error("cannot be written", folder.string());
+  RowFolder out(folder, lock);
+  // Some file systems of clusters have no locks; rows replace each other whole there as well.
+  if (flock(lock, (use == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    return resource_error("another sweep works in this folder; wait for it or use another one", folder.string());
+  return out;
+}
+
+RowFolder::RowFolder(fs::path folder, int lock) : folder_(std::move(folder)), rows_(folder_ / "rows"), lock_(lock) {}
+
+RowFolder::RowFolder(RowFolder&& other) noexcept
+    : folder_(std::move(other.folder_)),
+      rows_(std::move(other.rows_)),
+      lock_(std::exchange(other.lock_, -1)),
+      known_(std::move(other.known_)) {}
+
+RowFolder::~RowFolder() { release(); }
+
+void RowFolder::release() {
+  if (lock_ >= 0) close(lock_);
+  lock_ = -1;
+}
+
+fs::path RowFolder::unfinished(const fs::path& file) const {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return file.string() + std::string(kUnfinished) + '-' + host + '-' + std::to_string(getpid());
+}
+
+void RowFolder::remove_unfinished() const {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (const auto& [folder, name] : {std::pair(rows_, ".json"), {folder_, "runs.sqlite"}})
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+      if (it->path().filename().string().find(name + std::string(kUnfinished)) != std::string::npos)
+        left.push_back(it->path());
+  for (const fs::path& file : left) fs::remove(file, error);
+}
+
+std::optional<Row> RowFolder::find(const Cell& cell, RowMatcher& matcher) {
+  auto row = read_row(file_of(cell));
+  if (row && matcher.is_current(*row, cell)) {
+    row->cell = cell;
+    return row;
+  }
+  if (!known_) {
+    known_ = std::make_unique<Known>();
+    for (const fs::path& file : row_files(folder_))
+      if (const auto other = read_row(file); other && !other->journal_hash.empty())
+        known_->emplace(identity_of(other->cell), file);
+  }
+  const auto [first, last] = known_->equal_range(identity_of(cell));
+  for (auto it = first; it != last; ++it) {
+    row = read_row(it->second);
+    if (!row || !matcher.is_current(*row, cell)) continue;
+    row->cell = cell;
+    if (!write(*row)) return std::nullopt;  // then it is played, and says why there is no row
+    return row;
+  }
+  return std::nullopt;
+}
+
+Status RowFolder::write(const Row& row) const {
+  const fs::path file = file_of(row.cell), part = unfinished(file);
+  auto out = AppendFile::create(part);
+  Status written = out ? out->append(row.to_json()) : Status(out.error());
+  if (written) written = out->close();
+  std::error_code error;
+  if (written) {
+    fs::rename(part, file, error);
+    if (!error) return {};
+    written = resource_error("cannot be written: " + error.message(), file.string());
+  }
+  fs::remove(part, error);
+  return written;
+}
+
+Status RowFolder::write_tables(const std::vector<Row>& rows, const Suite& suite) const {
+  if (Status s = replace_file(folder_ / "rows.csv", to_csv(rows)); !s) return s;
+  return write_index(rows, suite, folder_ / "runs.sqlite");
+}
+
+std::optional<Row> read_row(const fs::path& file) {
+  const auto text = read_file(file);
+  auto row = text ? Row::parse(*text) : Expected<Row>(text.error());
+  return row ? std::optional<Row>(*std::move(row)) : std::nullopt;
+}
+
+std::vector<fs::path> row_files(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  for (fs::directory_iterator it(folder / "rows", error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".json") out.push_back(it->path());
+  std::ranges::sort(out);
+  return out;
+}
+
+}  // namespace cxlab::lab

@@ -1,0 +1,303 @@
+"""cxlab bench: grids, single cells, collected rows, the index, crashes and kills. python3 -m unittest sweeps"""
+
+import csv
+import json
+import os
+import pathlib
+import pty
+import re
+import shlex
+import shutil
+import signal
+import sqlite3
+import subprocess
+import time
+
+from lab import CONFIG, CXLAB, Lab
+
+RULES = """(defrule draw (time ?) => (assert (drawn (random))))
+"""
+SUITE = """scenarios: [scenarios/game.yaml]
+seeds: [1, 2]
+tags: [night]
+strategies: {short: {set: [duration_s=1], tags: [quick]}}
+grid: {duration_s: [2, 3]}
+"""
+GAME = """schema: 1
+duration_s: 2
+packages: {rules: ../rules}
+agents:
+  - config: ../agent.yaml
+"""
+# Goes on until somebody ends it.
+ENDLESS = """schema: 1
+duration_s: 1000000
+packages: {rules: ../endless}
+agents:
+  - config: ../endless.yaml
+"""
+
+
+class Sweeps(Lab):
+    def setUp(self):
+        super().setUp()
+        self.home = self.folder / "home"
+        for name, text in (("agent.yaml", CONFIG), ("rules/rules.clp", RULES), ("scenarios/game.yaml", GAME), ("suite.yaml", SUITE)):
+            self.write(f"home/{name}", text)
+
+    def bench(self, *arguments, folder=None, code=0, before=()):
+        done = subprocess.run([*before, CXLAB, "bench", "suite.yaml", *map(str, arguments)], cwd=folder or self.home, text=True, timeout=120,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        if code is not None:
+            self.assertEqual(done.returncode, code, done.stderr + done.stdout)
+        return done
+
+    def rows(self, out):
+        """By name of the file, without what is of the machine."""
+        rows = {}
+        for file in sorted((out / "rows").glob("*.json")):
+            rows[file.name] = json.loads(file.read_text())
+            self.assertEqual(list(rows[file.name])[-1], "played")
+            del rows[file.name]["played"]
+        return rows
+
+    def query(self, out, sql):
+        with sqlite3.connect(f"file:{out}/runs.sqlite?mode=ro", uri=True) as index:
+            self.assertEqual(index.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
+            return index.execute(sql).fetchall()
+
+    def test_cells_that_other_machines_play_are_those_of_one_sweep(self):
+        self.bench("-j", 2, "--out", self.folder / "whole")
+        cells = self.bench("--cells").stdout.splitlines()
+        self.assertEqual(cells, [f"{i}\tgame {strategy} seed {seed}" for i, (strategy, seed) in
+                                 enumerate(((s, n) for s in ("short", "duration_s=2", "duration_s=3") for n in (1, 2)), start=1)])
+        # Two checkouts elsewhere; one of them plays its cells twice, and one cell is played on both.
+        for name, ranges in (("a", ["1..3", "2"]), ("b", ["3", "4..5"])):
+            shutil.copytree(self.home, self.folder / name / "checkout")
+            for cell in ranges:
+                done = self.bench("--cell", cell, "--out", "r", folder=self.folder / name / "checkout")
+                self.assertTrue(all((self.folder / name / "checkout" / line).exists() for line in done.stdout.splitlines()), done.stdout)
+            self.assertFalse((self.folder / name / "checkout/r/rows.csv").exists())
+        sources = [self.folder / name / "checkout/r" for name in "ab"]
+        done = self.bench("--collect", *sources, "--out", "r", code=1)
+        self.assertIn("5 of 6 cells have a row; 5 rows were taken", done.stderr)
+        self.assertIn("error: cells 6 have no row; cxlab bench suite.yaml --out r plays them", done.stderr)
+        self.assertEqual(self.bench("--cell", 6, "--out", "r", "--json").returncode, 0)
+        done = self.bench("--collect", *sources, "--out", "r")
+        self.assertIn("6 of 6 cells have a row; 0 rows were taken", done.stderr)
+        self.assertEqual((self.home / "r/rows.csv").read_bytes(), (self.folder / "whole/rows.csv").read_bytes())
+        self.assertEqual(self.rows(self.home / "r"), self.rows(self.folder / "whole"))
+        self.assertEqual(self.bench("--out", "r").stderr, "6 rows are current and kept\n")
+
+    def test_rows_count_by_their_content(self):
+        self.bench("--out", "r")
+        whole = self.rows(self.home / "r")
+        # The folder moves, and strategies and suite are called otherwise.
+        moved = self.folder / "moved/deep"
+        shutil.move(self.home, moved)
+        (moved / "suites").mkdir()
+        (moved / "suites/suite.yaml").write_text(SUITE.replace("scenarios/", "../scenarios/").replace("short:", "quickly:").replace("tags: [night]\n", ""))
+        done = self.bench("--out", "../r", folder=moved / "suites")
+        self.assertEqual(done.stderr, "6 rows are current and kept\n")
+        self.assertEqual({row["key"] for row in self.rows(moved / "r").values()}, {row["key"] for row in whole.values()})
+        self.assertEqual(self.query(moved / "r", "SELECT DISTINCT strategy FROM runs ORDER BY cell"), [("quickly",), ("duration_s=2",), ("duration_s=3",)])
+        # Another content: nothing counts.
+        (moved / "rules/rules.clp").write_text(RULES + "; changed\n")
+        done = self.bench("--collect", "../r", "--out", "../r", folder=moved / "suites", code=1)
+        self.assertIn("0 of 6 cells have a row", done.stderr)
+        self.assertIn("rows are of games that this suite does not play", done.stderr)
+
+    def test_rows_of_one_game_that_differ_are_reported(self):
+        self.bench("--out", "a")
+        shutil.copytree(self.home / "a", self.home / "b")
+        file = next((self.home / "b/rows").glob("game-short-2-*.json"))
+        file.write_text(re.sub(r'"journal_hash": "..', '"journal_hash": "00', file.read_text()))
+        next((self.home / "b/rows").glob("game-short-1-*.json")).write_text("{")
+        old = next((self.home / "b/rows").glob("game-duration_s_3-1-*.json"))
+        old.write_text(re.sub(r'"program": "', '"program": "0', old.read_text()))
+        done = self.bench("--collect", "a", "b", "--out", "c", code=1)
+        self.assertIn("error: cells 2: two rows of the same game differ", done.stderr)
+        self.assertIn("1 rows are of another build of cxlab", done.stderr)
+        self.assertIn("1 files are not rows", done.stderr)
+        self.assertEqual(self.query(self.home / "c", "SELECT count(*), count(DISTINCT cell) FROM runs"), [(6, 6)])
+
+    def test_the_index_has_all_of_each_row(self):
+        (self.home / ".git/refs/heads").mkdir(parents=True)
+        (self.home / ".git/HEAD").write_text("ref: refs/heads/main\n")
+        (self.home / ".git/refs/heads/main").write_text("0123456789abcdef0123456789abcdef01234567\n")
+        self.write("home/rules/rules.clp", RULES + '(defrule told (time ?t&:(> ?t 2.2)) => (printout error "late" crlf))\n(defrule wrong (time ?t&:(> ?t 2.45)) => (/ 1 0))\n')
+        self.bench("--out", "r", code=1)
+        self.assertEqual(self.query(self.home / "r", "PRAGMA user_version"), [(1,)])
+        self.assertEqual(self.query(self.home / "r", "SELECT cell, strategy, seed, status, completed, exit, sim_time_s FROM runs WHERE seed = 1 ORDER BY cell"),
+                         [(1, "short", 1, "completed", 1, 0, 1.0), (3, "duration_s=2", 1, "completed", 1, 0, 2.0), (5, "duration_s=3", 1, "failed", 0, 4, 2.5)])
+        self.assertEqual(self.query(self.home / "r", "SELECT DISTINCT value FROM parameters WHERE name = 'duration_s' ORDER BY cell"), [("2",), ("3",)])
+        self.assertEqual(self.query(self.home / "r", "SELECT cell, tag FROM tags WHERE cell < 4"), [(1, "night"), (1, "quick"), (2, "night"), (2, "quick"), (3, "night")])
+        messages = self.query(self.home / "r", "SELECT kind, text FROM messages WHERE cell = 5 ORDER BY number")
+        self.assertEqual([kind for kind, _ in messages], ["error", "warning"])
+        self.assertIn("wrong", messages[0][1])
+        self.assertIn("late", messages[1][1])
+        self.assertEqual(self.query(self.home / "r", "SELECT reason FROM runs WHERE cell = 5"), [(messages[0][1],)])
+        self.assertEqual(self.query(self.home / "r", "SELECT DISTINCT agent_commit FROM runs"), [("0123456789abcdef0123456789abcdef01234567",)])
+        for cpu, memory, wall, host in self.query(self.home / "r", "SELECT cpu_s, peak_rss_mb, wall_time_s, host FROM runs"):
+            self.assertTrue(0 < cpu < 60 and 1 < memory < 5000 and 0 < wall < 60 and host, (cpu, memory, wall, host))
+        self.assertIn(("wall_time_s", 1), self.query(self.home / "r", "SELECT name, of_machine FROM metrics"))
+        # Columns are those of rows.csv and more; each row has its file.
+        with open(self.home / "r/rows.csv", newline="") as table:
+            header = next(csv.reader(table))
+        self.assertNotIn("wall_time_s", header)
+        columns = [name for _, name, *_ in self.query(self.home / "r", "PRAGMA table_info(runs)")]
+        self.assertTrue(set(header) <= set(columns), (header, columns))
+        for row, key in self.query(self.home / "r", "SELECT row, key FROM runs"):
+            self.assertEqual(json.loads((self.home / "r" / row).read_text())["key"], key)
+        # The command plays the game again, from any folder.
+        command, journal = self.query(self.home / "r", "SELECT command, journal_hash FROM runs WHERE cell = 4")[0]
+        self.assertEqual(shlex.split(command)[0], "cxlab")
+        subprocess.run([CXLAB, *shlex.split(command)[1:], "--quiet", "--out", self.folder / "again"], cwd="/", check=True, stdout=subprocess.DEVNULL, timeout=60)
+        self.assertEqual(json.loads((self.folder / "again/result.json").read_text())["journal_hash"], journal)
+
+    def endless(self, rules):
+        self.write("home/endless.yaml", CONFIG.replace('"rules"', '"rules"'))
+        self.write("home/endless/rules.clp", rules)
+        self.write("home/scenarios/endless.yaml", ENDLESS)
+        self.write("home/suite.yaml", SUITE.replace("[scenarios/game.yaml]", "[scenarios/game.yaml, scenarios/endless.yaml]")
+                   .replace("strategies: {short: {set: [duration_s=1], tags: [quick]}}\ngrid: {duration_s: [2, 3]}\n", "strategies: {plain: []}\n"))
+
+    def test_an_episode_that_takes_too_long_is_a_row_and_the_others_go_on(self):
+        self.endless("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))\n")
+        done = self.bench("-j", 2, "--time-limit", 1, "--out", "r", code=1)
+        self.assertIn("endless plain seed 1: crashed, exit 137; ended after 1 s of wall time, its limit", done.stderr)
+        self.assertEqual(self.query(self.home / "r", "SELECT scenario, seed, status, completed, exit FROM runs"),
+                         [("game", 1, "completed", 1, 0), ("game", 2, "completed", 1, 0), ("endless", 1, "crashed", 0, 137), ("endless", 2, "crashed", 0, 137)])
+        self.assertEqual({row["errors"][0] for row in self.rows(self.home / "r").values() if row["status"] == "crashed"}, {"ended after 1 s of wall time, its limit"})
+        # Rows of crashes are collected, and their games are played again.
+        self.bench("--collect", "r", "--out", "c", code=1)
+        self.assertEqual(self.query(self.home / "c", "SELECT count(*) FROM runs WHERE status = 'crashed'"), [(2,)])
+        self.assertEqual((self.home / "c/rows.csv").read_bytes(), (self.home / "r/rows.csv").read_bytes())
+        self.assertIn("2 rows are current and kept", self.bench("-j", 2, "--time-limit", 0.2, "--out", "c", code=1).stderr)
+
+    def children(self, process):
+        for _ in range(500):
+            time.sleep(0.02)
+            found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True).stdout.split()
+            if found:
+                return list(map(int, found))
+        self.fail("no episode is played")
+
+    def test_a_killed_episode_is_a_row_with_its_reason(self):
+        self.endless("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))\n")
+        process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--cell", "3..4", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        for number in (signal.SIGKILL, signal.SIGSEGV):
+            child = self.children(process)[0]
+            time.sleep(0.5)
+            os.kill(child, number)
+            for _ in range(500):
+                if not os.path.exists(f"/proc/{child}"):
+                    break
+                time.sleep(0.02)
+        said = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 1, said)
+        killed, crashed = (row for _, row in sorted(self.rows(self.home / "r").items()))
+        self.assertEqual((killed["status"], killed["exit"], killed["errors"]), ("crashed", 137, ["killed by SIGKILL: the machine had no memory left, or somebody ended it"]))
+        self.assertEqual(crashed["status"], "crashed")
+        self.assertIn("SIGSEGV", crashed["errors"][0])
+        self.assertIn("endless plain seed 1: crashed, exit 137; killed by SIGKILL", said)
+
+    def test_rules_that_take_all_memory_are_a_row_with_its_reason(self):
+        self.endless('(deffunction grow (?a) (while TRUE (bind ?a (str-cat ?a ?a))))\n(defrule eat (time ?) => (grow "0123456789abcdef"))\n')
+        self.bench("--memory", "50MB", "--out", "r", code=1)
+        bad = [row for row in self.rows(self.home / "r").values() if row["scenario"] == "endless"]
+        self.assertEqual(len(bad), 2)
+        for row in bad:
+            self.assertNotEqual(row["exit"], 0)
+            self.assertIn("memory", row["errors"][0])
+
+    def test_kills_at_any_moment_change_nothing(self):
+        self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..6"'))
+        self.bench("-j", 2, "--out", self.folder / "whole")
+        command = [CXLAB, "bench", "suite.yaml", "-j", "2", "--quiet", "--out", "r"]
+        for number, after in ((signal.SIGKILL, 0.15), (signal.SIGTERM, 0.3), (signal.SIGKILL, 0.22), (signal.SIGINT, 0.2), (signal.SIGKILL, 0.4)):
+            process = subprocess.Popen(command, cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(after)
+            process.send_signal(number)
+            process.wait(30)
+            for file in (self.home / "r").glob("rows/*.json"):
+                json.loads(file.read_text())  # each is whole
+            if (self.home / "r/runs.sqlite").exists():
+                self.query(self.home / "r", "SELECT * FROM runs")
+        for _ in range(100):
+            done = self.bench("-j", 2, "--out", "r", code=None)
+            if done.returncode != 5:  # the last children of the killed sweep have gone
+                break
+            time.sleep(0.1)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.home / "r/rows.csv").read_bytes(), (self.folder / "whole/rows.csv").read_bytes())
+        self.assertEqual(self.rows(self.home / "r"), self.rows(self.folder / "whole"))
+        self.assertEqual(self.query(self.home / "r", "SELECT count(*), count(DISTINCT key), sum(completed) FROM runs"), [(18, 18, 18)])
+        self.assertEqual([file.name for file in (self.home / "r").rglob("*.part*")], [])
+
+    def test_a_full_disk_ends_the_sweep_and_loses_nothing(self):
+        # No file of more than 1 KiB: rows are longer.
+        done = self.bench("--out", "r", code=5, before=["bash", "-c", 'ulimit -f 1; exec "$@"', "bash"])
+        self.assertIn("is the disk full?", done.stderr)
+        self.assertEqual(list((self.home / "r/rows").glob("*.json*")), [])
+        self.bench("--out", "r")
+        self.assertEqual(len(self.rows(self.home / "r")), 6)
+
+    def test_progress_is_one_line_of_a_terminal(self):
+        master, slave = pty.openpty()
+        process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        said = b""
+        while True:
+            try:
+                part = os.read(master, 4096)
+            except OSError:
+                break
+            if not part:
+                break
+            said += part
+        os.close(master)
+        self.assertEqual(process.wait(60), 0)
+        text = said.decode()
+        self.assertNotIn("completed", text, "no line for an ordinary game")
+        lines = [line for line in text.split("\r\x1b[K") if line.strip()]
+        self.assertTrue(all("\n" not in line for line in lines), text)
+        for line in lines:
+            self.assertRegex(line, r"^\[[#.]{30}\] \d of 6 games, \d at play(, \d+:\d\d left)?$")
+        self.assertTrue(text.endswith("\r\x1b[K") or not lines, "the line is taken away")
+        # Elsewhere: a line now and then, and with -v one for each game.
+        said = self.bench("-v", "--out", "s").stderr.splitlines()
+        self.assertEqual(len(said), 6, said)
+        self.assertRegex(said[2], r"^\[3/6\] game duration_s=2 seed 1: completed, exit 0 \(\d+:\d\d left\)$")
+        self.assertEqual(len(self.bench("--out", "t").stderr.splitlines()), 1, "the last game")
+        self.assertEqual(self.bench("--quiet", "--out", "u").stderr, "")
+
+    def test_wrong_uses_are_reported(self):
+        for arguments, code, said in ((["--cell", "0"], 2, "--cell: found '0', expected the number of a cell, 1 to 6, or a range of them, as 1..6"),
+                                      (["--cell", "7"], 2, "found '7'"), (["--cell", "x"], 2, "found 'x'"), (["--cell", "3..2"], 2, "found '3..2'"),
+                                      (["--cell", "1..7"], 2, "found '1..7'"), (["--cell", "1.."], 2, "found '1..'"), (["--cell", "-1"], 2, "found '-1'"),
+                                      (["--cell", "1", "--cells"], 2, "--cell"), (["--collect", "x", "--cell", "1"], 2, "--c"),
+                                      (["--collect", "nowhere"], 3, "nowhere: expected a folder with the rows of a sweep"), (["--time-limit", "0"], 2, "--time-limit")):
+            with self.subTest(arguments=arguments):
+                done = self.bench(*arguments, "--out", "o", code=code)
+                self.assertIn(said, done.stderr)
+                self.assertFalse((self.home / "o/rows.csv").exists())
+        # The job of a machine that lacks a file says so in its row.
+        (self.home / "agent.yaml").unlink()
+        self.bench("--cell", "2", "--out", "o", code=1)
+        (row,) = self.rows(self.home / "o").values()
+        self.assertEqual((row["status"], row["exit"]), ("failed", 3))
+        self.assertIn("agent.yaml", row["errors"][0])
+
+    def test_parameters_of_an_agent_are_set_one_by_one(self):
+        self.write("home/suite.yaml", "scenarios: [scenarios/game.yaml]\nseeds: [1]\n"
+                   "grid:\n  watch:\n    facts: [\"agents[0].params.clips_manager.main.watch=[facts]\"]\n    rules: [\"agents[0].params.clips_manager.main.watch=[rules]\"]\n  agents[0].params.clips_manager.gian: [1]\n")
+        done = self.bench("--out", "r")
+        self.assertIn("parameter 'gian' was set and nobody asked for it", done.stderr)
+        self.assertEqual(self.query(self.home / "r", "SELECT strategy FROM runs"), [("watch=facts gian=1",), ("watch=rules gian=1",)])
+
+
+if __name__ == "__main__":
+    import unittest
+
+    unittest.main()
