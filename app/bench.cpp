@@ -11,6 +11,7 @@
 #include "app/console.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "lab/sweep/slurm.h"
 #include "lab/sweep/sweep.h"
 #include "lab/sweep/table.h"
 
@@ -25,7 +26,8 @@ struct BenchOptions {
   std::vector<std::string> collect;
   int jobs = 1;
   double time_limit_s = 0;
-  bool json = false, quiet = false, verbose = false, cells = false;
+  std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
+  bool json = false, quiet = false, verbose = false, cells = false, slurm = false;
 
   fs::path folder() const {
     return out.empty() ? fs::path("runs") / ("bench-" + fs::path(suite).stem().string()) : fs::path(out);
@@ -152,6 +154,25 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
   return code;
 }
 
+int write_slurm(const lab::Suite& suite, const BenchOptions& options) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const auto scripts = lab::write_slurm({.program = error ? fs::path("cxlab") : program,
+                                         .suite = options.suite,
+                                         .folder = options.folder(),
+                                         .cells = suite.cells().size(),
+                                         .tasks = static_cast<std::size_t>(options.tasks),
+                                         .jobs = options.jobs,
+                                         .time_limit_s = options.time_limit_s});
+  if (!scripts) return fail(scripts.error());
+  std::printf(
+      "%s: %zu tasks of up to %zu cells\n%s: collects their rows and prints the table\n"
+      "%s submits both, and hands its arguments on to sbatch\n",
+      scripts->cells.c_str(), scripts->tasks, scripts->cells_of_task, scripts->collect.c_str(),
+      scripts->submit.c_str());
+  return 0;
+}
+
 int bench(const BenchOptions& options) {
   auto suite = lab::Suite::load(options.suite);
   if (!suite) return fail(suite.error());
@@ -160,6 +181,7 @@ int bench(const BenchOptions& options) {
   // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
   if (options.cell.empty())
     if (Status s = suite->check(); !s) return fail(s.error());
+  if (options.slurm) return write_slurm(*suite, options);
   Console console(options.quiet);
   if (options.quiet) stop_reporting();
   if (options.verbose) console.show_all_games();
@@ -202,7 +224,14 @@ void add_bench(CLI::App& app, Action& action) {
                        "Takes the rows of these folders into the folder of --out, writes its tables, and plays nothing")
           ->type_name("DIR")
           ->expected(1, -1);
-  const std::array modes{cells, cell, collect};
+  CLI::Option* slurm = command->add_flag(
+      "--slurm", options->slurm, "Writes a job array of Slurm and its collector below --out, and plays nothing");
+  whole_number(
+      command->add_option("--tasks", options->tasks,
+                          "Tasks of the array of --slurm, which share the cells (default one a cell, 1000 at most)"),
+      1, 1000000)
+      ->needs(slurm);
+  const std::array modes{cells, cell, collect, slurm};
   for (std::size_t i = 0; i < modes.size(); ++i)
     for (std::size_t j = i + 1; j < modes.size(); ++j) modes[i]->excludes(modes[j]);
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
