@@ -1,0 +1,46 @@
+#include "lab/statistics/sequential.h"
+
+#include <algorithm>
+
+namespace cxlab::statistics {
+
+std::vector<std::size_t> looks(std::size_t planned, std::size_t together) {
+  constexpr std::size_t kFewest = 11;
+  const std::size_t blocks = planned / together;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 1; i <= kEarlyLooks + 1; ++i) {
+    const std::size_t after = (blocks * i + kEarlyLooks) / (kEarlyLooks + 1) * together;
+    if (i <= kEarlyLooks && after < kFewest) continue;
+    if (after > 0 && (out.empty() || after > out.back())) out.push_back(after);
+  }
+  return out;
+}
+
+std::vector<Decision> decide(const std::vector<Question>& questions, const std::vector<std::size_t>& look_after,
+                             const Resampling& flips) {
+  std::vector<Decision> out(questions.size());
+  for (const std::size_t look : look_after) {
+    const double level = look < look_after.back() ? kEarlyLevel : kLastLevel;
+    const auto open = [](const Decision& decision) { return decision.side == Side::kUndecided; };
+    if (std::ranges::any_of(questions, [look](const Question& one) { return one.values.size() < look; })) break;
+    if (std::ranges::none_of(out, open)) break;
+    std::vector<double> p, means;
+    for (const Question& question : questions) {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < look; ++i)
+        if (question.values[i]) values.push_back(*question.values[i]);
+      means.push_back(mean(values));
+      p.push_back(question.about == Question::About::kMean ? mean_p(values) : sign_flip_p(values, flips));
+    }
+    const std::vector<double> corrected = holm(p);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (!open(out[i])) continue;
+      out[i].after = look;
+      out[i].p = corrected[i];
+      if (corrected[i] <= level) out[i].side = means[i] > 0 ? Side::kAbove : Side::kBelow;
+    }
+  }
+  return out;
+}
+
+}  // namespace cxlab::statistics

@@ -1,0 +1,73 @@
+#include "lab/statistics/sequential.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cxlab::statistics {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+Question differences(std::size_t n, double value) {
+  Question out;
+  out.values.assign(n, value);
+  return out;
+}
+
+TEST(Looks, ComeAfterEachTenthAndAtTheEnd) {
+  EXPECT_THAT(looks(0), IsEmpty());
+  EXPECT_THAT(looks(100), ElementsAre(20, 30, 40, 50, 60, 70, 80, 90, 100));
+  EXPECT_THAT(looks(45), ElementsAre(14, 18, 23, 27, 32, 36, 41, 45));
+  EXPECT_THAT(looks(12), ElementsAre(11, 12));
+  EXPECT_THAT(looks(3), ElementsAre(3));
+  EXPECT_THAT(looks(60, 20), ElementsAre(20, 40, 60));
+}
+
+TEST(Decide, StopsWithTheFirstLookThatIsCertain) {
+  // Eleven differences of one sign have p = 2 / 2^11 < 0.001; the first look is after fifteen.
+  const Decision all = decide({differences(50, 5)}, looks(50)).front();
+  EXPECT_EQ(all.side, Side::kAbove);
+  EXPECT_EQ(all.after, 15u);
+  EXPECT_EQ(decide({differences(50, -5)}, looks(50)).front().side, Side::kBelow);
+}
+
+TEST(Decide, WaitsForTheLookAfterTheGamesThatAreThere) {
+  EXPECT_EQ(decide({differences(14, 5)}, looks(50)).front().side, Side::kUndecided);
+  EXPECT_EQ(decide({differences(14, 5)}, looks(50)).front().after, 0u);
+  EXPECT_EQ(decide({differences(15, 5)}, looks(50)).front().side, Side::kAbove);
+}
+
+TEST(Decide, TakesLessAtTheLastLook) {
+  EXPECT_EQ(decide({differences(6, 5)}, looks(6)).front().side, Side::kAbove) << "p = 2 / 2^6 = 0.031";
+  EXPECT_EQ(decide({differences(5, 5)}, looks(5)).front().side, Side::kUndecided) << "p = 2 / 2^5 = 0.0625";
+  EXPECT_EQ(decide({differences(6, 5)}, looks(60)).front().side, Side::kUndecided);
+}
+
+TEST(Decide, CorrectsForTheOtherQuestions) {
+  // Two questions double the p of six differences: 0.0625.
+  const std::vector<Decision> both = decide({differences(6, 5), differences(6, 0)}, looks(6));
+  EXPECT_EQ(both[0].side, Side::kUndecided);
+  EXPECT_DOUBLE_EQ(both[0].p, 0.0625);
+  EXPECT_EQ(both[1].side, Side::kUndecided);
+}
+
+TEST(Decide, KeepsADecisionWhileOthersAreOpen) {
+  Question later = differences(20, 5), open = differences(20, 0);
+  for (std::size_t i = 14; i < 20; ++i) later.values[i] = -50;
+  const std::vector<Decision> both = decide({later, open}, looks(20));
+  EXPECT_EQ(both[0].side, Side::kAbove);
+  EXPECT_EQ(both[0].after, 12u);
+  EXPECT_EQ(both[1].after, 20u);
+}
+
+TEST(Decide, LeavesGamesWithoutAFigureOut) {
+  Question gaps = differences(12, 5);
+  for (std::size_t i = 0; i < 12; i += 2) gaps.values[i].reset();
+  const Decision decision = decide({gaps}, looks(12)).front();
+  EXPECT_EQ(decision.side, Side::kAbove);
+  EXPECT_DOUBLE_EQ(decision.p, 2.0 / 64);
+}
+
+}  // namespace
+}  // namespace cxlab::statistics
