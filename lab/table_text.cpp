@@ -1,6 +1,7 @@
 #include "lab/table_text.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -134,6 +135,122 @@ Json table_json(const Table& table) {
     rows.push_back(std::move(one));
   }
   return rows;
+}
+
+namespace {
+
+std::string replaced(const std::string& text, const std::function<std::string(char)>& by) {
+  std::string out;
+  for (const char c : text) out += by(c);
+  return out;
+}
+
+std::string markdown_text(const std::string& text) {
+  return replaced(text, [](char c) {
+    return c == '|' || c == '\\'    ? std::string("\\") + c
+           : c == '\n' || c == '\r' ? std::string(" ")
+                                    : std::string(1, c);
+  });
+}
+
+std::string latex_text(const std::string& text) {
+  return replaced(text, [](char c) -> std::string {
+    switch (c) {
+      case '&':
+      case '%':
+      case '$':
+      case '#':
+      case '_':
+      case '{':
+      case '}': return std::string("\\") + c;
+      case '~': return "\\textasciitilde{}";
+      case '^': return "\\textasciicircum{}";
+      case '\\': return "\\textbackslash{}";
+      case '<':
+      case '>': return std::string("$") + c + '$';
+      case '\n':
+      case '\r': return " ";
+      default: return std::string(1, c);
+    }
+  });
+}
+
+/// A number with signs of its own instead of hyphens.
+std::string latex_number(const std::string& text) {
+  std::string out;
+  for (const char c : latex_text(text)) out += c == '-' ? std::string("$-$") : std::string(1, c);
+  return text == "-" ? "--" : out;
+}
+
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+}  // namespace
+
+std::string table_markdown(const Table& table) {
+  std::string out = table.title.empty() ? "" : markdown_text(table.title) + ":\n\n", rule = "|";
+  const auto add_row = [&](const auto& text_at) {
+    out += '|';
+    for (std::size_t i = 0; i < table.columns.size(); ++i) out += ' ' + markdown_text(text_at(i)) + " |";
+    out += '\n';
+  };
+  add_row([&](std::size_t i) { return table.columns[i].title; });
+  for (const Column& column : table.columns) rule += column.kind == CellKind::kText ? "---|" : "---:|";
+  out += rule + '\n';
+  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown(row[i], table.columns[i].kind); });
+  return out;
+}
+
+std::string table_csv(const Table& table) {
+  const auto is_stretch = [](const TableCell& cell) { return std::holds_alternative<TableCell::Stretch>(cell.value); };
+  std::vector<bool> stretches;
+  std::string out;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    stretches.push_back(std::ranges::any_of(table.rows, [&](const auto& row) { return is_stretch(row[i]); }));
+    const std::string& key = table.columns[i].key;
+    out += (i > 0 ? "," : "") + (stretches[i] ? csv_text(key + "_low") + ',' + csv_text(key + "_high") : csv_text(key));
+  }
+  out += '\n';
+  for (const auto& row : table.rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const auto& value = row[i].value;
+      if (i > 0) out += ',';
+      if (const auto* text = std::get_if<std::string>(&value)) out += csv_text(*text);
+      if (const auto* whole = std::get_if<std::int64_t>(&value)) out += std::to_string(*whole);
+      if (const auto* number = std::get_if<double>(&value)) out += shortest_text(*number);
+      if (const auto* stretch = std::get_if<TableCell::Stretch>(&value))
+        out += shortest_text(stretch->first) + ',' + shortest_text(stretch->second);
+      else if (stretches[i])
+        out += ',';
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string table_latex(const Table& table) {
+  std::string columns;
+  for (const Column& column : table.columns) columns += column.kind == CellKind::kText ? 'l' : 'r';
+  std::string out = table.title.empty() ? "" : "% " + replaced(table.title, [](char c) {
+                                                 return std::string(1, c == '\n' ? ' ' : c);
+                                               }) + '\n';
+  out += "\\begin{tabular}{" + columns + "}\n\\hline\n";
+  const auto add_row = [&](const auto& text_at) {
+    for (std::size_t i = 0; i < table.columns.size(); ++i) out += (i > 0 ? " & " : "") + text_at(i);
+    out += " \\\\\n";
+  };
+  add_row([&](std::size_t i) { return latex_text(table.columns[i].title); });
+  out += "\\hline\n";
+  for (const auto& row : table.rows)
+    add_row([&](std::size_t i) {
+      const std::string text = shown(row[i], table.columns[i].kind);
+      return table.columns[i].kind == CellKind::kText ? latex_text(text) : latex_number(text);
+    });
+  return out + "\\hline\n\\end{tabular}\n";
 }
 
 Status sort_table(Table& table, const std::string& key) {

@@ -1,5 +1,5 @@
 #pragma once
-// Tables (scenarios/question.h) as text for people, and as JSON.
+// Tables (scenarios/question.h) as text for people, JSON, Markdown, CSV and LaTeX.
 
 #include <cstddef>
 #include <string>
@@ -17,6 +17,13 @@ inline constexpr std::size_t kTableWidth = 180;
 std::string table_text(const Table& table, std::size_t width = kTableWidth);
 /// A list with an object for each row.
 Json table_json(const Table& table);
+/// As people read it in Markdown: a title, and a table whose numbers are on the right.
+std::string table_markdown(const Table& table);
+/// Comma-separated values (RFC 4180) with the keys as header and numbers in full; a stretch has two columns, KEY_low
+/// and KEY_high.
+std::string table_csv(const Table& table);
+/// An environment `tabular`, which needs no package.
+std::string table_latex(const Table& table);
 /// Orders the rows by the column of that key: numbers from the greatest, texts from the first letter.
 Status sort_table(Table& table, const std::string& key);
 
