@@ -187,11 +187,12 @@ class Explainer {
     return !any(slots_of(demand, choices), choices, [&](Frame& frame) { return is_met(demand, frame); });
   }
 
-  /// Whether no action can change it: such a demand says which arguments are meant.
+  /// Whether no action can change it, but it is so for others: such a demand says which arguments are meant.
   bool is_fixed_relation(const Demand& demand) const {
     if (!demand.condition) return false;
     if (demand.condition->kind == Condition::Kind::kSame) return true;
-    return demand.condition->kind == Condition::Kind::kAtom && reach_.is_static(demand.condition->predicate);
+    return demand.condition->kind == Condition::Kind::kAtom && reach_.is_static(demand.condition->predicate) &&
+           !reach_.atoms_of(demand.condition->predicate).empty();
   }
 
   // --- Texts

@@ -72,7 +72,8 @@ class PddlManager : public Server {
   /// Plans that were found; of these, those for a goal instance that had had one before.
   int plans() const { return plans_; }
   int replans() const { return replans_; }
-  /// Instances of somebody that others have replaced; plans that were asked for, of which none was found.
+  /// Instances of somebody that others have replaced; why goals were out of reach; plans that were asked for, of which
+  /// none was found.
   std::vector<std::string> warnings() const;
 
  private:
@@ -105,6 +106,13 @@ class PddlManager : public Server {
     bus::GoalStatus status{};
     bus::SharedMessage result, report;
     Goals wanted;
+    bool has_cause = false;  ///< the report's reason explains why the goal is out of reach
+  };
+  /// Why a goal was out of reach, when first and how often.
+  struct MissingPlan {
+    std::string cause;
+    SimTime first{};
+    int times = 0;
   };
   using View = bus::MessageView;
   struct Services;
@@ -135,6 +143,7 @@ class PddlManager : public Server {
   void dump(const View& goal, const Task& task);
   void give_up(Job job, const char* status, const std::string& reason, bus::GoalStatus ends);
   void finish(const Job& job);
+  void note_cause(const std::string& cause);
 
   void log(cx::LogLevel level, const std::string& text);
 
@@ -160,6 +169,7 @@ class PddlManager : public Server {
   int plans_ = 0, replans_ = 0;
   std::vector<std::string> replaced_;                      // warnings
   std::map<std::string, int> others_;                      // answers without a plan, by status
+  std::vector<MissingPlan> causes_;                        // each once
   std::set<std::pair<std::string, std::string>> planned_;  // instances with their goals
   RecordData data_;
 };

@@ -1,6 +1,7 @@
 // Goals of the PDDL manager: plans, and when they are answered.
 
 #include <algorithm>
+#include <ranges>
 #include <tuple>
 
 #include "planner/manager/manager.h"
@@ -14,6 +15,7 @@ using View = bus::MessageView;
 
 /// Starts that are not further apart than this belong to one class, s.
 constexpr double kSameClass = 0.1;
+constexpr std::size_t kMostCauses = 5;  ///< of missing plans, that the warnings of a run name
 
 }  // namespace
 
@@ -97,6 +99,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
   how.anytime = options_.anytime;
   how.bound = false;
   Goals goals = goals_of(*task);
+  how.initial_state = "the instance";
   how.warm_start = steps_left(goal.text("pddl_instance"), *task, goals);
   const double wall_s = static_cast<double>(how.budget) * 1e-6;  // a unit is about a microsecond
   const bool ours = options_.other.command.empty();
@@ -112,6 +115,7 @@ PddlManager::Outcome PddlManager::make_plan(const View& goal) {
                    : status == PlanStatus::kBudget   ? "TIMEOUT"
                    : status == PlanStatus::kMemory   ? "MEMORY"
                                                      : "NO-PLAN";
+  if (outcome.answer.out_of_reach) outcome.reason = outcome.answer.out_of_reach->text();
   if (options_.original) outcome.ends = bus::GoalStatus::kSucceeded;
   return outcome;
 }
@@ -128,7 +132,7 @@ void PddlManager::dump(const View& goal, const Task& task) {
 
 PddlManager::Job PddlManager::job_of(std::size_t dialect, const bus::GoalId& id, const View& goal,
                                      const Outcome& outcome) const {
-  Job job{dialect, id, {}, outcome.ends, {}, {}, outcome.wanted};
+  Job job{dialect, id, {}, outcome.ends, {}, {}, outcome.wanted, outcome.answer.out_of_reach.has_value()};
   const std::string &instance = goal.text("pddl_instance"), &goal_instance = goal.text("goal_instance");
   auto result = std::make_shared<bus::Message>(*dialects_[dialect].plan_type->result);
   auto report = std::make_shared<bus::Message>(*reports_.type);
@@ -201,6 +205,7 @@ void PddlManager::finish(const Job& job) {
     if (!planned_.emplace(reported.text("pddl_instance"), reported.text("goal_instance")).second) ++replans_;
   } else {
     ++others_[reported.text("status")];
+    if (job.has_cause) note_cause(reported.text("reason"));
   }
   data_.begin()
       .field("op", "plan")
@@ -209,6 +214,7 @@ void PddlManager::finish(const Job& job) {
   data_.field("status", std::string_view(reported.text("status")))
       .field("units", reported.integer("units"))
       .field("makespan", reported.real("makespan"));
+  if (job.has_cause) data_.field("reason", std::string_view(reported.text("reason")));
   sink_.write(bus_.stream_of(node_), bus_.now(), RecordKind::kDecision, data_);
   const std::string whose =
       "plan for '" + reported.text("goal_instance") + "' of '" + reported.text("pddl_instance") + "': ";
@@ -221,8 +227,26 @@ void PddlManager::finish(const Job& job) {
   bus_.finish(dialects_[job.dialect].plan, job.goal, job.status, job.result);
 }
 
+void PddlManager::note_cause(const std::string& cause) {
+  const auto known = std::ranges::find(causes_, cause, &MissingPlan::cause);
+  if (known == causes_.end())
+    causes_.push_back({cause, bus_.now(), 1});
+  else
+    ++known->times;
+}
+
 std::vector<std::string> PddlManager::warnings() const {
   std::vector<std::string> warnings = replaced_;
+  for (const MissingPlan& missing : causes_ | std::views::take(kMostCauses)) {
+    const std::string others = missing.times == 1   ? ""
+                               : missing.times == 2 ? " and once more"
+                                                    : " and " + std::to_string(missing.times - 1) + " times more";
+    warnings.push_back(options_.node.full_name() + ": no plan at " + time_text(to_seconds(missing.first)) + " s" +
+                       others + ": " + missing.cause);
+  }
+  if (causes_.size() > kMostCauses)
+    warnings.push_back(options_.node.full_name() + ": " + std::to_string(causes_.size() - kMostCauses) +
+                       " more causes of missing plans are in its log");
   int requests = 0;
   std::string statuses;
   auto answers = others_;
@@ -265,6 +289,7 @@ void PddlManager::give_up(Job job, const char* status, const std::string& reason
   job.report = std::move(report);
   job.result = std::make_shared<bus::Message>(*dialects_[job.dialect].plan_type->result);
   job.status = ends;
+  job.has_cause = false;
   finish(job);
 }
 

@@ -1,4 +1,4 @@
-"""Twenty agents with a fault each, of twenty kinds, and the questions that lead from what one sees to the cause.
+"""Twenty-three agents with a fault each, of as many kinds, and the questions that lead from what one sees to the cause.
 
 Most agents are a shipped one with a small change. The questions are those of somebody who knows the agent's templates, but guesses
 no name of a rule: each name in a question stands in the game's result or in the answer before. docs/testing.md has the table.
@@ -170,6 +170,20 @@ AGENTS = [
     Agent("all instead of some", 80, "planning_agent/clips/agenda.clp", [("(exists (robot (state IDLE)))", "(not (robot (state BUSY)))")],
           ["waits", "why-not '(step (state OPEN) (worker ROBOT))'", "why-not '(robot-waits)'"],
           r"agenda-idle-robot \(.*\n +lacks now condition 1: \(not \(robot \(state BUSY\)\)\):? a fact forbids it", PLANNING, short=False),
+    # Nothing is planned: the domain, or what the agent told of the world, has no way to a delivery.
+    Agent("an effect that is lost", 30, "planning_agent/pddl/coarse.pddl",
+          [("(at end (at-step ?p ?next)) (at end (at-output ?p ?cs))", "(at end (at-output ?p ?cs))")],
+          ["orders"],
+          r"needs \(at-step o1 s1\) at start; only mount-ring \(planning.pddl \(rendered\):\d+\) makes it true", PLANNING),
+    Agent("a misspelt condition", 30, "planning_agent/pddl/coarse.pddl",
+          [("(at start (next-step ?p ?s ?next)) (at start (cap-loaded ?cs))", "(at start (next-step ?p ?s ?next)) (at start (cap-loded ?cs))"),
+           ("    (cap-loaded ?cs - cap-station)\n", "    (cap-loaded ?cs - cap-station) (cap-loded ?cs - cap-station)\n")],
+          ["orders"],
+          r"mount-cap \(.*?\) comes closest, and needs \(cap-loded \?cs\) at start; no action makes it true, and the instance has none", PLANNING),
+    Agent("a fact that nobody tells the planner", 30, "planning_agent/clips/problem.clp",
+          [("(if (< ?i (length$ ?works)) then (fluent ?instance next-step", "(if (< ?i (- (length$ ?works) 1)) then (fluent ?instance next-step")],
+          ["orders"],
+          r"needs \(next-step o1 \?s \?next\) at start; no action makes it true, and the instance has none", PLANNING),
     # Two teams: one of them gets no base.
     Agent("a topic of the other team", 60, "two_teams.yaml", [("/factory/instruct_machine: /magenta/factory", "/factory/instruct_machine: /cyan/factory")],
           ["orders", "facts instruction --env magenta/agent"],

@@ -1,6 +1,7 @@
 // cxlab orders: when each order was worked for, and why a product is late or missing.
 
 #include <algorithm>
+#include <utility>
 
 #include "cx/base/number_text.h"
 #include "scenarios/rcll/questions/products.h"
@@ -211,6 +212,36 @@ std::vector<std::string> ask_next(const GameStory& story, const OrderWork& work,
   return {};
 }
 
+/// Why a PDDL manager made no plan, each reason once: "no plan at 0:26.2 and 3 times more: the goal ...".
+std::vector<std::string> missing_plans(const std::vector<JournalRecord>& records) {
+  struct Missing {
+    std::string reason;
+    SimTime first{};
+    int times = 0;
+  };
+  std::vector<Missing> missing;
+  for (const JournalRecord& record : records) {
+    if (record.kind != RecordKind::kDecision || record.data.text("op") != "plan") continue;
+    const std::string_view reason = record.data.text("reason");
+    if (reason.empty()) continue;
+    const auto known = std::ranges::find(missing, reason, &Missing::reason);
+    if (known == missing.end())
+      missing.push_back({std::string(reason), record.t, 1});
+    else
+      ++known->times;
+  }
+  std::vector<std::string> texts;
+  for (const Missing& one : missing) {
+    if (texts.size() == kReasonsNamed) {
+      texts.push_back(std::to_string(missing.size() - kReasonsNamed) + " more reasons why there was no plan");
+      break;
+    }
+    texts.push_back("no plan at " + time_text(one.first) +
+                    (one.times > 1 ? ", " + std::to_string(one.times) + " times" : "") + ": " + one.reason);
+  }
+  return texts;
+}
+
 }  // namespace
 
 Expected<WorldAnswer> answer_orders(const AskedRun& run) {
@@ -280,6 +311,7 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
                            std::to_string(delivered) + " of " + std::to_string(asked) + " orders delivered");
   }
   if (const std::string about = story->about_times(); !about.empty()) answer.notes.push_back(about);
+  for (std::string& missing : missing_plans(run.records)) answer.notes.push_back(std::move(missing));
   for (const OrderWork& work : all)
     if (run.about == std::to_string(work.order.id))
       if (const auto ask = ask_next(*story, work, run.folder.string()); !ask.empty()) {

@@ -3,10 +3,13 @@
 namespace cxlab::planner {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 constexpr const char* kTower = "{goal_instance: base, fluents: [{pddl_instance: bw, name: on, args: [a, b]}]}";
 constexpr const char* kReport = "cxlab_pddl_interfaces/msg/PlanReport";
@@ -403,8 +406,37 @@ TEST_F(ManagerTest, RequestsWithoutAPlanAreCountedByStatus) {
     plan("{pddl_instance: x, goal_instance: nowhere}");
     ticks(200);
   }
-  EXPECT_THAT(manager_->warnings(),
-              ::testing::ElementsAre("/pddl_manager: no plan was found in 5 requests (ERROR 2, UNSOLVABLE 3)"));
+  EXPECT_THAT(
+      manager_->warnings(),
+      ElementsAre(AllOf(StartsWith("/pddl_manager: no plan at 0."), HasSubstr(" s and 2 times more: the goal (p) "
+                                                                              "is out of reach: only a (d.pddl:1)")),
+                  "/pddl_manager: no plan was found in 5 requests (ERROR 2, UNSOLVABLE 3)"));
+}
+
+TEST_F(ManagerTest, EachCauseOfAMissingPlanIsAWarningOnce) {
+  start();
+  const auto received = listen("/pddl_manager/plan_report", kReport);
+  load_text(
+      "(define (domain d) (:predicates (p ?x) (q ?x) (r)) (:constants k) (:action a :parameters (?x) :precondition "
+      "(q ?x) :effect (p ?x)) (:action b :effect (r)))",
+      "(define (problem p) (:domain d) (:objects l))");
+  const auto goal = [&](const std::string& name, const std::string& fluent) {
+    request("create_goal_instance", "CreateGoalInstance", "{pddl_instance: x, goal_instance: " + name + "}");
+    request("set_goals", "SetGoals", "{goal_instance: " + name + ", fluents: [{pddl_instance: x, " + fluent + "}]}");
+    plan("{pddl_instance: x, goal_instance: " + name + "}");
+    ticks(200);
+  };
+  goal("one", "name: p, args: [l]");
+  goal("two", "name: q, args: [k]");
+  goal("three", "name: p, args: [l]");
+  goal("four", "name: r");
+  EXPECT_THAT(
+      manager_->warnings(),
+      ElementsAre(EndsWith("s and once more: the goal (p l) is out of reach: only a (d.pddl:1) makes it true, "
+                           "and needs (q l); no action makes it true, and the instance lacks it"),
+                  EndsWith("s: the goal (q k) is out of reach: no action makes it true, and the instance lacks it")));
+  ASSERT_EQ(received->size(), 4U);
+  EXPECT_THAT((*received)[1], HasSubstr("reason: \"the goal (q k) is out of reach: no action makes it true"));
 }
 
 }  // namespace
