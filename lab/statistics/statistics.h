@@ -1,15 +1,15 @@
 #pragma once
 // Statistics of figures of episodes. Pure functions: the same values give the same bytes, also where they draw samples.
 //
-//   BCa interval               Efron, "Better bootstrap confidence intervals", JASA 82 (1987)
-//   its level for few values   Hesterberg, "What teachers should know about the bootstrap", Am. Statistician 69 (2015)
-//   interquartile mean         Agarwal et al., "Deep RL at the edge of the statistical precipice", NeurIPS (2021);
-//   performance profile        there, too: the share of episodes that reach a figure
-//   probability of improvement Mann and Whitney, Ann. Math. Statist. 18 (1947): U / (n m)
-//   sign-flip test             Fisher, The Design of Experiments (1935); the p of random flips: Phipson and Smyth
-//   (2010) Hall's test of a mean      Hall, "On the removal of skewness by transformation", JRSS B 54 (1992) Holm's
-//   correction          Holm, Scand. J. Statist. 6 (1979) number of pairs            Guenther, "Sample size formulas
-//   for normal theory t tests", Am. Statistician 35 (1981)
+// - BCa interval: Efron, "Better bootstrap confidence intervals", JASA 82 (1987)
+// - its level for few values: Hesterberg, "What teachers should know about the bootstrap", Am. Statistician 69 (2015)
+// - interquartile mean and performance profile (the share of episodes that reach a figure): Agarwal et al., "Deep RL at
+//   the edge of the statistical precipice", NeurIPS (2021)
+// - probability of improvement: Mann and Whitney, Ann. Math. Statist. 18 (1947), U / (n m)
+// - sign-flip test: Fisher, The Design of Experiments (1935); the p of random flips: Phipson and Smyth (2010)
+// - Hall's test of a mean: Hall, "On the removal of skewness by transformation", JRSS B 54 (1992)
+// - Holm's correction: Holm, Scand. J. Statist. 6 (1979)
+// - number of pairs: Guenther, "Sample size formulas for normal theory t tests", Am. Statistician 35 (1981)
 
 #include <cstddef>
 #include <cstdint>
