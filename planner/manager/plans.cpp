@@ -241,7 +241,7 @@ std::vector<std::string> PddlManager::warnings() const {
     const std::string others = missing.times == 1   ? ""
                                : missing.times == 2 ? " and once more"
                                                     : " and " + std::to_string(missing.times - 1) + " times more";
-    warnings.push_back(options_.node.full_name() + ": no plan at " + time_text(to_seconds(missing.first)) + " s" +
+    warnings.push_back(options_.node.full_name() + ": no plan at " + time_text(cxlab::to_seconds(missing.first)) + " s" +
                        others + ": " + missing.cause);
   }
   if (causes_.size() > kMostCauses)
