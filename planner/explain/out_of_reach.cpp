@@ -298,9 +298,13 @@ class Explainer {
         find_moves(parts[1], down, up, choices, moves);
         return;
       case Kind::kNegate: find_moves(parts[0], down, up, choices, moves); return;
-      default:
-        for (const Expression& part : parts) find_moves(part, true, true, choices, moves);
+      default: {
+        const bool factor_is_constant = parts[1].kind == Kind::kConstant || parts[0].kind == Kind::kConstant;
+        const double factor = parts[0].kind == Kind::kConstant ? parts[0].value : parts[1].value;
+        const bool same = parts.size() == 2 && factor_is_constant && factor > 0;
+        for (const Expression& part : parts) find_moves(part, up || !same, down || !same, choices, moves);
         return;
+      }
     }
   }
 
@@ -372,7 +376,8 @@ class Explainer {
       case Kind::kNot: find_parts(condition.operands[0], !wanted, choices, gaps); return;
       case Kind::kSame: {
         const std::string text = text_of(condition, choices);
-        gaps.push_back(never(wanted ? text : "(not " + text + ")", "no objects that fit are so"));
+        gaps.push_back(never(wanted ? text : "(not " + text + ")",
+                             wanted ? "no objects that fit are the same" : "no objects that fit are different"));
         return;
       }
       case Kind::kForall:
@@ -396,10 +401,15 @@ class Explainer {
       find_in_all(parts, choices, gaps);
       return;
     }
-    if (parts.empty()) gaps.push_back(never("one of no conditions", "there is none"));
+    const std::string text = text_of(condition, choices);
+    if (parts.empty())
+      gaps.push_back(never(wanted ? text : "(not " + text + ")", "nothing is asked for that could be so"));
     const std::size_t before = gaps.size();  // each of them is out of reach
     for (const auto& [part, sign] : parts) find_parts(*part, sign, choices, gaps);
-    const std::string text = text_of(condition, choices);
+    // First those that an action could bring about.
+    std::stable_partition(gaps.begin() + static_cast<std::ptrdiff_t>(before), gaps.end(), [this](const Gap& gap) {
+      return gap.kind != Gap::Kind::kFact || !reach_.is_static(gap.facts[0].predicate);
+    });
     for (std::size_t i = before; i < gaps.size() && parts.size() > 1 && text.size() <= kLongestAlternatives; ++i)
       gaps[i].text += ", one way to " + std::string(wanted ? "" : "break ") + text + ",";
   }
@@ -776,6 +786,8 @@ class Explainer {
     path_.push_back(key);
     chain.causes.push_back(std::move(cause));
     for (const Maker& maker : makers) {
+      // A circle says more than one that could not help with these objects at all.
+      if (maker.lacks.first > makers[0].lacks.first && !circle_.causes.empty()) break;
       Cause& here = chain.causes.back();
       here.followed = maker.name;
       here.at = place(maker.source);
@@ -786,6 +798,12 @@ class Explainer {
         }
     }
     path_.pop_back();
+    if (gap.kind == Gap::Kind::kNumber &&
+        std::ranges::any_of(makers, [](const Maker& one) { return one.gaps.empty(); })) {
+      chain.causes.back().end =
+          "what " + some_of(chain.causes.back().makers, kMostMakers) + " can do to it is not enough";
+      return true;
+    }
     chain.causes.pop_back();
     return false;
   }
@@ -814,7 +832,9 @@ std::string makers_text(const Cause& cause, const Cause& next) {
 std::string OutOfReach::text() const {
   if (causes.empty()) return "";
   if (causes[0].together) return "the goal is out of reach: it asks for " + causes[0].condition + "; " + causes[0].end;
-  std::string text = "the goal " + causes[0].condition + " is out of reach: ";
+  std::string text = causes[0].condition.starts_with('(')
+                         ? "the goal " + causes[0].condition + " is out of reach: "
+                         : "the goal is out of reach: it needs " + causes[0].condition + "; ";
   const std::size_t links = causes.size() - 1, half = kMostCauses / 2;
   for (std::size_t i = 0; i < links; ++i) {
     if (links > kMostCauses && i == half) {

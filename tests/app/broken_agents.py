@@ -1,4 +1,4 @@
-"""Twenty-three agents with a fault each, of as many kinds, and the questions that lead from what one sees to the cause.
+"""Twenty-four agents with a fault each, of as many kinds, and the questions that lead from what one sees to the cause.
 
 Most agents are a shipped one with a small change. The questions are those of somebody who knows the agent's templates, but guesses
 no name of a rule: each name in a question stands in the game's result or in the answer before. docs/testing.md has the table.
@@ -184,6 +184,12 @@ AGENTS = [
           [("(if (< ?i (length$ ?works)) then (fluent ?instance next-step", "(if (< ?i (- (length$ ?works) 1)) then (fluent ?instance next-step")],
           ["orders"],
           r"needs \(next-step o1 \?s \?next\) at start; no action makes it true, and the instance has none", PLANNING),
+    # Plans are found, but none for a product that passes a ring station twice.
+    Agent("an effect on the wrong side", 40, "planning_agent/pddl/robot_actions.jinja",
+          [("'picks': ['(output-free ?from)'],\n   'places': ['(at-input ?p ?m)'],\n   'returns': ['(at-output ?p ?from)', '(input-free ?m)'],\n   'loses': ['(when (not (transport-holding",
+            "'picks': ['(input-free ?from)'],\n   'places': ['(at-input ?p ?m)'],\n   'returns': ['(at-output ?p ?from)', '(input-free ?m)'],\n   'loses': ['(when (not (transport-holding")],
+          ["orders"],
+          r"mount-ring \(planning.pddl \(rendered\):\d+\) comes closest, and needs \(output-free rs1\) and \(at-step o2 s2\); each alone can be, but never both at once", PLANNING),
     # Two teams: one of them gets no base.
     Agent("a topic of the other team", 60, "two_teams.yaml", [("/factory/instruct_machine: /magenta/factory", "/factory/instruct_machine: /cyan/factory")],
           ["orders", "facts instruction --env magenta/agent"],

@@ -78,10 +78,10 @@ TEST(OutOfReach, QuantifiedGoals) {
       why(made, "(:objects a b) (:init) (:goal (exists (?x) (p ?x)))"),
       "the goal (p ?x) is out of reach: only make (domain.pddl:2) makes it true, and needs (q ?x); no action makes "
       "it true, and :init has none");
-  EXPECT_EQ(
-      why(made, "(:objects a b) (:init (q a)) (:goal (or (q b) (p b)))"),
-      "the goal (q b), one way to (or (q b) (p b)), is out of reach: no action makes it true, and :init lacks it; "
-      "nearest is (q a)");
+  EXPECT_EQ(why(made, "(:objects a b) (:init (q a)) (:goal (or (q b) (p b)))"),
+            "the goal (p b), one way to (or (q b) (p b)), is out of reach: only make (domain.pddl:2) makes it true, "
+            "and needs "
+            "(q b); no action makes it true, and :init lacks it; nearest is (q a)");
 }
 
 TEST(OutOfReach, Numbers) {
@@ -102,6 +102,32 @@ TEST(OutOfReach, Numbers) {
       why(tank, "(:init (= (need) 3)) (:goal (there))"),
       "the goal (there) is out of reach: only drive (domain.pddl:5) makes it true, and needs a value of (fuel); no "
       "action gives a value to (fuel), and in :init (fuel) has no value");
+}
+
+TEST(OutOfReach, NumbersThatMoveButNotFarEnough) {
+  EXPECT_EQ(
+      why("(:predicates (x)) (:functions (n) (k)) (:action less :effect (decrease (k) 1))",
+          "(:init (= (n) 1) (= (k) 2)) (:goal (> (+ (n) (* 2 (k))) 9))"),
+      "the goal (> (+ (n) (* 2 (k))) 9) is out of reach: no action raises (n) or raises (k), and in :init (n) is 1 "
+      "and (k) is 2");
+  EXPECT_EQ(why("(:predicates (x)) (:functions (n) (k)) (:action less :effect (decrease (k) 1))",
+                "(:init (= (n) 1) (= (k) 2)) (:goal (> (- (n) (* -2 (k))) 9))"),
+            "the goal (> (- (n) (* -2 (k))) 9) is out of reach: what less can do to it is not enough");
+}
+
+TEST(OutOfReach, GoalsThatNothingCouldMeet) {
+  const std::string made = "(:types a) (:predicates (p ?x) (q ?x - a)) (:action make :parameters (?x) :effect (p ?x))";
+  EXPECT_EQ(why(made, "(:objects b) (:init) (:goal (exists (?x - a) (q ?x)))"),
+            "the goal is out of reach: it needs an object of type a; there is none");
+  EXPECT_EQ(why(made, "(:objects b c) (:init) (:goal (and (p b) (= b c)))"),
+            "the goal (= b c) is out of reach: no objects that fit are the same");
+  EXPECT_EQ(why(made, "(:objects b c) (:init) (:goal (and (p b) (or)))"),
+            "the goal (or) is out of reach: nothing is asked for that could be so");
+  EXPECT_EQ(
+      why("(:predicates (ok ?x) (p ?x) (q)) (:action make :parameters (?x) :precondition (q) :effect (p ?x))",
+          "(:objects b) (:init (ok b)) (:goal (imply (ok b) (p b)))"),
+      "the goal (p b), one way to (imply (ok b) (p b)), is out of reach: only make (domain.pddl:2) makes it true, "
+      "and needs (q); no action makes it true, and :init lacks it");
 }
 
 TEST(OutOfReach, ConditionsOverTime) {
