@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct BenchOptions {
   std::string suite, out, cell;
   std::vector<std::string> collect;
+  std::vector<std::string> limits;  // of rules, as they were given
   int jobs = 1;
   double time_limit_s = 0;
   std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
@@ -163,7 +164,8 @@ int write_slurm(const lab::Suite& suite, const BenchOptions& options) {
                                          .cells = suite.cells().size(),
                                          .tasks = static_cast<std::size_t>(options.tasks),
                                          .jobs = options.jobs,
-                                         .time_limit_s = options.time_limit_s});
+                                         .time_limit_s = options.time_limit_s,
+                                         .more = options.limits});
   if (!scripts) return fail(scripts.error());
   std::printf(
       "%s: %zu tasks of up to %zu cells\n%s: collects their rows and prints the table\n"
@@ -237,7 +239,12 @@ void add_bench(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
   command->add_flag("--quiet", options->quiet, "No progress and no lines for episodes");
   command->add_flag("-v,--verbose", options->verbose, "A line for each episode");
-  command->callback([options, &action] { action = [options] { return bench(*options); }; });
+  command->callback([options, command, &action] {
+    for (const char* name : {"--memory", "--disk", "--steps"})
+      if (const CLI::Option* limit = command->get_option(name); limit->count() > 0)
+        options->limits.insert(options->limits.end(), {name, limit->results().front()});
+    action = [options] { return bench(*options); };
+  });
 }
 
 }  // namespace cxlab::app

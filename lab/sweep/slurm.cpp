@@ -1,6 +1,6 @@
 #include "lab/sweep/slurm.h"
 
-#include <algorithm>
+#include <cctype>
 #include <string>
 
 #include "cx/base/number_text.h"
@@ -49,8 +49,9 @@ Expected<SlurmScripts> write_slurm(const SlurmOptions& options) {
   for (const char c : name) job_name += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
   const std::string bench =
       shell_word(whole_path(options.program).string()) + " bench " + shell_word(whole_path(options.suite).string());
-  const std::string limit =
-      options.time_limit_s > 0 ? " --time-limit " + general_text(options.time_limit_s, 10) : std::string();
+  std::string limits;
+  if (options.time_limit_s > 0) limits += " --time-limit " + general_text(options.time_limit_s, 10);
+  for (const std::string& word : options.more) limits += ' ' + shell_word(word);
   const std::string per = std::to_string(out.cells_of_task), all = std::to_string(options.cells);
   if (Status s = write_script(out.cells,
                               "#!/bin/bash\n"
@@ -80,7 +81,7 @@ Expected<SlurmScripts> write_slurm(const SlurmOptions& options) {
                                   all + " ]; then last=" + all +
                                   "; fi\n"
                                   "exec " +
-                                  bench + " --cell \"$first..$last\" -j " + std::to_string(options.jobs) + limit +
+                                  bench + " --cell \"$first..$last\" -j " + std::to_string(options.jobs) + limits +
                                   " --out " + shell_word(folder.string()) + "\n");
       !s)
     return s.error();

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "cx/base/expected.h"
 
@@ -16,6 +18,7 @@ struct SlurmOptions {
   std::size_t tasks = 0;          ///< of the array, which share the cells; 0 = one a cell, but no more than Slurm takes
   int jobs = 1;                   ///< processors of a task, and episodes at once
   double time_limit_s = 0;        ///< as of SweepOptions
+  std::vector<std::string> more = {};  ///< words of the command that plays cells: "--memory", "4GB"
 };
 
 struct SlurmScripts {

@@ -289,6 +289,35 @@ class Sweeps(Lab):
         self.assertEqual((row["status"], row["exit"]), ("failed", 3))
         self.assertIn("agent.yaml", row["errors"][0])
 
+    def test_the_tasks_of_a_job_array_play_all_cells_once(self):
+        (self.home / "suite.yaml").rename(self.home / "it's a suite.yaml")
+        command = [CXLAB, "bench", "it's a suite.yaml"]
+        run = lambda *arguments, **options: subprocess.run(arguments, cwd=self.home, text=True, capture_output=True, timeout=120, **options)
+        self.assertEqual(run(*command, "--quiet", "--out", "whole").returncode, 0)
+        done = run(*command, "--slurm", "--tasks", "4", "-j", "2", "--memory", "1GB", "--time-limit", "50", "--out", "r")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("r/slurm/cells.sh: 3 tasks of up to 2 cells\n", done.stdout)
+        text = (self.home / "r/slurm/cells.sh").read_text()
+        self.assertIn("\n#SBATCH --array=1-3\n", text)
+        self.assertIn("\n#SBATCH --cpus-per-task=2\n", text)
+        self.assertIn(" --time-limit 50 --memory 1000000000 --out ", text)
+        for task in (1, 2, 3):
+            done = run(self.home / "r/slurm/cells.sh", env={**os.environ, "SLURM_ARRAY_TASK_ID": str(task)})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(len(done.stdout.splitlines()), 2)
+        done = run(self.home / "r/slurm/collect.sh")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.rows(self.home / "r"), self.rows(self.home / "whole"))
+        # What submits them: a stand-in for sbatch prints its arguments and a number.
+        self.write("bin/sbatch", '#!/bin/sh\necho "$@" >> "$SAID"\necho "$(wc -l < "$SAID");cluster"\n').chmod(0o755)
+        environment = {**os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}", "SAID": str(self.folder / "said")}
+        done = run(self.home / "r/slurm/submit.sh", "--time=5", env=environment)
+        self.assertEqual(done.stdout, "cells: job 1, table: job 2\n", done.stderr)
+        scripts = self.home / "r/slurm"
+        self.assertEqual((self.folder / "said").read_text().splitlines(), [f"--parsable --time=5 {scripts}/cells.sh", f"--parsable --dependency=afterany:1 --time=5 {scripts}/collect.sh"])
+        self.assertIn("blanks", run(*command, "--slurm", "--out", "with blanks").stderr)
+        self.assertIn("--tasks requires --slurm", run(*command, "--tasks", "2").stderr)
+
     def test_parameters_of_an_agent_are_set_one_by_one(self):
         self.write("home/suite.yaml", "scenarios: [scenarios/game.yaml]\nseeds: [1]\n"
                    "grid:\n  watch:\n    facts: [\"agents[0].params.clips_manager.main.watch=[facts]\"]\n    rules: [\"agents[0].params.clips_manager.main.watch=[rules]\"]\n  agents[0].params.clips_manager.gian: [1]\n")
