@@ -1,8 +1,10 @@
-// cxlab bench: scenarios x strategies x seeds, each episode in a process of its own.
+// cxlab bench: scenarios x strategies x seeds, each episode in a process of its own. Its commands for rows that are
+// there are in bench_tables.cpp.
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "app/activity.h"
@@ -11,9 +13,12 @@
 #include "app/console.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "lab/sweep/judged_sweep.h"
+#include "lab/sweep/score_tables.h"
 #include "lab/sweep/slurm.h"
 #include "lab/sweep/sweep.h"
 #include "lab/sweep/table.h"
+#include "lab/table_text.h"
 
 namespace cxlab::app {
 
@@ -28,7 +33,7 @@ struct BenchOptions {
   int jobs = 1;
   double time_limit_s = 0;
   std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
-  bool json = false, quiet = false, verbose = false, cells = false, slurm = false;
+  bool json = false, quiet = false, verbose = false, cells = false, slurm = false, all = false;
 
   fs::path folder() const {
     return out.empty() ? fs::path("runs") / ("bench-" + fs::path(suite).stem().string()) : fs::path(out);
@@ -39,13 +44,35 @@ bool all_count(const std::vector<lab::Row>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const lab::Row& row) { return row.counts(); });
 }
 
-int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options) {
+/// The table, and where `judged` is given what the requirements of the suite have come to. Returns the exit code.
+int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
+                const lab::JudgedRows* judged = nullptr) {
   const std::vector<lab::TableLine> table = lab::table_of(rows, catalogue());
-  if (options.json)
-    std::fputs(lab::to_json(table).c_str(), stdout);
-  else
-    std::printf("%s%s\n", lab::to_text(table).c_str(), (options.folder() / "rows.csv").c_str());
-  return all_count(rows) ? 0 : static_cast<int>(ErrorKind::kNo);
+  const std::string csv = (options.folder() / "rows.csv").string();
+  const int code = all_count(rows) ? 0 : static_cast<int>(ErrorKind::kNo);
+  if (!judged) {
+    if (options.json)
+      std::fputs(lab::to_json(table).c_str(), stdout);
+    else
+      std::printf("%s%s\n", lab::to_text(table).c_str(), csv.c_str());
+    return code;
+  }
+  const Table answers = lab::requirement_table(judged->answers);
+  const std::vector<std::string> remarks = lab::remarks_on(judged->answers);
+  if (options.json) {
+    const Json json{{"strategies", parse_json(lab::to_json(table))},
+                    {"requirements", lab::table_json(answers)},
+                    {"remarks", remarks},
+                    {"games", judged->games},
+                    {"planned", judged->planned}};
+    std::printf("%s\n", json_text(json, 2).c_str());
+  } else {
+    std::printf("%s%s\n\n%s", lab::to_text(table).c_str(), csv.c_str(), lab::table_text(answers, line_width()).c_str());
+    for (const std::string& remark : remarks) std::printf("%s\n", remark.c_str());
+    if (judged->games < judged->planned)
+      std::printf("Answered after %zu of %zu games; --all plays the others, too.\n", judged->games, judged->planned);
+  }
+  return code != 0 ? code : lab::exit_code_of(judged->answers);
 }
 
 /// What a suite consists of, a line each: the number that `--cell` takes, and what is played.
@@ -143,7 +170,11 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
     host.note(std::to_string(found->outdated) +
               " rows are of games that this suite does not play: its files have changed, or it never had them");
   if (found->broken > 0) host.note(std::to_string(found->broken) + " files are not rows, or are cut short");
-  const int code = print_table(found->rows, options);
+  const auto judged = suite.require.empty() || !found->missing.empty()
+                          ? std::nullopt
+                          : std::optional(lab::judged_rows(suite, found->rows));
+  if (judged && !*judged) return fail(judged->error());
+  const int code = print_table(found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
     return fail(
         negative("cells " + ranges_text(found->contradictory) +
@@ -190,6 +221,14 @@ int bench(const BenchOptions& options) {
   const lab::Host host = console.host();
   if (!options.cell.empty()) return play_cells(*suite, options, host);
   if (!options.collect.empty()) return collect_rows(*suite, options, host);
+  if (!suite->require.empty()) {
+    const auto judged =
+        lab::judged_sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, options.all, host);
+    console.clear();
+    if (!judged) return fail(judged.error());
+    if (const int code = interrupted(finished_text(judged->rows.size(), suite->cells().size()))) return code;
+    return print_table(judged->rows, options, &*judged);
+  }
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);
   console.clear();
   if (!rows) return fail(rows.error());
@@ -206,9 +245,11 @@ void add_bench(CLI::App& app, Action& action) {
       "Examples:\n"
       "  cxlab bench benchmarks/rcll.yaml -j 2\n"
       "  cxlab bench benchmarks/rcll.yaml --cell 17 --out rows-of-this-machine\n"
-      "  cxlab bench benchmarks/rcll.yaml --collect rows-of-* --out runs/bench-rcll");
+      "  cxlab bench benchmarks/rcll.yaml --collect rows-of-* --out runs/bench-rcll\n"
+      "  cxlab bench show runs/bench-rcll --format markdown\n"
+      "  cxlab bench compare runs/before runs/after");
   add_limit_options(*command);
-  command->add_option("suite", options->suite, "Suite file (YAML)")->required();
+  CLI::Option* suite = command->add_option("suite", options->suite, "Suite file (YAML)");
   whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,
                       "Folder of the rows (default runs/bench-<suite>); rows that would come out the same are kept");
@@ -239,7 +280,11 @@ void add_bench(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
   command->add_flag("--quiet", options->quiet, "No progress and no lines for episodes");
   command->add_flag("-v,--verbose", options->verbose, "A line for each episode");
-  command->callback([options, command, &action] {
+  command->add_flag("--all", options->all, "Plays all games, also when the requirements of the suite are answered");
+  add_bench_tables(*command, action);
+  command->callback([command, suite, options, &action] {
+    if (!command->get_subcommands().empty()) return;
+    if (suite->count() == 0) throw CLI::RequiredError(suite->get_name());
     for (const char* name : {"--memory", "--disk", "--steps"})
       if (const CLI::Option* limit = command->get_option(name); limit->count() > 0)
         options->limits.insert(options->limits.end(), {name, limit->results().front()});

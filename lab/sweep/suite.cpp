@@ -79,6 +79,21 @@ std::vector<SuiteGame> read_games(const yaml::Value& value, const fs::path& from
   return out;
 }
 
+void read_requirement(const yaml::Value& value, std::vector<Requirement>& out) {
+  const auto same = [&value](const Requirement& other) { return other.text == value.text(); };
+  if (!value.is_scalar()) {
+    value.fail("found " + value.found() +
+               ", expected a text, as mean(points) >= 250; in quotes if it begins with the name of a strategy");
+  } else if (std::ranges::any_of(out, same)) {
+    value.fail("found '" + value.text() + "' twice, expected it once");
+  } else if (auto requirement = Requirement::parse(value.text()); !requirement) {
+    value.fail(requirement.error().message);
+  } else {
+    out.push_back(*std::move(requirement));
+    out.back().origin = value.origin();
+  }
+}
+
 /// The text in single quotes; a quote in it becomes `quote`.
 std::string in_quotes(const std::string& text, const char* quote) {
   std::string out = "'";
@@ -276,6 +291,14 @@ Expected<Suite> Suite::load(const fs::path& file) {
   else if (const yaml::Value seeds = map.require("seeds"))
     suite.seeds = read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});
+  if (const yaml::Value require = map.get("require"))
+    for (const yaml::Value& item : require.is_list() ? require.as_list() : std::vector{require})
+      read_requirement(item, suite.require);
+  if (const yaml::Value earlier = map.get("earlier")) {
+    yaml::Map sweeps = earlier.as_map();
+    for (const auto& [name, path] : sweeps.entries())
+      suite.earlier.push_back({name, (file.parent_path() / path.as_string()).lexically_normal(), path.origin()});
+  }
   map.finish();
   if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty())
     map.fail("expected at least one scenario, strategy and seed");

@@ -10,6 +10,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/origin.h"
+#include "lab/sweep/requirement.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::lab {
@@ -74,6 +75,8 @@ struct Suite {
   std::vector<SuiteGame> games;  ///< in order of names; none: as the scenarios say
   Origin games_origin{};
   std::vector<std::string> tags{};          ///< of all games
+  std::vector<Requirement> require{};       ///< what the rows must show
+  std::vector<EarlierSweep> earlier{};      ///< that these name
   std::string tier;                         ///< instead of the scenarios'; empty = theirs
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 

@@ -1,4 +1,4 @@
-"""benchmarks/upper_bound.py: bounds that can be reckoned by hand, and the shipped agents below theirs; plot_strategies.py."""
+"""benchmarks/upper_bound.py: bounds that can be reckoned by hand, and the shipped agents below theirs."""
 
 import importlib.util
 import os
@@ -155,34 +155,3 @@ class Bounds(Lab):
         (self.folder / "run/game.yaml").write_text("layout:\n")
         self.assertEqual(self.script("run", code=3), "error: run: not as cxlab writes it: KeyError('tier')\n")
         self.assertIn("the following arguments are required", self.script(code=2))
-
-
-class Plots(Lab):
-    def plot(self, table, code=3, out="out.svg"):
-        (self.folder / "rows.csv").write_text(table)
-        done = subprocess.run([sys.executable, SCRIPT.with_name("plot_strategies.py"), "rows.csv", out], capture_output=True,
-                              text=True, timeout=60, stdin=subprocess.DEVNULL, cwd=self.folder)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done.stderr
-
-    def test_rows_are_drawn(self):
-        self.plot("strategy,points\ngroups,120.0\ngroups,140.0\nstn,\nstn,0.0\n", code=0)
-        self.assertIn(">groups</text>", (self.folder / "out.svg").read_text())
-        self.assertEqual(self.plot("strategy,exit,points\nstn,0,1.0\nstn,4,0.0\n", code=0),
-                         "not drawn: 1 of 2 rows, whose games were not played to their end\n")
-        self.plot("strategy,points\nlazy-robot,0.0\n", code=0)
-        self.assertIn(">lazy robot</text>", (self.folder / "out.svg").read_text())
-
-    def test_a_picture_of_another_kind_is_refused(self):
-        self.assertEqual(self.plot("strategy,points\nlazy,0.0\n", out="out.png"),
-                         "error: out.png: the drawing is an SVG, expected a name that ends in .svg\n")
-        self.assertFalse((self.folder / "out.png").exists())
-
-    def test_other_tables_are_refused_with_what_was_found(self):
-        for table, said in (
-                ("a,b\n1,2\n", "found the columns a, b, expected strategy and points among them"),
-                ("strategy,b\n", "found the columns strategy, b, expected points among them"),
-                ("", "found an empty file, expected strategy and points"),
-                ("strategy,points\nstn,\n", "found 1 rows, and none of a game that was played to its end; expected one at least"),
-                ("strategy,points\nstn,1\nstn,many\n", "line 3: found 'many' as points, expected a number")):
-            self.assertEqual(self.plot(table), f"error: rows.csv: no rows of cxlab bench: {said}\n")

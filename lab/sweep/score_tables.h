@@ -1,0 +1,32 @@
+#pragma once
+// Statistics of sweeps as tables; docs/bench.md says what each column means.
+
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "lab/sweep/judge.h"
+#include "lab/sweep/row.h"
+#include "scenarios/question.h"
+
+namespace cxlab::lab {
+
+/// A line for each strategy and scenario: mean, median and interquartile mean of a metric with their 95 % intervals,
+/// the least and the most. An empty metric is the one that the world compares.
+Expected<Table> score_table(const std::vector<Row>& rows, const std::string& metric,
+                            const Catalogue& catalogue = shipped());
+/// A line for each strategy and scenario: mean, interval and least of the metric that the world compares, the means of
+/// its other metrics that have a title, and the difference from the first strategy, or from `against`.
+Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& against,
+                               const Catalogue& catalogue = shipped());
+/// A line for each strategy and scenario: the share of games that reach each of some thresholds.
+Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& metric,
+                              const Catalogue& catalogue = shipped());
+/// A line for each answer that is a difference.
+Table difference_table(const std::vector<Answer>& answers);
+/// A line for each answer to a requirement.
+Table requirement_table(const std::vector<Answer>& answers);
+/// What the tables do not show: games that were not completed.
+std::vector<std::string> remarks_on(const std::vector<Answer>& answers);
+
+}  // namespace cxlab::lab

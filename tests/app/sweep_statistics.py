@@ -1,0 +1,210 @@
+"""cxlab bench show and compare, and requirements of suites, as a user types them."""
+
+import csv
+import io
+import json
+import random
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+from lab import CXLAB, Lab
+
+COLUMNS = "scenario,strategy,game,seed,status,exit,points,late_s,journal_hash\n"
+SUITE = """scenarios: [s.yaml]
+seeds: "1..20"
+strategies: {long: [], short: [duration_s=1], same: []}
+"""
+
+
+class SweepStatistics(Lab):
+    def cxlab(self, *arguments, code=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], cwd=self.folder, text=True, capture_output=True, timeout=200, stdin=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def sweep(self, name, rows):
+        """A rows.csv of (strategy, seed, points) of completed games."""
+        lines = [f"game,{strategy},,{seed},completed,0,{points},{0.5 * seed},h\n" for strategy, seed, points in rows]
+        self.write(f"{name}/rows.csv", COLUMNS + "".join(lines))
+
+    def points(self, seed, mean, n=30):
+        chance = random.Random(seed)
+        return [5 * round(chance.gauss(mean, 60) / 5) for _ in range(n)]
+
+    def test_two_sweeps_are_better_worse_or_undecided(self):
+        old, noise = self.points(1, 600), self.points(2, 0)
+        self.sweep("old", [("agent", seed, p) for seed, p in enumerate(old)])
+        self.sweep("better", [("agent", seed, p + 60 + noise[seed] // 2) for seed, p in enumerate(old)])
+        self.sweep("same", [("agent", seed, p + noise[seed] // 2) for seed, p in enumerate(old)])
+        self.sweep("renamed", [("rules v2", seed, p + 60 + noise[seed] // 2) for seed, p in enumerate(old)])
+        for now, answer, code in (("better", "better", 0), ("renamed", "better", 0), ("same", "undecided", 6), ("old", "undecided", 6)):
+            self.assertIn(f"answer: {answer}\n", self.cxlab("bench", "compare", "old", now, code=code).stdout)
+        self.assertIn("answer: worse\n", self.cxlab("bench", "compare", "better", "old", code=1).stdout)
+        line = json.loads(self.cxlab("bench", "compare", "old", "better", "--json").stdout)["differences"][0]
+        differences = [60 + noise[seed] // 2 for seed in range(30)]
+        self.assertAlmostEqual(line["difference"], sum(differences) / 30)
+        low, high = line["difference_95"]
+        self.assertTrue(40 < low < line["difference"] < high < 80, line)
+        self.assertEqual((line["games"], line["won"] + line["drawn"] + line["lost"], line["answer"]), (30, 30, "better"))
+        # Less is better for lateness, which is the same in all.
+        self.cxlab("bench", "compare", "old", "better", "--metric", "late_s", code=6)
+
+    def test_less_is_better_where_the_world_says_so(self):
+        lines = {name: "".join(f"game,agent,,{seed},completed,0,100,{late + seed % 3},h\n" for seed in range(12)) for name, late in (("old", 20), ("late", 30))}
+        for name, text in lines.items():
+            self.write(f"{name}/rows.csv", COLUMNS + text)
+        answer = json.loads(self.cxlab("bench", "compare", "old", "late", "--metric", "late_s", "--json", code=1).stdout)
+        self.assertEqual((answer["answer"], answer["differences"][0]["difference"], answer["differences"][0]["lost"]), ("worse", 10, 12))
+
+    def test_a_sweep_that_fails_games_is_never_better(self):
+        self.sweep("old", [("agent", seed, 600 + seed) for seed in range(20)])
+        self.sweep("new", [("agent", seed, 700 + seed) for seed in range(20)])
+        text = (self.folder / "new/rows.csv").read_text().replace("game,agent,,7,completed,0,707", "game,agent,,7,crashed,70,")
+        self.write("new/rows.csv", text)
+        said = self.cxlab("bench", "compare", "old", "new", code=6).stdout
+        self.assertIn("game, agent: 1 games were not completed, which it is compared with completed; such a strategy is never better\n", said)
+
+    def test_tables_are_written_in_four_ways(self):
+        rows = [(name, seed, points) for name, mean in (("first_one", 600), ("50 % | all", 500)) for seed, points in enumerate(self.points(mean, mean))]
+        self.sweep("s", rows)
+        table = list(csv.DictReader(io.StringIO(self.cxlab("bench", "show", "s", "--format", "csv", "--table", "scores").stdout)))
+        self.assertEqual([line["strategy"] for line in table], ["first_one", "50 % | all"])
+        for line in table:
+            points = sorted(p for name, _, p in rows if name == line["strategy"])
+            self.assertAlmostEqual(float(line["mean"]), sum(points) / 30)
+            self.assertEqual((float(line["median"]), float(line["min"]), float(line["max"])), ((points[14] + points[15]) / 2, points[0], points[-1]))
+            self.assertAlmostEqual(float(line["iqm"]), sum(points[7:23]) / 16)
+            self.assertTrue(float(line["mean_95_low"]) < float(line["mean"]) < float(line["mean_95_high"]))
+        markdown = self.cxlab("bench", "show", "s", "--format", "markdown").stdout.splitlines()
+        self.assertEqual(markdown[2:4], ["| strategy | games | mean | 95 % | median | 95 % | middle half | 95 % | least | most |", "|---|" + "---:|" * 9])
+        self.assertTrue(markdown[5].startswith("| 50 % \\| all | 30/30 | "), markdown[5])
+        latex = self.cxlab("bench", "show", "s", "--format", "latex", "--table", "differences").stdout.splitlines()
+        self.assertEqual(latex[1], "\\begin{tabular}{llrrrrrrrrrrlr}")
+        self.assertRegex(latex[5], r"^50 \\% \| all & first\\_one & 30 & \$-\$\d+\.\d & \[\$-\$\d+\.\d, \$-\$\d+\.\d\] & .* & worse & -- \\\\$")
+        profile = json.loads(self.cxlab("bench", "show", "s", "--json", "--table", "profile").stdout)["profile"]
+        for line in profile:
+            points = [p for name, _, p in rows if name == line["strategy"]]
+            for key, share in line.items():
+                if key.startswith("at_least_"):
+                    self.assertAlmostEqual(share, sum(p >= float(key.removeprefix("at_least_")) for p in points) / 30)
+        self.assertGreater(len(profile[0]), 5)
+        twice = [self.cxlab("bench", "show", "s").stdout for _ in range(2)]
+        self.assertEqual(*twice)
+
+    def test_an_overview_has_several_figures(self):
+        lines = [f"game,{name},,{seed},completed,0,{points + seed},{0.5 * seed},h\n" for name, points in (("first", 600), ("second", 500)) for seed in range(12)]
+        self.write("s/rows.csv", (COLUMNS + "".join(lines)).replace("late_s", "deliveries", 1))
+        first, second = json.loads(self.cxlab("bench", "show", "s", "--table", "overview", "--json").stdout)["overview"]
+        self.assertEqual((first["strategy"], first["mean"], first["min"], first["deliveries"], first["difference"]), ("first", 605.5, 600, 2.75, None))
+        self.assertEqual((second["difference"], second["difference_95"]), (-100, [-100, -100]))
+
+    def test_a_plot_shows_games_means_and_intervals(self):
+        rows = [(name, seed, points) for name, mean in (("first", 600), ("<b> & c", 500)) for seed, points in enumerate(self.points(mean, mean))]
+        self.sweep("s", rows)
+        self.cxlab("bench", "plot", "s", "out.svg")
+        svg = xml.etree.ElementTree.parse(self.folder / "out.svg").getroot()
+        tag = "{http://www.w3.org/2000/svg}"
+        circles = svg.findall(f"{tag}circle")
+        self.assertEqual(len(circles), 62)
+        texts = {text.text: text for text in svg.findall(f"{tag}text")}
+        left, right = float(texts["0"].get("x")), float(texts["600"].get("x"))
+        for name, y in (("first", "34"), ("<b> & c", "54")):
+            points = [p for of, _, p in rows if of == name]
+            (mean,) = [c for c in circles if c.get("cy") == y and c.get("r") == "4.5"]
+            self.assertAlmostEqual(float(mean.get("cx")), left + (right - left) * sum(points) / 30 / 600, delta=0.2)
+            drawn = sorted(float(c.get("cx")) for c in circles if c.get("cy") == y and c.get("r") == "2.5")
+            self.assertTrue(all(abs(d - (left + (right - left) * p / 600)) < 0.2 for d, p in zip(drawn, sorted(points))))
+            (interval,) = [line for line in svg.findall(f"{tag}line") if line.get("y1") == y]
+            self.assertTrue(float(interval.get("x1")) < float(mean.get("cx")) < float(interval.get("x2")))
+            self.assertIn(name, texts)
+
+    def test_requirements_end_a_sweep_that_is_answered(self):
+        self.write("s.yaml", "schema: 1\nduration_s: 2\n")
+        self.write("suite.yaml", SUITE + "require: ['long: mean(sim_time_s) >= 1.5', 'short: not worse than long in sim_time_s']\n")
+        answer = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", code=1).stdout)
+        self.assertEqual([(line["strategy"], line["answer"], line["after"]) for line in answer["requirements"]], [("long", "better", 12), ("short", "worse", 12)])
+        self.assertEqual((answer["games"], answer["planned"]), (12, 20))
+        self.assertEqual(len((self.folder / "o/rows.csv").read_text().splitlines()), 1 + 3 * 12)
+        every = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", "--all", code=1).stdout)
+        self.assertEqual((every["games"], every["requirements"]), (20, answer["requirements"]))
+        self.assertIn("Answered after 12 of 20 games; --all plays the others, too.\n", self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", code=1).stdout)
+
+        self.write("kept.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: mean(sim_time_s) >= 1.5\n")
+        self.cxlab("bench", "kept.yaml", "--out", "kept", "--quiet")
+        self.write("equal.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: not worse than long in sim_time_s\n")
+        self.cxlab("bench", "equal.yaml", "--out", "kept", "--quiet", code=6)
+        self.write("margin.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: not worse than long in sim_time_s by 0.1\n")
+        self.cxlab("bench", "margin.yaml", "--out", "kept", "--quiet")
+        self.write("before.yaml", SUITE.replace("same: []", "same: [duration_s=1]") + "earlier: {main: kept}\nrequire: not worse than main in sim_time_s\n")
+        said = self.cxlab("bench", "before.yaml", "--out", "after", "--quiet", code=3).stderr
+        self.assertFalse((self.folder / "after/rows").exists(), "nothing is played")
+        self.assertIn("main has no strategy 'short' in s; there are long, same", said)
+        self.write("worse.yaml", SUITE.replace("{long: [], short: [duration_s=1], same: []}", "{long: [duration_s=1]}") + "earlier: {main: kept}\nrequire: not worse than main in sim_time_s\n")
+        said = self.cxlab("bench", "worse.yaml", "--out", "after", "--quiet", code=1).stdout
+        self.assertRegex(said, r"\nlong +not worse than main in sim_time_s +worse +12 +-1\.0")
+        self.write("other.yaml", SUITE.replace("1..20", "21..40").replace("short: [duration_s=1], ", "") + "earlier: {main: kept}\nrequire: not worse than main in sim_time_s\n")
+        said = self.cxlab("bench", "other.yaml", "--out", "other", "--quiet", code=3).stderr
+        self.assertIn("main has no game of s that this suite plays", said)
+        # Without rows.csv, as after a kill, rows/*.json are read.
+        (self.folder / "kept/rows.csv").unlink()
+        scores = json.loads(self.cxlab("bench", "show", "kept", "--metric", "sim_time_s", "--json").stdout)["scores"]
+        self.assertEqual([(line["strategy"], line["games"], line["mean"]) for line in scores], [("long", 20, 2), ("same", 20, 2)])
+
+    def test_what_cannot_be_used_is_refused_with_what_is_expected(self):
+        self.write("s.yaml", "schema: 1\nduration_s: 2\n")
+        self.sweep("s", [("a", 1, 600), ("b", 1, 500)])
+        self.sweep("t", [("c", 1, 600), ("d", 1, 500)])
+        self.sweep("other", [("a", 2, 600), ("b", 2, 500)])
+        self.write("twice/rows.csv", COLUMNS + "game,a,,1,completed,0,1,1,h\n" * 2)
+        self.write("text.csv", COLUMNS + "game,a,,one,completed,0,1,1,h\n")
+        self.write("short.csv", COLUMNS + "game,a\n")
+        self.write("nothing.csv", COLUMNS)
+        self.write("crashed.csv", COLUMNS + "game,a,,1,crashed,70,,,\n")
+        (self.folder / "empty").mkdir()
+        for said, code, *arguments in (
+                ("suite is required", 2, "bench"),
+                ("nowhere: there is no such sweep", 3, "bench", "show", "nowhere"),
+                ("empty: found no rows.csv and no rows/*.json", 3, "bench", "show", "empty"),
+                ("twice/rows.csv: found two rows of game, a, seed 1, expected one", 3, "bench", "show", "twice"),
+                ("text.csv:2: found 'one' as seed, expected a whole number from 0", 3, "bench", "show", "text.csv"),
+                ("short.csv:2: found 2 fields, expected 9", 3, "bench", "show", "short.csv"),
+                ("nothing.csv: found no row", 3, "bench", "show", "nothing.csv"),
+                ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
+                ("no row has a metric 'point', did you mean 'points'?; there are points, late_s", 3, "bench", "show", "s", "--metric", "point"),
+                ("there is no strategy 'c'", 3, "bench", "show", "s", "--against", "c"),
+                ("expected --table with one of: scores, differences, profile, overview", 2, "bench", "show", "s", "--format", "csv"),
+                ("expected one of", 2, "bench", "show", "s", "--format", "html"),
+                ("out.png: the drawing is an SVG, expected a name that ends in .svg", 2, "bench", "plot", "s", "out.png"),
+                ("there is no strategy 'c'", 3, "bench", "plot", "s", "out.svg", "--against", "c"),
+                ("no row has a figure that could be compared", 3, "bench", "plot", "crashed.csv", "out.svg"),
+                ("no scenario, strategy and game in common; game, c is in the new sweep only", 3, "bench", "compare", "s", "t"),
+                ("game, a: the sweeps have no game in common", 3, "bench", "compare", "s", "other")):
+            self.assertIn(said, self.cxlab(*arguments, code=code).stderr)
+        for requirement, said in (
+                ("mean(points) > 3", "expected '>=' or '<=' after the mean"),
+                ("mean(points) >= many", "expected a number after '>='"),
+                ("mean(points) >= nan", "expected a number after '>='"),
+                ("mean() >= 3", "expected a metric in the brackets"),
+                ("median(points) >= 3", "which is no requirement"),
+                ("mean(point) >= 3", "has no metric 'point'"),
+                ("not worse than", "which is no requirement"),
+                ("not worse than lomg", "no strategy and no earlier sweep 'lomg', did you mean 'long'?"),
+                ("not worse than long by -1", "expected a number of at least 0 after 'by'"),
+                ("'sort: mean(sim_time_s) >= 3'", "there is no strategy 'sort', did you mean 'short'?"),
+                ("'long: not worse than long'", "no other strategy is compared with 'long'"),
+                ("{a: b}", "found a map, expected a text"),
+                ("[mean(sim_time_s) >= 3, mean(sim_time_s) >= 3]", "twice, expected it once")):
+            self.write("suite.yaml", SUITE + f"require: {requirement}\n")
+            done = self.cxlab("bench", "suite.yaml", "--out", "o", code=3)
+            self.assertIn(said, done.stderr)
+            self.assertIn("suite.yaml:4: ", done.stderr)
+            self.assertFalse((self.folder / "o/rows").exists(), "nothing is played")
+        self.write("suite.yaml", SUITE + "earlier: {main: nowhere}\nrequire: not worse than main\n")
+        self.assertIn("nowhere: there is no such sweep", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
+        self.write("suite.yaml", SUITE + "earlier: {long: s}\nrequire: not worse than long\n")
+        self.assertIn("'long' is the name of a strategy, too", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
