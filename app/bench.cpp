@@ -77,41 +77,41 @@ int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
 
 /// What a suite consists of, a line each: the number that `--cell` takes, and what is played.
 int list_cells(const lab::Suite& suite, const BenchOptions& options) {
+  constexpr std::size_t kAtOnce = 1000;  // a suite may have a million
   Json list = Json::array();
-  for (const lab::Cell& cell : suite.cells()) {
-    if (!options.json) {
-      std::string title = lab::title_of(cell);
-      std::ranges::replace(title, '\n', ' ');
-      std::printf("%zu\t%s\n", cell.number, title.c_str());
-      continue;
+  for (std::size_t first = 1; first <= suite.size(); first += kAtOnce)
+    for (const lab::Cell& cell : suite.cells(first, std::min(first + kAtOnce - 1, suite.size()))) {
+      if (!options.json) {
+        std::string title = lab::title_of(cell);
+        std::ranges::replace(title, '\n', ' ');
+        std::printf("%zu\t%s\n", cell.number, title.c_str());
+        continue;
+      }
+      Json parameters = Json::object();
+      for (const lab::Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
+      list.push_back({{"cell", cell.number},
+                      {"scenario", cell.scenario},
+                      {"strategy", cell.strategy},
+                      {"game", cell.game},
+                      {"seed", cell.seed},
+                      {"parameters", std::move(parameters)},
+                      {"tags", cell.tags},
+                      {"row", "rows/" + lab::row_name(cell) + ".json"},
+                      {"command", lab::command_of(cell)}});
     }
-    Json parameters = Json::object();
-    for (const lab::Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
-    list.push_back({{"cell", cell.number},
-                    {"scenario", cell.scenario},
-                    {"strategy", cell.strategy},
-                    {"game", cell.game},
-                    {"seed", cell.seed},
-                    {"parameters", std::move(parameters)},
-                    {"tags", cell.tags},
-                    {"row", "rows/" + lab::row_name(cell) + ".json"},
-                    {"command", lab::command_of(cell)}});
-  }
   if (options.json) std::printf("%s\n", json_text(list, 2).c_str());
   return 0;
 }
 
 /// The cells of "17" or "17..20".
 Expected<std::vector<lab::Cell>> chosen_cells(const lab::Suite& suite, const std::string& text) {
-  std::vector<lab::Cell> cells = suite.cells();
   const std::size_t dots = text.find("..");
   const auto first = read_number<std::size_t>(text.substr(0, dots));
   const auto last = dots == text.npos ? first : read_number<std::size_t>(text.substr(dots + 2));
-  if (!first || !last || *first < 1 || *last < *first || *last > cells.size())
+  if (!first || !last || *first < 1 || *last < *first || *last > suite.size())
     return usage_error("--cell: found '" + text + "', expected the number of a cell, 1 to " +
-                       std::to_string(cells.size()) + ", or a range of them, as 1.." + std::to_string(cells.size()));
-  return std::vector<lab::Cell>(cells.begin() + static_cast<std::ptrdiff_t>(*first) - 1,
-                                cells.begin() + static_cast<std::ptrdiff_t>(*last));
+                       std::to_string(suite.size()) + ", or a range of them, as 1.." + std::to_string(suite.size()));
+  return suite.cells(*first, *last);
 }
 
 std::string finished_text(std::size_t rows, std::size_t cells) {
@@ -192,7 +192,7 @@ int write_slurm(const lab::Suite& suite, const BenchOptions& options) {
   const auto scripts = lab::write_slurm({.program = error ? fs::path("cxlab") : program,
                                          .suite = options.suite,
                                          .folder = options.folder(),
-                                         .cells = suite.cells().size(),
+                                         .cells = suite.size(),
                                          .tasks = static_cast<std::size_t>(options.tasks),
                                          .jobs = options.jobs,
                                          .time_limit_s = options.time_limit_s,
@@ -232,7 +232,7 @@ int bench(const BenchOptions& options) {
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);
   console.clear();
   if (!rows) return fail(rows.error());
-  if (const int code = interrupted(finished_text(rows->size(), suite->cells().size()))) return code;
+  if (const int code = interrupted(finished_text(rows->size(), suite->size()))) return code;
   return print_table(*rows, options);
 }
 

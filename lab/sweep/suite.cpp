@@ -347,31 +347,44 @@ std::string command_of(const Cell& cell) {
   return out + " --seed " + seed;
 }
 
-std::vector<Cell> Suite::cells() const {
+std::size_t Suite::size() const {
+  return scenarios.size() * strategies.size() * std::max<std::size_t>(1, games.size()) * seeds.size();
+}
+
+std::vector<Cell> Suite::cells(std::size_t first, std::size_t last) const {
   std::vector<Cell> out;
-  for (const SuiteScenario& scenario : scenarios)
-    for (const Strategy& strategy : strategies) {
-      std::string path_of_game;
+  const std::size_t of_game = seeds.size(), of_strategy = of_game * std::max<std::size_t>(1, games.size()),
+                    of_scenario = of_strategy * strategies.size();
+  const SuiteScenario* scenario = nullptr;
+  const Strategy* strategy = nullptr;
+  std::string path_of_game;
+  for (std::size_t i = first - 1; i < last; ++i) {
+    const SuiteScenario& scenario_now = scenarios[i / of_scenario];
+    const Strategy& strategy_now = strategies[i % of_scenario / of_strategy];
+    if (&scenario_now != scenario || &strategy_now != strategy) {
+      scenario = &scenario_now;
+      strategy = &strategy_now;
+      path_of_game.clear();
       if (!games.empty())
-        if (const auto read = load_scenario(*this, scenario.file, strategy.overrides))
+        if (const auto read = load_scenario(*this, scenario->file, strategy->overrides))
           path_of_game = games_path(*read->world.kind);
-      for (const SuiteGame& game : games.empty() ? std::vector<SuiteGame>(1) : games)
-        for (const std::uint64_t seed : seeds) {
-          Cell& cell =
-              out.emplace_back(Cell{scenario.name, strategy.name, seed, scenario.file, strategy.overrides, game.name});
-          if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
-          if (!path_of_game.empty())
-            cell.overrides.push_back(cell.game_override = game_override(path_of_game, game.file.string()));
-          cell.overrides.push_back("seed=" + std::to_string(seed));
-          cell.named = scenario.named;
-          cell.game_file = game.file;
-          cell.parameters = strategy.parameters;
-          cell.tags = tags;
-          for (const std::string& tag : strategy.tags)
-            if (std::ranges::find(tags, tag) == tags.end()) cell.tags.push_back(tag);
-          cell.number = out.size();
-        }
     }
+    const SuiteGame game = games.empty() ? SuiteGame() : games[i % of_strategy / of_game];
+    const std::uint64_t seed = seeds[i % of_game];
+    Cell& cell =
+        out.emplace_back(Cell{scenario->name, strategy->name, seed, scenario->file, strategy->overrides, game.name});
+    if (!tier.empty()) cell.overrides.push_back("tier=" + tier);
+    if (!path_of_game.empty())
+      cell.overrides.push_back(cell.game_override = game_override(path_of_game, game.file.string()));
+    cell.overrides.push_back("seed=" + std::to_string(seed));
+    cell.named = scenario->named;
+    cell.game_file = game.file;
+    cell.parameters = strategy->parameters;
+    cell.tags = tags;
+    for (const std::string& tag : strategy->tags)
+      if (std::ranges::find(tags, tag) == tags.end()) cell.tags.push_back(tag);
+    cell.number = i + 1;
+  }
   return out;
 }
 

@@ -35,6 +35,14 @@ TEST_F(SuiteTest, HasACellForEachScenarioStrategyAndSeed) {
   EXPECT_EQ(cells[3].seed, 4u);
   EXPECT_THAT(cells[3].overrides, ElementsAre("world.robots=2", "tier=timed", "seed=4"));
   EXPECT_EQ(cells[4].scenario, "b");
+  EXPECT_EQ(suite->size(), 8u);
+  for (std::size_t number = 1; number <= 8; ++number) {
+    const std::vector<Cell> alone = suite->cells(number, number);
+    ASSERT_EQ(alone.size(), 1u);
+    EXPECT_EQ(alone[0].number, number);
+    EXPECT_EQ(row_name(alone[0]), row_name(cells[number - 1]));
+  }
+  EXPECT_EQ(suite->cells(3, 5).back().scenario, "b");
 }
 
 TEST_F(SuiteTest, AGridIsAStrategyForEachCombination) {
