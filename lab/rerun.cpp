@@ -9,6 +9,7 @@
 #include "cx/executive/reach.h"
 #include "cx/journal/input_log.h"
 #include "lab/replay.h"
+#include "scenarios/inputs.h"
 
 namespace cxlab::lab {
 
@@ -119,13 +120,13 @@ Status play_from_copies(const Run& run, const StoredFiles& files, const std::fil
   return {};
 }
 
-/// Whether a person did something in the run, with cxlab attach. Nobody can attach to one that goes on otherwise.
+/// Whether a person did something in the run, with cxlab attach. What was planned is done again.
 bool person_acted(const Run& run) {
-  if (!run.manifest.spec.what_if.empty()) return false;
   auto log = InputLogReader::open(run.folder / "inputs.bin");
   if (!log) return false;
   while (const auto entry = log->next())
-    if (const auto* result = std::get_if<LoggedResult>(&*entry); result && result->key == kControlKey) return true;
+    if (const auto* result = std::get_if<LoggedResult>(&*entry); result && result->key == kControlKey)
+      if (const auto act = read_act(result->t, result->bytes); !act || !cx::is_planned(act->verb)) return true;
   return false;
 }
 

@@ -2,9 +2,17 @@
 
 #include <algorithm>
 
+#include "scenarios/begin.h"
+
 namespace cxlab {
 
 constinit const WorldKind kEmptyWorld{.name = "none", .what = "nothing: agents and nodes on the bus alone"};
+
+constinit const SectionKind kBegin = [] {
+  SectionKind kind = section_of<Begin>("begin");
+  kind.elsewhere = "this world is not about the middle of anything";
+  return kind;
+}();
 
 std::string games_path(const WorldKind& world) {
   return world.games_key.empty() ? std::string() : "world." + std::string(world.games_key);

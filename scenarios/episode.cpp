@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cx/bus/needed.h"
+#include "scenarios/begin.h"
 
 namespace cxlab {
 
@@ -47,6 +48,7 @@ std::vector<cx::Environment*> Episode::environments() const {
 }
 
 Status Episode::start() {
+  if (const SimTime begin = scenario_.section<Begin>(kBegin).at; begin > SimTime::zero()) bus_->begin_tick(begin);
   const auto starts = [&](std::size_t i) { return scenario_.agents[i].activate || agents_[i]->autostart(); };
   for (std::size_t i = 0; i < agents_.size(); ++i)
     if (starts(i))

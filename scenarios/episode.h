@@ -18,6 +18,7 @@
 #include "cx/base/scratch_folder.h"
 #include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
+#include "cx/executive/run_control.h"
 #include "cx/journal/journal.h"
 #include "cx/network/network.h"
 #include "cx/run/loop.h"
@@ -157,6 +158,8 @@ class Episode {
   std::unique_ptr<net::Network> network_;
   std::unique_ptr<Inputs> inputs_;
   std::unique_ptr<Stage> stage_;
+  cx::RunControl* control_ = nullptr;  ///< that of the stage, of the caller, or both; may be none
+  std::optional<cx::BothControls> both_;
   std::optional<SceneWriter> scene_log_;         ///< none: nothing is written
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;

@@ -8,6 +8,8 @@
 #include "cx/network/socket_gateway.h"
 #include "cx/plugins/builtin.h"
 #include "cx/yaml/yaml.h"
+#include "scenarios/acting_stage.h"
+#include "scenarios/begin.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/episode.h"
 #include "scenarios/seated_agent.h"
@@ -239,8 +241,8 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.plugin_types = cx::builtin_plugins();
   manager.outside = inputs_->outside("agent/" + std::to_string(agent));
   manager.feed = inputs_->feed();
-  manager.control = options_.control;
-  if (options_.control || options_.replay) manager.control_log = inputs_->control_log();
+  manager.control = control_;
+  if (control_ || options_.replay) manager.control_log = inputs_->control_log();
   manager.on_read = [this, agent, config = manager.config](const std::string&, const fs::path& file) {
     return files_->keep_for_agent(agent, config, file);
   };
@@ -253,6 +255,9 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
 }
 
 Status Episode::build_agents() {
+  const auto* acting = dynamic_cast<const ActingStage*>(stage_.get());
+  control_ = acting ? acting->control.get() : options_.control;
+  if (acting && options_.control) control_ = &both_.emplace(*acting->control, *options_.control);
   if (options_.run_folder.empty()) {
     auto folder = ScratchFolder::create(RemovedBy::kServant);
     if (!folder) return folder.error();
@@ -333,6 +338,7 @@ void Episode::build_loop() {
   }
   for (auto& seat : seats_) parts.agents.push_back(seat.get());
   loop_.emplace(*bus_, scenario_.tick, std::move(parts));
+  loop_->set_begin(scenario_.section<Begin>(kBegin).at);
   loop_->set_end(scenario_.duration);
 }
 

@@ -108,19 +108,6 @@ std::string bytes_of(const cx::ControlAct& act) {
   return bytes;
 }
 
-std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
-  ByteReader in(bytes);
-  cx::ControlAct act;
-  act.place.t = t;
-  act.place.run = in.zigzag();
-  act.place.fired = in.zigzag();
-  act.verb = in.fixed<cx::ControlAct::Verb>();
-  if (cx::is_planned(act.verb)) act.name = in.raw(in.fixed<std::uint32_t>());
-  act.text = in.raw(in.left());
-  if (!in.ok() || act.verb > cx::ControlAct::Verb::kFail) return {};
-  return act;
-}
-
 class RecordedInputs final : public Inputs, private cx::ControlLog {
  public:
   RecordedInputs(InputLogWriter log, bus::Bus& bus, Journal& journal)
@@ -191,6 +178,19 @@ class ReplayedInputs final : public Inputs, private cx::ControlLog {
 };
 
 }  // namespace
+
+std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
+  ByteReader in(bytes);
+  cx::ControlAct act;
+  act.place.t = t;
+  act.place.run = in.zigzag();
+  act.place.fired = in.zigzag();
+  act.verb = in.fixed<cx::ControlAct::Verb>();
+  if (cx::is_planned(act.verb)) act.name = in.raw(in.fixed<std::uint32_t>());
+  act.text = in.raw(in.left());
+  if (!in.ok() || act.verb > cx::ControlAct::Verb::kSettle) return {};
+  return act;
+}
 
 Expected<std::unique_ptr<Inputs>> record_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal) {
   auto writer = InputLogWriter::create(log);

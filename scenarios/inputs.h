@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
@@ -40,6 +42,9 @@ class Inputs {
   virtual SimTime end() const { return {}; }
   virtual Status log_status() const { return {}; }
 };
+
+/// What was done in an environment, from its entry in the log; none where the entry is damaged.
+std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes);
 
 /// Writes a new log. Bus and journal outlive it.
 Expected<std::unique_ptr<Inputs>> record_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal);

@@ -231,6 +231,8 @@ class RuleEngine {
 
   void reset();
   void refresh_all_agendas();
+  /// What is on the agenda is not any more, as if it had fired: it comes back only with other facts.
+  void forget_agenda();
   /// Fires rules until none is left, `limit` have fired (0 = no limit), or a rule raised an error that halts.
   RunReport run(std::int64_t limit = 0);
   /// Evaluates a call or a word as at the prompt.

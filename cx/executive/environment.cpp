@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "cx/base/number_text.h"
 #include "cx/executive/thread_gate.h"
 
 namespace cxlab::cx {
@@ -239,7 +240,7 @@ Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string&
   was_controlled_ = was_controlled_ || !is_planned(verb);
   if (options_.run->control && options_.run->control_log)
     options_.run->control_log->add(options_.unique_name, {place_, verb, text, name});
-  constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail"};
+  constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail", "retract", "settle"};
   data_.begin().field("what", kWords[static_cast<std::size_t>(verb)]);
   if (!name.empty()) data_.field("name", name);
   data_.field("text", text);
@@ -269,6 +270,12 @@ Expected<std::string> Environment::carry_out(ControlAct::Verb verb, const std::s
       return said.empty() ? index.error() : input_error(said.front().message);
     }
     case ControlAct::Verb::kFail: return input_error(text);
+    case ControlAct::Verb::kSettle: engine_->forget_agenda(); return std::string();
+    case ControlAct::Verb::kRetract: {
+      const auto index = read_number<std::int64_t>(text);
+      if (!index || !engine_->retract(*index)) return input_error("there is no fact f-" + text);
+      return std::string();
+    }
     case ControlAct::Verb::kSet: break;
   }
   if (name.starts_with("?*")) return evaluated("(bind " + name + ' ' + text + ')');

@@ -26,12 +26,14 @@ struct ControlPlace {
 /// What was done in an environment.
 struct ControlAct {
   enum class Verb : std::uint8_t {
-    kEval,    ///< by a person: evaluate the text
-    kBuild,   ///< by a person: the text is a construct
-    kLoad,    ///< planned: the text is that of a file of the name, as `batch*` loads it
-    kAssert,  ///< planned: the text is a fact
-    kSet,     ///< planned: the text is the value of the name, `?*global*` or a parameter of the node
-    kFail,    ///< planned: the run ends here, the text says why
+    kEval,     ///< by a person: evaluate the text
+    kBuild,    ///< by a person: the text is a construct
+    kLoad,     ///< planned: the text is that of a file of the name, as `batch*` loads it
+    kAssert,   ///< planned: the text is a fact
+    kSet,      ///< planned: the text is the value of the name, `?*global*` or a parameter of the node
+    kFail,     ///< planned: the run ends here, the text says why
+    kRetract,  ///< planned: the text is the index of a fact
+    kSettle,   ///< planned: what is on the agenda counts as fired
   };
   ControlPlace place;
   Verb verb = Verb::kEval;
@@ -49,6 +51,20 @@ class RunControl {
   /// It may wait. What rules could notice it does with `Environment::act`. An error ends the run.
   virtual Status stop_at(Environment& environment, const ControlPlace& place) = 0;
   virtual bool before_each_firing() const = 0;
+};
+
+/// Two of them: the first one acts first. Both outlive this.
+class BothControls final : public RunControl {
+ public:
+  BothControls(RunControl& first, RunControl& second) : first_(first), second_(second) {}
+  Status stop_at(Environment& environment, const ControlPlace& place) override {
+    const Status done = first_.stop_at(environment, place);
+    return done ? second_.stop_at(environment, place) : done;
+  }
+  bool before_each_firing() const override { return first_.before_each_firing() || second_.before_each_firing(); }
+
+ private:
+  RunControl &first_, &second_;
 };
 
 /// The part of the input log that has what was done, by name of the environment's stream.

@@ -21,7 +21,7 @@ Status each(const std::vector<Part*>& parts, Status (Part::*call)(Args...), Args
 
 Status Loop::tick_at(SimTime next) {
   const CLocale numbers;  // CLIPS and worlds print them
-  const SimTime passed = next - std::max(now_, SimTime::zero());
+  const SimTime passed = next - (ticks_ == 0 ? begin_ : now_);
   if (passed > SimTime::zero())
     if (Status s = each(parts_.worlds, &Simulation::advance, passed); !s) return s;
   bus_.begin_tick(next);
@@ -37,7 +37,7 @@ Status Loop::tick_at(SimTime next) {
 }
 
 SimTime Loop::next_tick() const {
-  if (ticks_ == 0) return SimTime::zero();
+  if (ticks_ == 0) return begin_;
   const SimTime following = tick_not_before(now_ + SimTime{1}, tick_);
   if (bus_.any_waiting()) return following;
   SimTime due = end_;

@@ -33,7 +33,11 @@ class Loop {
   /// A tick is played at this time even if nothing is due then (kNever: none).
   void set_end(SimTime end) { end_ = end; }
 
-  /// The first tick is at 0. After that the first at which something is due, wherever messages wait the following one.
+  /// The first tick is at this time, and no time passes before it.
+  void set_begin(SimTime begin) { begin_ = begin; }
+
+  /// The first tick is at 0, or where the loop begins. After that the first at which something is due, wherever
+  /// messages wait the following one.
   SimTime next_tick() const;
   /// Plays the next tick.
   Status tick() { return tick_at(next_tick()); }
@@ -47,7 +51,7 @@ class Loop {
   bus::Bus& bus_;
   SimTime tick_;
   Parts parts_;
-  SimTime end_ = kNever;
+  SimTime begin_{}, end_ = kNever;
   SimTime now_{-1};
   std::int64_t ticks_ = 0;
 };

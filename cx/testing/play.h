@@ -1,8 +1,11 @@
 #pragma once
 // Plays the rules of a story: a manager on a bus of its own, stand-ins for what its agent uses, and the loop.
 
+#include <deque>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,15 +17,15 @@
 #include "cx/run/loop.h"
 #include "cx/testing/stand_ins.h"
 #include "cx/testing/story.h"
+#include "cx/testing/story_parts.h"
 
 namespace cxlab::testing {
 
-inline constexpr SimTime kTick = std::chrono::milliseconds(20);
+inline constexpr std::size_t kMostLines = 1000;  ///< of the log of a story
 
 /// "1.5 s"
 std::string seconds(SimTime t);
 
-/// As a server of its loop it does the steps of the story.
 class Play final : private Server, private cx::LogSink {
  public:
   /// Both outlive this. `each_tick`: also those at which nothing is due.
@@ -36,7 +39,7 @@ class Play final : private Server, private cx::LogSink {
   Wall wall() const;
   /// Activation. Errors of kind kInput are mistakes in rule files or the configuration.
   Status begin();
-  /// `line` is that of the story.
+  /// At once; `line` is that of the story.
   Status assert_fact(const std::string& text, int line);
   /// An error at a line of the story.
   Error at(int line, const std::string& what) const { return input_error(what, spec_.file, line); }
@@ -53,31 +56,37 @@ class Play final : private Server, private cx::LogSink {
   }
   /// What plugins cleaned up at the end: it was left open.
   const std::vector<std::string>& left_open() const { return left_open_; }
+  /// Lines of the agent's log, but for those for debugging: the last `kMostLines`.
+  std::vector<std::string> printed() const { return {printed_.begin(), printed_.end()}; }
+  /// Files that were read so far, and rule files and configuration that the story names.
+  std::vector<std::string> files() const { return {files_.begin(), files_.end()}; }
   const StorySpec& spec() const { return spec_; }
 
  private:
-  Status sense(SimTime now) override;
+  Status sense(SimTime) override { return {}; }
   Status act(SimTime) override { return {}; }
-  SimTime next_due() const override;
+  SimTime next_due() const override { return each_tick_ ? SimTime::zero() : kNever; }
   void line(const cx::LogLine& line) override;
-  Status check_contents() const;
+  void note_file(const std::filesystem::path& file);
   Expected<std::filesystem::path> config_file();
   Status find_environment();
-  Status do_step(const Step& step);
 
   const StorySpec& spec_;
   const StorySetup& setup_;
   const bool each_tick_;
   LimitsInUse limits_;
-  std::size_t next_step_ = 0;
   std::vector<std::string> left_open_;
+  std::deque<std::string> printed_;
+  std::set<std::string> files_;
   std::unique_ptr<ScratchFolder> scratch_;
   explain::Histories histories_;
   const explain::History* history_ = nullptr;  // of `environment_`
   Journal journal_;
   bus::Registry registry_;
   bus::Bus bus_{registry_, journal_};
-  StandIns stand_ins_{bus_, journal_};
+  StandIns stand_ins_{bus_, journal_, spec_.seed, spec_.faults};
+  StorySteps steps_{spec_, stand_ins_};
+  StoryFacts facts_{spec_};
   std::unique_ptr<cx::EnvironmentManager> manager_;
   cx::Environment* environment_ = nullptr;
   std::optional<Loop> loop_;

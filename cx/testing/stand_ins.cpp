@@ -6,15 +6,25 @@ namespace cxlab::testing {
 
 using bus::Delivery;
 
+/// An outcome with its message.
+struct StandIns::Answer {
+  Outcome outcome;
+  bus::SharedMessage message;
+};
+
 struct StandIns::Served {
+  /// A fault that may strike here.
+  struct Threat {
+    std::size_t fault;
+    Answer answer;
+  };
   StandIn stand_in;
   const bus::ActionType* action = nullptr;
   const bus::ServiceType* service = nullptr;
-  std::vector<bus::SharedMessage> results;  // one an outcome
+  std::vector<Answer> answers;
+  std::vector<Threat> threats;
   bus::EndpointId endpoint{};
   std::size_t taken = 0;
-
-  std::size_t next() { return std::min(taken++, stand_in.outcomes.size() - 1); }
 };
 
 /// What has been taken and is answered later.
@@ -50,9 +60,12 @@ Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outco
 
 }  // namespace
 
-StandIns::StandIns(bus::Bus& bus, RecordSink& sink)
+StandIns::StandIns(bus::Bus& bus, RecordSink& sink, std::uint64_t seed, std::vector<Fault> faults)
     : bus_(bus),
-      self_(bus.join(bus::ParticipantKind::kNode, bus::NodeName{"story", "/", {}}, sink.open_stream("node/story"))) {}
+      self_(bus.join(bus::ParticipantKind::kNode, bus::NodeName{"story", "/", {}}, sink.open_stream("node/story"))),
+      seed_(seed),
+      faults_(std::move(faults)),
+      struck_(faults_.size()) {}
 
 StandIns::~StandIns() { bus_.leave(self_); }
 
@@ -67,12 +80,55 @@ Status StandIns::read_types(Served& server) const {
     if (!type) return at(type.error(), given.name, given.file, given.line);
     server.service = *type;
   }
-  for (const Outcome& outcome : given.outcomes) {
-    auto message = result_of(given.action ? *server.action->result : *server.service->response, outcome);
-    if (!message) return at(message.error(), given.name, given.file, outcome.line);
-    server.results.push_back(*message);
+  auto answers = answers_of(server, given.outcomes);
+  if (!answers) return answers.error();
+  server.answers = *std::move(answers);
+  for (std::size_t i = 0; i < faults_.size(); ++i) {
+    const Fault& fault = faults_[i];
+    if (fault.name.empty() ? !given.action : fault.name != given.name) continue;
+    auto answer = answers_of(server, {fault.outcome});
+    if (!answer) return answer.error();
+    server.threats.push_back({i, std::move(answer->front())});
   }
   return {};
+}
+
+Expected<std::vector<StandIns::Answer>> StandIns::answers_of(const Served& server,
+                                                             const std::vector<Outcome>& outcomes) const {
+  std::vector<Answer> out;
+  for (const Outcome& outcome : outcomes) {
+    auto message = result_of(server.action ? *server.action->result : *server.service->response, outcome);
+    if (!message) return at(message.error(), server.stand_in.name, server.stand_in.file, outcome.line);
+    out.push_back({outcome, *message});
+  }
+  return out;
+}
+
+/// The stream of that name goes on when a stand-in is replaced.
+RandomStream& StandIns::chance(const std::string& name) {
+  return chances_.try_emplace(name, seed_, "story/" + name).first->second;
+}
+
+SimTime StandIns::duration(const Served& server, const Outcome& outcome) {
+  if (outcome.longest <= outcome.takes) return outcome.takes;
+  const SimTime::rep more = (outcome.longest - outcome.takes).count();
+  return outcome.takes + SimTime(chance("durations" + server.stand_in.name).between(0, more));
+}
+
+/// What meets the goal or call that comes now. Each threat draws at each of them, so that one fault more changes no
+/// draw of another.
+const StandIns::Answer& StandIns::answer(Served& server) {
+  const Answer* struck = nullptr;
+  for (const Served::Threat& threat : server.threats) {
+    const Fault& fault = faults_[threat.fault];
+    const std::string name = "faults/" + std::to_string(threat.fault) + server.stand_in.name;
+    const bool strikes = chance(name).chance(fault.probability);
+    if (struck || !strikes || (fault.most > 0 && struck_[threat.fault] >= fault.most)) continue;
+    ++struck_[threat.fault];
+    struck = &threat.answer;
+  }
+  const Answer& planned = server.answers[std::min(server.taken++, server.answers.size() - 1)];
+  return struck ? *struck : planned;
 }
 
 Status StandIns::check(const StandIn& stand_in) const {
@@ -157,25 +213,23 @@ Status StandIns::publish(const std::string& topic, const std::string& type, cons
 
 void StandIns::on_goal(Served& server, const Delivery& goal) {
   heard_.push_back({Heard::Kind::kGoal, bus_.now(), server.stand_in.name, goal.message->view().to_string()});
-  const std::size_t k = server.next();
-  const Outcome& outcome = server.stand_in.outcomes[k];
+  const auto& [outcome, message] = answer(server);
   if (outcome.kind == Outcome::Kind::kReject) {
     bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kReject);
     return;
   }
   bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kAccept);
   const bool never = outcome.kind == Outcome::Kind::kNever;
-  endings_.push_back({true, never ? kNever : bus_.now() + outcome.takes, server.endpoint, goal,
+  endings_.push_back({true, never ? kNever : bus_.now() + duration(server, outcome), server.endpoint, goal,
                       outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted,
-                      server.results[k]});
+                      message});
 }
 
 void StandIns::on_call(Served& server, const Delivery& request) {
   heard_.push_back({Heard::Kind::kCall, bus_.now(), server.stand_in.name, request.message->view().to_string()});
-  const std::size_t k = server.next();
-  const Outcome& outcome = server.stand_in.outcomes[k];
+  const auto& [outcome, message] = answer(server);
   if (outcome.kind == Outcome::Kind::kNever) return;
-  endings_.push_back({false, bus_.now() + outcome.takes, server.endpoint, request, {}, server.results[k]});
+  endings_.push_back({false, bus_.now() + duration(server, outcome), server.endpoint, request, {}, message});
 }
 
 Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outcome) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/random.h"
 #include "cx/bus/bus.h"
 #include "cx/run/parts.h"
 
@@ -17,6 +18,7 @@ struct Outcome {
   enum class Kind { kSucceed, kFail, kReject, kNever };
   Kind kind = Kind::kSucceed;
   SimTime takes{};     ///< from the tick in which it is taken
+  SimTime longest{};   ///< more than `takes`: chance decides between the two
   std::string result;  ///< fields of the result or response, YAML; `success` follows the kind where it is not given
   int line = 0;
 };
@@ -30,6 +32,14 @@ struct StandIn {
   int line = 0;
 };
 
+/// What chance does to goals, or to the calls of a service.
+struct Fault {
+  std::string name;        ///< of the action or service; empty: of all actions
+  double probability = 0;  ///< of each goal or call
+  std::int64_t most = 0;   ///< how often it strikes at most; 0: no limit
+  Outcome outcome;         ///< instead of that of the stand-in
+};
+
 /// A goal, call or message that reached a stand-in.
 struct Heard {
   enum class Kind { kGoal, kCall, kTopic };
@@ -41,7 +51,8 @@ struct Heard {
 
 class StandIns final : public Server {
  public:
-  StandIns(bus::Bus& bus, RecordSink& sink);
+  /// Chance draws from streams of the seed, one for each fault and each stand-in.
+  StandIns(bus::Bus& bus, RecordSink& sink, std::uint64_t seed, std::vector<Fault> faults = {});
   ~StandIns() override;
 
   /// Serves from now on; a stand-in of that name is replaced (goals that it has taken end as it said).
@@ -74,14 +85,23 @@ class StandIns final : public Server {
  private:
   struct Served;
   struct Ending;
+  struct Answer;
   Status read_types(Served& server) const;
   Expected<bus::Message> read_message(const std::string& topic, const std::string& type, const std::string& content,
                                       const std::string& file, int line) const;
+  Expected<std::vector<Answer>> answers_of(const Served& server, const std::vector<Outcome>& outcomes) const;
+  const Answer& answer(Served& server);
+  RandomStream& chance(const std::string& name);
+  SimTime duration(const Served& server, const Outcome& outcome);
   void on_goal(Served& server, const bus::Delivery& goal);
   void on_call(Served& server, const bus::Delivery& request);
 
   bus::Bus& bus_;
   bus::ParticipantId self_;
+  std::uint64_t seed_;
+  std::vector<Fault> faults_;
+  std::vector<std::int64_t> struck_;  // how often each fault has
+  std::map<std::string, RandomStream> chances_;
   std::map<std::string, std::unique_ptr<Served>> servers_;
   std::map<std::string, bus::EndpointId> publishers_, ears_;
   std::vector<Ending> endings_;  // in order of arrival

@@ -11,15 +11,6 @@ namespace cxlab::testing {
 
 namespace {
 
-/// The last tick that may be played.
-SimTime end_of(const StorySpec& spec) {
-  SimTime end = spec.end;
-  for (const Step& step : spec.steps) end = std::max(end, step.at);
-  for (const Expectation& e : spec.expect)
-    end = std::max({end, e.after, e.until == kNever ? SimTime::zero() : e.until});
-  return tick_not_before(end, kTick);
-}
-
 /// The rules of the user's own files. Those outside of MAIN are named with their modules.
 std::vector<RuleCount> rules_of(const RuleEngine& engine) {
   std::vector<RuleCount> rules;
@@ -75,26 +66,27 @@ Status run(Play& play, StoryResult& result) {
   return {};
 }
 
+/// The whole story; an error is a mistake of the story itself.
+Status play_out(Play& play, const StorySetup& setup, StoryResult& result) {
+  if (Status s = play.prepare(); !s) return s;
+  if (setup.confine) setup.confine(play.wall());
+  if (Status s = play.begin(); !s) {
+    if (s.error().kind == ErrorKind::kInput) return s;
+    result.failures.push_back(s.error().text());
+    return {};
+  }
+  if (Status s = check_names(play); !s) return s;
+  return run(play, result);
+}
+
 }  // namespace
 
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup) {
   StoryResult result;
   Play play(spec, setup, /*each_tick=*/false);
-  const auto note = [&](const Status& s) {
-    if (!s && !result.bad) result.bad = s.error();
-    return s.ok();
-  };
-  if (!note(play.prepare())) return result;
-  if (setup.confine) setup.confine(play.wall());
-  if (Status s = play.begin(); !s && s.error().kind != ErrorKind::kInput) {
-    result.failures.push_back(s.error().text());
-    return result;
-  } else if (!note(s) || !note(check_names(play))) {
-    return result;
-  }
-  for (const Line& fact : spec.given)
-    if (!note(play.assert_fact(fact.text, fact.line))) return result;
-  note(run(play, result));
+  if (Status s = play_out(play, setup, result); !s) result.bad = s.error();
+  result.printed = play.printed();
+  result.files = play.files();
   return result;
 }
 

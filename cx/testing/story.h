@@ -59,8 +59,14 @@ struct StorySpec {
   std::map<std::string, std::filesystem::path> packages;
   std::string environment;  ///< empty = the first
   std::uint64_t seed = 1;
+  std::vector<std::uint64_t> seeds;  ///< with each of which it must hold; empty: `seed` alone
   std::vector<Line> given;
+  SimTime begins{};              ///< time of the first tick
+  bool moment = false;           ///< `given` is all that there is at the first tick, and what it would fire has fired
+  std::vector<Line> calls;       ///< expressions, evaluated before facts are given
+  std::filesystem::path golden;  ///< a recorded run: nothing else is given, and it must go as it went then
   std::vector<StandIn> stand_ins;
+  std::vector<Fault> faults;
   std::vector<Step> steps;
   std::vector<Expectation> expect;
   SimTime end{};  ///< zero: the latest time that is named
@@ -87,6 +93,8 @@ struct RuleCount {
 struct StoryResult {
   std::vector<std::string> failures;  ///< `file:line: what was expected, by when, what was there`
   std::vector<std::string> notes;     ///< what was left open at the end
+  std::vector<std::string> printed;   ///< lines of the agent's log, but for those for debugging; the last 1000
+  std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
   std::optional<Error> bad;           ///< the story itself cannot be used
   double sim_time_s = 0;
   std::vector<RuleCount> rules;

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <map>
 #include <span>
 
 #include "cx/testing/story.h"
+#include "cx/yaml/seeds.h"
 #include "cx/yaml/yaml.h"
 
 namespace cxlab::testing {
@@ -35,6 +38,20 @@ Choice choose(yaml::Map& map, std::span<const char* const> keys) {
   return choice;
 }
 
+/// `takes_s: 2`, or `takes_s: [1, 4]` where chance decides.
+void read_duration(yaml::Map& map, Outcome& outcome) {
+  const yaml::Value value = map.get("takes_s");
+  if (!value || !value.is_list()) {
+    map.read_seconds("takes_s", outcome.takes);
+    return;
+  }
+  const std::vector<yaml::Value> ends = value.as_list();
+  const double low = ends.size() == 2 ? ends[0].as_number() : -1, high = ends.size() == 2 ? ends[1].as_number() : -1;
+  if (low < 0 || high < low || high > 1e9) return value.fail("expected seconds from 0 to 1e9: 2, or [1, 4]");
+  outcome.takes = from_seconds(low);
+  outcome.longest = from_seconds(high);
+}
+
 Outcome read_outcome(yaml::Map& map) {
   static const std::vector<std::string> kWords = {"succeed", "fail", "reject", "never"};  // as in Outcome::Kind
   std::string word = kWords.front();
@@ -42,7 +59,7 @@ Outcome read_outcome(yaml::Map& map) {
   Outcome outcome;
   outcome.kind = static_cast<Outcome::Kind>(std::ranges::find(kWords, word) - kWords.begin());
   outcome.line = map.value().line();
-  map.read_seconds("takes_s", outcome.takes);
+  read_duration(map, outcome);
   outcome.result = dumped(map, "result");
   if (const yaml::Value code = map.get("error_code")) {
     if (!outcome.result.empty()) code.fail("give it in `result` when there is one");
@@ -68,6 +85,26 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
     if (!out.action && o.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
   map.finish();
   return out;
+}
+
+Fault read_fault(const yaml::Value& item) {
+  yaml::Map map = item.as_map();
+  Fault fault;
+  const Choice kind = choose(map, std::array{"skill", "service"});
+  if (kind.given > 1) map.fail("expected one of " + kind.keys + ", or none of them for all skills");
+  fault.name = kind.text;
+  map.require("outcome");
+  fault.outcome = read_outcome(map);
+  if (kind.given == 1 && kind.index == 1 && fault.outcome.kind == Outcome::Kind::kReject)
+    map.fail("a service cannot reject");
+  const yaml::Value probability = map.require("probability");
+  if (probability) fault.probability = probability.as_number();
+  if (!(fault.probability >= 0 && fault.probability <= 1))
+    probability.fail("found " + probability.text() + ", expected a probability from 0 to 1");
+  map.read("times", fault.most);
+  if (map.has("times") && fault.most < 1) map.fail("times: expected at least 1");
+  map.finish();
+  return fault;
 }
 
 Step read_step(const yaml::Value& item) {
@@ -121,6 +158,23 @@ Expectation read_expectation(const yaml::Value& item) {
   return e;
 }
 
+/// Takes away what the story has of this key from `common`.
+void replace(const yaml::Value& key, StorySpec& spec) {
+  const auto forget = [&spec](bool actions) {
+    std::erase_if(spec.stand_ins, [actions](const StandIn& s) { return s.action == actions; });
+  };
+  const std::map<std::string, std::function<void()>> lists{
+      {"rules", [&] { spec.rules.clear(); }}, {"params", [&] { spec.params.clear(); }},
+      {"given", [&] { spec.given.clear(); }}, {"skills", [&] { forget(true); }},
+      {"serve", [&] { forget(false); }},      {"faults", [&] { spec.faults.clear(); }},
+      {"steps", [&] { spec.steps.clear(); }}, {"expect", [&] { spec.expect.clear(); }}};
+  const std::string word = key.as_string();
+  if (const auto list = lists.find(word); list != lists.end()) return list->second();
+  std::vector<std::string> words;
+  for (const auto& [name, forgets] : lists) words.push_back(name);
+  key.fail("found '" + word + "', expected some of: " + some_of(words, words.size()) + did_you_mean(word, words));
+}
+
 void read_story(yaml::Map& map, StorySpec& spec) {
   const std::filesystem::path folder = std::filesystem::path(spec.file).parent_path();
   std::string config;
@@ -135,17 +189,43 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     yaml::Map names = packages.as_map();
     for (const auto& [name, path] : names.entries()) spec.packages[name] = folder / path.as_string();
   }
-  map.read("environment", spec.environment).read("seed", spec.seed).read_seconds("end", spec.end);
+  std::string golden;
+  map.read("golden", golden);
+  if (!golden.empty()) spec.golden = (folder / golden).lexically_normal();
+  map.read("environment", spec.environment).read_seconds("end", spec.end);
+  if (const yaml::Value seed = map.get("seed")) {
+    map.read("seed", spec.seed);
+    spec.seeds.clear();
+    if (map.has("seeds")) seed.fail("found beside seeds, expected one of the two");
+  }
+  if (const yaml::Value seeds = map.get("seeds")) {
+    spec.seeds = yaml::read_seeds(seeds);
+    if (spec.seeds.empty()) seeds.fail("expected at least one seed");
+    std::ranges::sort(spec.seeds);
+  }
+  map.read_seconds("begins_s", spec.begins).read("moment", spec.moment);
+  if (const yaml::Value calls = map.get("calls"))
+    for (const yaml::Value& call : calls.as_list()) spec.calls.push_back({call.as_string(), call.line()});
   if (const yaml::Value given = map.get("given"))
     for (const yaml::Value& fact : given.as_list()) spec.given.push_back({fact.as_string(), fact.line()});
   for (const char* key : {"skills", "serve"})
     if (const yaml::Value list = map.get(key))
       for (const yaml::Value& item : list.as_list()) spec.stand_ins.push_back(read_stand_in(item));
+  if (const yaml::Value faults = map.get("faults"))
+    for (const yaml::Value& item : faults.as_list()) spec.faults.push_back(read_fault(item));
   if (const yaml::Value steps = map.get("steps"))
     for (const yaml::Value& item : steps.as_list()) spec.steps.push_back(read_step(item));
   std::ranges::stable_sort(spec.steps, {}, &Step::at);
   if (const yaml::Value expect = map.get("expect"))
     for (const yaml::Value& item : expect.as_list()) spec.expect.push_back(read_expectation(item));
+}
+
+/// A run has all of its own.
+void check_golden(const yaml::Map& map, const StorySpec& spec) {
+  const bool more = !spec.config.empty() || !spec.rules.empty() || !spec.given.empty() || !spec.stand_ins.empty() ||
+                    !spec.steps.empty() || !spec.expect.empty() || !spec.seeds.empty() || !spec.faults.empty();
+  if (more)
+    map.fail("a golden run has its own agent, world and seed: expected `end` beside `golden`, and nothing else");
 }
 
 }  // namespace
@@ -171,13 +251,21 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
   if (list.is_list() && list.as_list().empty()) list.fail("expected at least one story");
   for (const yaml::Value& item : list.as_list()) {
     yaml::Map map = item.as_map();
-    StorySpec spec = common;
+    StorySpec spec;
+    spec.file = common.file;
+    if (!map.has("golden")) spec = common;
     spec.line = item.line();
     spec.name = map.require("story").as_string();
+    if (const yaml::Value keys = map.get("replaces"))
+      for (const yaml::Value& key : keys.is_list() ? keys.as_list() : std::vector{keys}) replace(key, spec);
     read_story(map, spec);
     map.finish();
-    if (spec.config.empty() == spec.rules.empty()) map.fail("expected one of config, rules");
-    if (spec.expect.empty()) map.fail("nothing is expected");
+    if (!spec.golden.empty())
+      check_golden(map, spec);
+    else if (spec.config.empty() == spec.rules.empty())
+      map.fail("expected one of config, rules, golden");
+    else if (spec.expect.empty())
+      map.fail("nothing is expected");
     stories.push_back(std::move(spec));
   }
   if (Status s = document->status(); !s) return s.error();

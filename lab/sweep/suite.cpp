@@ -6,6 +6,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
+#include "cx/yaml/seeds.h"
 #include "cx/yaml/yaml.h"
 #include "lab/session.h"
 #include "lab/sweep/row.h"
@@ -17,37 +18,6 @@ namespace cxlab::lab {
 namespace {
 
 namespace fs = std::filesystem;
-
-void add_seed(std::uint64_t seed, const yaml::Value& place, std::vector<std::uint64_t>& seeds) {
-  if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end())
-    place.fail("found seed " + std::to_string(seed) + " twice, expected each once: the same game is no second sample");
-  else
-    seeds.push_back(seed);
-}
-
-std::vector<std::uint64_t> read_seeds(const yaml::Value& value) {
-  std::vector<std::uint64_t> out;
-  if (value.is_list()) {
-    for (const yaml::Value& item : value.as_list())
-      if (const std::int64_t seed = item.as_integer(); seed < 0)
-        item.fail("expected a seed of at least 0");
-      else
-        add_seed(static_cast<std::uint64_t>(seed), item, out);
-    return out;
-  }
-  constexpr std::uint64_t kMost = 100000;
-  const std::string text = value.text();
-  const std::size_t dots = text.find("..");
-  const auto first = read_number<std::uint64_t>(text.substr(0, dots));
-  const auto last = read_number<std::uint64_t>(dots == text.npos ? "" : text.substr(dots + 2));
-  if (!first || !last || *last < *first || *last - *first >= kMost) {
-    value.fail("found '" + text + "', expected a list of seeds or a range \"0..29\"");
-    return out;
-  }
-  out.resize(*last - *first + 1);
-  std::iota(out.begin(), out.end(), *first);
-  return out;
-}
 
 /// Each file's name without extension, and as many of its folders as keep it apart from the others.
 std::vector<SuiteScenario> named(const std::vector<fs::path>& files) {
@@ -289,7 +259,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
   if (games && !map.has("seeds"))
     suite.seeds = {1};
   else if (const yaml::Value seeds = map.require("seeds"))
-    suite.seeds = read_seeds(seeds);
+    suite.seeds = yaml::read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});
   if (const yaml::Value require = map.get("require"))
     for (const yaml::Value& item : require.is_list() ? require.as_list() : std::vector{require})

@@ -101,6 +101,118 @@ TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
     EXPECT_EQ(text(pattern), "no error") << pattern;
 }
 
+TEST_F(Stories, AStoryReplacesWhatIsCommon) {
+  const auto failures_of = [&](const std::string& more) {
+    const auto stories =
+        read("common: {rules: door.clp, given: [(bell), (door (state CLOSED))]}\nstories:\n  - story: s\n" + more +
+             "    expect: [{fires: open, within_s: 1}]\n");
+    return stories ? run_story(stories->front(), {interfaces_dir()}).failures : std::vector{stories.error().text()};
+  };
+  EXPECT_THAT(failures_of("    given: [(visitor)]\n"), IsEmpty());
+  EXPECT_THAT(failures_of("    replaces: [given]\n    given: [(bell)]\n"), ElementsAre(HasSubstr("it never fired")));
+  EXPECT_THAT(failures_of("    replaces: given\n    given: [(bell), (door (state CLOSED))]\n"), IsEmpty());
+  EXPECT_THAT(failures_of("    replaces: [gven]\n"),
+              ElementsAre(HasSubstr("t.story.yaml:4: stories[0].replaces[0]: found 'gven', expected some of: ")));
+}
+
+TEST_F(Stories, AMomentIsAllThatThereIsAndHasFired) {
+  write("door.clp",
+        "(deftemplate door (slot state))\n(deffacts start (door (state CLOSED)) (bell))\n(defglobal ?*rings* = 0)\n"
+        "(defrule open (bell) (door (state ?s)) => (bind ?*rings* (+ ?*rings* 1)) (assert (opened ?s ?*rings*)))\n"
+        "(defrule knock (knock) (door (state ?s)) => (assert (knocked ?s (now))))\n");
+  const auto failures_of = [&](const std::string& more, const std::string& expect) {
+    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "  expect: [" + expect + "]\n");
+    if (!stories) return std::vector{stories.error().text()};
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? std::vector{result.bad->text()} : result.failures;
+  };
+  const std::string moment =
+      "  begins_s: 100\n  moment: true\n  calls: [\"(bind ?*rings* 7)\"]\n  given: [(bell), (door (state AJAR))]\n";
+  EXPECT_THAT(failures_of(moment,
+                          "{no_fact: \"(opened AJAR ?)\", after: 100}, {no_fact: (door (state CLOSED)), at: 100}, "
+                          "{not_fires: open, after: 100.02}"),
+              IsEmpty());
+  EXPECT_THAT(
+      failures_of(
+          moment + "  steps: [{at: 101, assert: (knock)}, {at: 101, retract: (bell)}, {at: 102, assert: (bell)}]\n",
+          "{fact: (knocked AJAR 101), within_s: 101.2}, {fact: (opened AJAR 8), after: 102, within_s: 102.2}"),
+      IsEmpty());
+  EXPECT_THAT(failures_of("  given: [(door (state AJAR))]\n", "{fact: \"(opened AJAR ?)\", within_s: 1}"), IsEmpty());
+}
+
+/// An errand that is run again until it succeeds.
+const char* const kErrand =
+    "(deftemplate errand (slot state (default NEW)) (slot tries (default 0)))\n"
+    "(defrule begin (wanted) => (ros-msgs-create-action-client \"/go\" \"cxlab_skills/action/DriveTo\") (assert "
+    "(errand)))\n"
+    "(defrule send ?e <- (errand (state NEW) (tries ?n)) (time ?)\n  =>\n"
+    "  (bind ?goal (ros-msgs-create-goal-request \"cxlab_skills/action/DriveTo\"))\n"
+    "  (ros-msgs-async-send-goal ?goal \"/go\") (modify ?e (state SENT) (tries (+ ?n 1))))\n"
+    "(defrule done ?e <- (errand (state SENT)) ?r <- (ros-msgs-wrapped-result (code ?code)) => (retract ?r)\n"
+    "  (modify ?e (state (if (eq ?code SUCCEEDED) then DONE else NEW))))\n";
+
+TEST_F(Stories, ChanceDecidesByTheSeed) {
+  write("errand.clp", kErrand);
+  const auto failed_with = [&](const std::string& faults, const std::string& expect) {
+    const auto stories = read(
+        "- story: s\n  rules: errand.clp\n  seeds: \"1..40\"\n  given: [(wanted)]\n"
+        "  skills: [{action: /go, type: cxlab_skills/action/DriveTo, takes_s: [1, 2]}]\n"
+        "  faults: [" +
+        faults + "]\n  expect: [{" + expect + "}]\n");
+    std::vector<std::uint64_t> failed;
+    if (!stories) ADD_FAILURE() << stories.error().text();
+    if (!stories) return failed;
+    for (const std::uint64_t seed : stories->front().seeds) {
+      StorySpec spec = stories->front();
+      spec.seed = seed;
+      const StoryResult result = run_story(spec, {interfaces_dir()});
+      EXPECT_FALSE(result.bad) << result.bad->text();
+      if (!result.passed()) failed.push_back(seed);
+    }
+    return failed;
+  };
+  const std::string in_time = "fact: (errand (state DONE)), within_s: 2.5";
+  EXPECT_THAT(failed_with("", in_time), IsEmpty());
+  EXPECT_GT(failed_with("", "fact: (errand (state DONE)), within_s: 1.5").size(), 5u) << "it takes 1 to 2 s";
+  EXPECT_EQ(failed_with("{outcome: fail, probability: 1}", in_time).size(), 40u);
+  EXPECT_THAT(
+      failed_with("{outcome: fail, probability: 1, times: 2}", "fact: (errand (state DONE) (tries 3)), within_s: 5"),
+      IsEmpty());
+  const auto some = failed_with("{skill: /go, outcome: fail, probability: 0.3, takes_s: 1}",
+                                "fact: (errand (state DONE) (tries 1)), within_s: 9");
+  EXPECT_GT(some.size(), 4u);
+  EXPECT_LT(some.size(), 24u);
+  EXPECT_EQ(some,
+            failed_with("{skill: /go, outcome: fail, probability: 0.3, takes_s: 1}, {outcome: never, probability: 0}",
+                        "fact: (errand (state DONE) (tries 1)), within_s: 9"))
+      << "one fault more changes no draw of another";
+}
+
+TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
+  const auto said = [&](const std::string& more) {
+    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "\n  expect: [{not_fires: slam}]\n");
+    if (!stories) return stories.error().text();
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? result.bad->text() : "no error";
+  };
+  for (const auto& [more, what] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"  seeds: \"5..1\"", "expected a list of seeds or a range"},
+           {"  seeds: []", "expected at least one seed"},
+           {"  seeds: [1, 1]", "found seed 1 twice"},
+           {"  seed: 1\n  seeds: [2]", "found beside seeds, expected one of the two"},
+           {"  faults: [{outcome: fail, probability: 2}]", "found 2, expected a probability from 0 to 1"},
+           {"  faults: [{outcome: fail}]", "'probability' is missing"},
+           {"  faults: [{probability: 0.5}]", "'outcome' is missing"},
+           {"  faults: [{service: /s, outcome: reject, probability: 1}]", "a service cannot reject"},
+           {"  faults: [{skill: /pick, outcome: fail, probability: 1}]",
+            "nobody serves /pick, so this fault can never strike"},
+           {"  faults: [{outcome: fail, probability: 1, times: 0}]", "times: expected at least 1"},
+           {"  skills: [{action: /a, type: cxlab_skills/action/Pick, takes_s: [3, 1]}]",
+            "expected seconds from 0 to 1e9: 2, or [1, 4]"},
+           {"  golden: run", "expected `end` beside `golden`, and nothing else"}})
+    EXPECT_THAT(said(more), HasSubstr(what)) << more;
+}
+
 TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
   write("door.clp", "(deftemplate door (slot state))\n(defrule bad\n  (door)\n  =>\n  (nth$ 1 7))\n");
   EXPECT_THAT(play("fires: bad, within_s: 1").bad ? play("fires: bad, within_s: 1").bad->text() : "",

@@ -1,0 +1,147 @@
+#include "cx/testing/story_parts.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "cx/base/file.h"
+#include "cx/base/number_text.h"
+#include "cx/executive/environment.h"
+#include "cx/explain/names.h"
+#include "cx/explain/pattern.h"
+
+namespace cxlab::testing {
+
+namespace {
+
+using Verb = Step::Verb;
+
+bool is_of_facts(const Step& step) { return step.verb == Verb::kAssert || step.verb == Verb::kRetract; }
+
+}  // namespace
+
+SimTime end_of(const StorySpec& spec) {
+  SimTime end = std::max(spec.begins, spec.end);
+  for (const Step& step : spec.steps) end = std::max(end, step.at);
+  for (const Expectation& e : spec.expect)
+    end = std::max({end, e.after, e.until == kNever ? SimTime::zero() : e.until});
+  return tick_not_before(end, kTick);
+}
+
+Expected<std::string> config_for_rules(const StorySpec& spec) {
+  std::string files;
+  for (const std::filesystem::path& file : spec.rules) {
+    if (!is_file(file)) return input_error("there is no rule file " + file.string(), spec.file, spec.line);
+    std::string name = std::filesystem::absolute(file).lexically_normal().string();
+    for (std::size_t at = 0; (at = name.find('\'', at)) != std::string::npos; at += 2) name.insert(at, "'");
+    files += (files.empty() ? "'" : ", '") + name + '\'';
+  }
+  return "/**:\n  ros__parameters:\n    environments: [main]\n    main: {plugins: [executive, ros_msgs, files]}\n"
+         "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
+         "    files: {plugin: 'cx::FileLoadPlugin', load: [" +
+         files + "]}\n";
+}
+
+Status set_up(StandIns& stand_ins, const StorySpec& spec) {
+  std::vector<const StandIn*> served;
+  for (const StandIn& stand_in : spec.stand_ins) {
+    if (Status s = stand_ins.add(stand_in); !s) return s;
+    served.push_back(&stand_in);
+  }
+  for (const Fault& fault : spec.faults)
+    if (!fault.name.empty() &&
+        std::ranges::none_of(spec.stand_ins, [&](const StandIn& s) { return s.name == fault.name; }))
+      return input_error("nobody serves " + fault.name + ", so this fault can never strike", spec.file,
+                         fault.outcome.line);
+  for (const Expectation& e : spec.expect)
+    if (e.kind == Expectation::Kind::kPublished)
+      if (Status s = stand_ins.listen(e.text, e.type, spec.file, e.line); !s) return s;
+  for (const Step& step : spec.steps) {
+    Status fits;
+    if (step.verb == Verb::kStandIn)
+      fits = stand_ins.check(*served.emplace_back(&step.stand_in));
+    else if (step.verb == Verb::kPublish)
+      fits = stand_ins.check_message(step.text, step.type, step.data, spec.file, step.line);
+    if (!fits) return fits;
+  }
+  for (const Expectation& e : spec.expect) {
+    Status fits;
+    if (e.kind == Expectation::Kind::kPublished)
+      fits = stand_ins.check_message(e.text, e.type, e.fields, spec.file, e.line);
+    else if (e.kind == Expectation::Kind::kGoal)
+      for (const StandIn* stand_in : served)
+        if (stand_in->action && stand_in->name == e.text && fits)
+          fits = stand_ins.check_goal(*stand_in, e.fields, spec.file, e.line);
+    if (!fits) return fits;
+  }
+  return {};
+}
+
+Status StorySteps::sense(SimTime now) {
+  for (; next_ < spec_.steps.size() && spec_.steps[next_].at <= now; ++next_) {
+    const Step& step = spec_.steps[next_];
+    Status done;
+    if (step.verb == Verb::kPublish)
+      done = stand_ins_.publish(step.text, step.type, step.data, spec_.file, step.line);
+    else if (step.verb == Verb::kStandIn)
+      done = stand_ins_.add(step.stand_in);
+    if (!done) return done;
+  }
+  return {};
+}
+
+SimTime StorySteps::next_due() const { return next_ < spec_.steps.size() ? spec_.steps[next_].at : kNever; }
+
+Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
+  if (place.fired >= 0) return {};  // no tick
+  if (environment_.empty() && (spec_.environment.empty() || environment.name() == spec_.environment))
+    environment_ = environment.unique_name();
+  if (environment.unique_name() != environment_) return {};
+  if (!std::exchange(given_, true))
+    if (Status s = begin(environment); !s) return s;
+  for (; next_ < spec_.steps.size() && spec_.steps[next_].at <= place.t; ++next_) {
+    const Step& step = spec_.steps[next_];
+    if (!is_of_facts(step)) continue;
+    const Status done =
+        step.verb == Verb::kAssert ? give(environment, {step.text, step.line}) : take(environment, step);
+    if (!done) return done;
+  }
+  return {};
+}
+
+Status StoryFacts::begin(cx::Environment& environment) const {
+  using Verb = cx::ControlAct::Verb;
+  for (const Line& call : spec_.calls)
+    if (const auto done = environment.act(Verb::kLoad, call.text, "calls"); !done)
+      return input_error(call.text + ": " + done.error().message, spec_.file, call.line);
+  std::set<std::string> wanted;
+  for (const Line& fact : spec_.given) wanted.insert(fact.text);
+  if (spec_.moment)
+    for (const FactCopy& fact : environment.engine().facts())
+      if (!wanted.contains(fact.print())) (void)environment.act(Verb::kRetract, std::to_string(fact.index));
+  for (const Line& fact : spec_.given)
+    if (Status s = give(environment, fact); !s) return s;
+  if (spec_.moment) (void)environment.act(Verb::kSettle, {});
+  return {};
+}
+
+Status StoryFacts::give(cx::Environment& environment, const Line& fact) const {
+  const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text);
+  return done ? Status() : input_error(fact.text + ": " + done.error().message, spec_.file, fact.line);
+}
+
+Status StoryFacts::take(cx::Environment& environment, const Step& step) const {
+  const RuleEngine& engine = environment.engine();
+  auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
+  if (!pattern) return pattern.error();
+  if (Status s = explain::check_names(*pattern, engine); !s)
+    return input_error("retract " + step.text + ": " + s.error().message, spec_.file, step.line);
+  bool any = false;
+  for (const FactCopy& fact : engine.facts(pattern->template_name()))
+    if (pattern->matches(fact)) any |= environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index)).ok();
+  if (any) return {};
+  return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
+                  general_text(to_seconds(environment.now()), 6) + " s: there is no such fact");
+}
+
+}  // namespace cxlab::testing

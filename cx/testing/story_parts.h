@@ -1,0 +1,62 @@
+#pragma once
+// What a story does to an agent, as parts of an episode: its own (cx/testing/play.h), or a run with a world of kind
+// `story` (scenarios/story).
+
+#include <string>
+#include <vector>
+
+#include "cx/executive/run_control.h"
+#include "cx/run/parts.h"
+#include "cx/testing/stand_ins.h"
+#include "cx/testing/story.h"
+
+namespace cxlab::testing {
+
+inline constexpr SimTime kTick = std::chrono::milliseconds(20);
+
+/// The last tick that may be played.
+SimTime end_of(const StorySpec& spec);
+
+/// A configuration of one environment, `main`, with the rule files of the story.
+Expected<std::string> config_for_rules(const StorySpec& spec);
+
+/// Stand-ins serve, topics are listened to, and all that is sent and expected has the fields of its type; else the
+/// error says where in the story it has not.
+Status set_up(StandIns& stand_ins, const StorySpec& spec);
+
+/// Does the steps that other nodes see: messages, and stand-ins that answer otherwise from then on.
+class StorySteps final : public Server {
+ public:
+  /// Both outlive this.
+  StorySteps(const StorySpec& spec, StandIns& stand_ins) : spec_(spec), stand_ins_(stand_ins) {}
+  Status sense(SimTime now) override;
+  Status act(SimTime) override { return {}; }
+  SimTime next_due() const override;
+
+ private:
+  const StorySpec& spec_;
+  StandIns& stand_ins_;
+  std::size_t next_ = 0;
+};
+
+/// Makes and takes away the facts of a story in the environment that it looks at: those that are given at the first
+/// tick, those of its steps at theirs, when messages have become facts and before any rule fires.
+class StoryFacts final : public cx::RunControl {
+ public:
+  /// It outlives this.
+  explicit StoryFacts(const StorySpec& spec) : spec_(spec) {}
+  Status stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
+  bool before_each_firing() const override { return false; }
+
+ private:
+  Status begin(cx::Environment& environment) const;
+  Status give(cx::Environment& environment, const Line& fact) const;
+  Status take(cx::Environment& environment, const Step& step) const;
+
+  const StorySpec& spec_;
+  std::string environment_;  // its stream; empty: not known yet
+  bool given_ = false;
+  std::size_t next_ = 0;
+};
+
+}  // namespace cxlab::testing

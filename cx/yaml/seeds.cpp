@@ -1,0 +1,45 @@
+#include "cx/yaml/seeds.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "cx/base/number_text.h"
+
+namespace cxlab::yaml {
+
+namespace {
+
+void add_seed(std::uint64_t seed, const Value& place, std::vector<std::uint64_t>& seeds) {
+  if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end())
+    place.fail("found seed " + std::to_string(seed) + " twice, expected each once: the same game is no second sample");
+  else
+    seeds.push_back(seed);
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> read_seeds(const Value& value) {
+  std::vector<std::uint64_t> out;
+  if (value.is_list()) {
+    for (const Value& item : value.as_list())
+      if (const std::int64_t seed = item.as_integer(); seed < 0)
+        item.fail("expected a seed of at least 0");
+      else
+        add_seed(static_cast<std::uint64_t>(seed), item, out);
+    return out;
+  }
+  constexpr std::uint64_t kMost = 100000;
+  const std::string text = value.text();
+  const std::size_t dots = text.find("..");
+  const auto first = read_number<std::uint64_t>(text.substr(0, dots));
+  const auto last = read_number<std::uint64_t>(dots == text.npos ? "" : text.substr(dots + 2));
+  if (!first || !last || *last < *first || *last - *first >= kMost) {
+    value.fail("found '" + text + "', expected a list of seeds or a range \"0..29\"");
+    return out;
+  }
+  out.resize(*last - *first + 1);
+  std::iota(out.begin(), out.end(), *first);
+  return out;
+}
+
+}  // namespace cxlab::yaml
