@@ -17,7 +17,9 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/question.h"
+#include "cx/journal/run_folder.h"
 #include "lab/control/client.h"
+#include "lab/state_folder.h"
 #include "lab/time_travel.h"
 
 namespace cxlab::app {
@@ -112,17 +114,8 @@ class Terminal {
 
  private:
   static std::filesystem::path history_file() {
-    const char* state = std::getenv("XDG_STATE_HOME");
-    const char* home = std::getenv("HOME");
-    std::filesystem::path folder;
-    if (state != nullptr && *state == '/')
-      folder = state;
-    else if (home != nullptr && *home == '/')
-      folder = std::filesystem::path(home) / ".local" / "state";
-    if (folder.empty()) return {};
-    std::error_code error;
-    std::filesystem::create_directories(folder / "cxlab", error);
-    return error ? std::filesystem::path() : folder / "cxlab" / "attach_history";
+    const std::filesystem::path folder = lab::state_folder();
+    return folder.empty() || !make_folder(folder) ? std::filesystem::path() : folder / "attach_history";
   }
 
   void wait() {

@@ -226,7 +226,7 @@ int bench(const BenchOptions& options) {
         lab::judged_sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, options.all, host);
     console.clear();
     if (!judged) return fail(judged.error());
-    if (const int code = interrupted(finished_text(judged->rows.size(), suite->cells().size()))) return code;
+    if (const int code = interrupted(finished_text(judged->rows.size(), suite->size()))) return code;
     return print_table(judged->rows, options, &*judged);
   }
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);

@@ -7,7 +7,6 @@
 #include "app/console.h"
 #include "app/question.h"
 #include "cx/base/json.h"
-#include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 #include "lab/comparison.h"
 
@@ -51,67 +50,6 @@ Json json_of(const lab::Comparison& found) {
   return json;
 }
 
-void print_laid_out(const std::string& text, const std::string& indent) {
-  std::fputs(inspect::laid_out(text, indent, indent + "  ").c_str(), stdout);
-}
-
-/// What one run did, and why not what the other did.
-void print_event(const char* name, const lab::Comparison::Side& side) {
-  print_laid_out(std::string(name) + ": " + (side.what.empty() ? "nothing more" : side.what), "");
-  if (side.lacks)
-    std::fputs(inspect::text_of(*side.lacks,
-                                "rule " + side.rule + " did not fire: condition " + std::to_string(side.lacks->number) +
-                                    " does not hold",
-                                "   ")
-                   .c_str(),
-               stdout);
-  else if (!side.remark.empty())
-    print_laid_out(side.remark, "   ");
-}
-
-void print_causes(const char* name, const lab::Comparison::Side& side) {
-  if (!side.because || side.because->steps.size() < 2) return;
-  std::printf("what led to it in %s:\n%s", name, inspect::text_of(inspect::tree_of(*side.because, false)).c_str());
-}
-
-void print(const lab::Comparison& found) {
-  for (const std::string& name : found.only_in_a) std::printf("environment %s is only in a\n", name.c_str());
-  for (const std::string& name : found.only_in_b) std::printf("environment %s is only in b\n", name.c_str());
-  for (const auto& c : found.constructs) {
-    const bool in_one = c.a.empty() || c.b.empty();
-    print_laid_out(c.kind + ' ' + c.name +
-                       (in_one ? " is only in " + (c.a.empty() ? "b: " + c.b : "a: " + c.a)
-                               : " is written differently: " + c.a + " (a), " + c.b + " (b)"),
-                   "");
-  }
-  if (!found.first) {
-    std::printf("all that rules did up to %s is the same\n", inspect::seconds_text(found.compared).c_str());
-  } else {
-    std::printf("the same before %s; what differs first, in %s:\n", inspect::seconds_text(found.first->t).c_str(),
-                found.first->environment.c_str());
-    print_event("a", found.first->a);
-    print_event("b", found.first->b);
-    print_causes("a", found.first->a);
-    print_causes("b", found.first->b);
-  }
-  if (found.outcomes.empty()) return;
-  constexpr std::size_t kShown = 30;
-  constexpr int kPath = 44, kValue = 16;  // columns
-  std::printf("%-*s %*s %*s\n", kPath, "result", kValue, "a", kValue, "b");
-  for (std::size_t i = 0; i < found.outcomes.size() && i < kShown; ++i) {
-    const auto& o = found.outcomes[i];
-    const std::string in_a = o.a.empty() ? "-" : o.a, in_b = o.b.empty() ? "-" : o.b;
-    if (std::ssize(o.path) <= kPath && std::ssize(in_a) <= kValue && std::ssize(in_b) <= kValue) {
-      std::printf("%-*s %*s %*s\n", kPath, o.path.c_str(), kValue, in_a.c_str(), kValue, in_b.c_str());
-    } else {
-      std::printf("%s\n", o.path.c_str());
-      print_laid_out("a: " + in_a, "  ");
-      print_laid_out("b: " + in_b, "  ");
-    }
-  }
-  if (found.outcomes.size() > kShown) std::printf("and %zu more (--json has all)\n", found.outcomes.size() - kShown);
-}
-
 int diff(const DiffOptions& options) {
   auto a = open_run(options.a, options.trust_programs);
   if (!a) return fail(a.error());
@@ -124,7 +62,7 @@ int diff(const DiffOptions& options) {
   if (options.json)
     std::printf("%s\n", json_text(json_of(*found), 2).c_str());
   else
-    print(*found);
+    std::fputs(lab::text_of(*found).c_str(), stdout);
   return found->same() ? 0 : static_cast<int>(ErrorKind::kNo);
 }
 

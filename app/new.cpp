@@ -4,11 +4,15 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/activity.h"
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/console.h"
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
 #include "lab/new_package.h"
+#include "lab/story_of_moment.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/share.h"
 
@@ -63,6 +67,69 @@ int make_game(const GameOptions& options) {
   return 0;
 }
 
+struct StoryOptions {
+  std::string run, environment, name, file;
+  double at = 0, seconds = 10;
+  lab::PackageOptions packages;
+  bool trust_programs = false, force = false;
+};
+
+int make_story(StoryOptions options) {
+  auto run = lab::Run::open(options.run, catalogue(), options.trust_programs);
+  if (!run) return fail(run.error());
+  if (options.file.empty()) {
+    const auto folder = std::filesystem::absolute(options.run).lexically_normal();
+    const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+    options.file = name + "-at-" + general_text(options.at, 9) + ".story.yaml";
+  }
+  if (path_exists(options.file) && !options.force)
+    return fail(usage_error("there is a file already: choose another one (--out), or --force", options.file));
+  auto packages = lab::find_packages(options.packages);
+  if (!packages) return fail(packages.error());
+  Console console(true);
+  const lab::Host host = console.host();
+  const lab::MomentStory moment{from_seconds(options.at), options.seconds, options.environment, options.name};
+  doing("playing the rules of " + options.run + " again");
+  auto story = lab::story_of(*run, moment, options.file, host);
+  if (const int code = interrupted("no story was written")) return code;
+  if (!story) return fail(story.error());
+  lab::StoryPlan plan;
+  plan.setup = {find_share().interfaces, false, *std::move(packages), host.limits(), own_packages()};
+  const Status kept = lab::keep_what_holds(*story, options.file, plan, host);
+  std::error_code ignored;
+  if (!kept || signal_that_came() != 0) std::filesystem::remove(options.file, ignored);
+  if (const int code = interrupted("no story was written")) return code;
+  if (!kept) return fail(kept.error());
+  for (const std::string& note : story->notes) std::fprintf(stderr, "note: %s\n", printable(note).c_str());
+  std::printf("%s\n", options.file.c_str());
+  std::fprintf(stderr, "it expects %d things and passes now; next: cxlab test %s\n", story->expectations,
+               options.file.c_str());
+  return 0;
+}
+
+void add_story(CLI::App& command, Action& action) {
+  auto options = std::make_shared<StoryOptions>();
+  CLI::App* sub = command.add_subcommand("story", "A story from a moment of a recorded run (docs/testing.md)");
+  sub->footer(
+      "The story has the facts of that moment, the answers of skills and the messages that came in the seconds after\n"
+      "it, and expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"
+      "Exit code 1: nothing that a story can expect happened then.\n"
+      "Examples:\n  cxlab new story runs/game-1 --at 312.4 --out stories/deliver.story.yaml\n"
+      "  cxlab new story runs/game-1 --at 5:12 --for 30 --name 'the second order is delivered'");
+  add_limit_options(*sub);
+  sub->add_option("run", options->run, "Folder of the run")->required();
+  time_option(sub->add_option("--at", options->at, "The moment: 312.4, 5:12 or 5:12.4"))->required();
+  sub->add_option("--for", options->seconds, "s after the moment that the story goes on (default 10)")
+      ->check(positive());
+  sub->add_option("--env", options->environment, "The environment, where the run has several");
+  sub->add_option("--name", options->name, "Of the story (default: when and of which run it is)");
+  sub->add_option("--out", options->file, "Its file (default: RUN-at-T.story.yaml in this folder)");
+  add_package_options(*sub, options->packages);
+  add_trust_programs(*sub, options->trust_programs);
+  sub->add_flag("--force", options->force, "Overwrites a file");
+  sub->callback([options, &action] { action = [options] { return make_story(*options); }; });
+}
+
 void add_game(CLI::App& command, Action& action) {
   auto options = std::make_shared<GameOptions>();
   CLI::App* sub =
@@ -111,6 +178,7 @@ void add_new(CLI::App& app, Action& action) {
                     "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};
   add_kind(*command, action, plugin, league);
   add_game(*command, action);
+  add_story(*command, action);
 }
 
 }  // namespace cxlab::app

@@ -1,7 +1,12 @@
 // cxlab test: plays stories, regression tests of rules.
 
+#include <poll.h>
+
+#include <chrono>
 #include <cstdio>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "app/activity.h"
 #include "app/arguments.h"
@@ -10,7 +15,10 @@
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "lab/confine.h"
+#include "lab/failed_stories.h"
+#include "lab/file_watch.h"
 #include "lab/stories.h"
+#include "lab/story_filter.h"
 #include "scenarios/share.h"
 
 namespace cxlab::app {
@@ -22,11 +30,15 @@ using lab::PlayedStory;
 
 struct TestOptions {
   std::vector<std::string> paths;
-  std::string junit, coverage;
+  std::string filter, junit, coverage, runs;
+  std::optional<std::uint64_t> seed;
   lab::PackageOptions packages;
+  double patience_s = 60;
   int jobs = 1;
-  bool json = false;
+  bool stop = false, last_failed = false, quiet = false, verbose = false, watch = false, json = false;
 };
+
+// --- What a person reads
 
 void print(const Coverage& files) {
   std::map<std::string, int> counts;
@@ -40,79 +52,295 @@ void print(const Coverage& files) {
               counts["activated but never fired"], counts["never matched"]);
 }
 
-void print(const PlayedStory& p) {
-  std::printf("%s  %s: %s (%.0f ms, %.6g s simulated)\n", p.result.passed() ? "ok    " : "FAILED", p.spec.file.c_str(),
-              p.spec.name.c_str(), p.wall_s * 1e3, p.result.sim_time_s);
-  for (const std::string& c : p.complaints()) std::printf("  %s\n", c.c_str());
-  for (const std::string& note : p.result.notes) std::printf("  note: %s\n", note.c_str());
+/// As a shell reads it back as one word.
+std::string shell_word(const std::string& text) {
+  static constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+@%";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + '\'';
 }
 
-/// One by one, so that a person can see which one takes long.
-Status play(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, int jobs, const lab::Host& host) {
-  if (jobs > 1) return lab::play_stories(stories, setup, jobs, host);
-  for (PlayedStory& story : stories) {
-    if (host.stopped()) break;
-    doing("playing story '" + story.spec.name + "' of " + story.spec.file);
-    std::vector<PlayedStory> one;
-    one.push_back(std::move(story));
-    Status played = lab::play_stories(one, setup, 1, host);
-    story = std::move(one.front());
-    if (!played) return played;
+/// The command that plays this story again with the seed of its result, and no other.
+std::string again(const PlayedStory& story, const TestOptions& options) {
+  std::string out = "cxlab test " + shell_word(story.spec.file + "::" + story.spec.name);
+  if (!story.spec.seeds.empty() || options.seed) out += " --seed " + std::to_string(story.seed);
+  for (const std::string& package : options.packages.named) out += " --package " + shell_word(package);
+  for (const std::string& prefix : options.packages.prefixes) out += " --prefix " + shell_word(prefix);
+  return out;
+}
+
+void print(const PlayedStory& p, const TestOptions& options) {
+  if (options.quiet && p.passed()) return;
+  const std::string seeds = p.seeds_played > 1 ? std::to_string(p.seeds_played) + " seeds, " : "";
+  std::printf("%s  %s: %s (%s%.0f ms, %.6g s simulated)\n", p.passed() ? "ok    " : "FAILED", p.spec.file.c_str(),
+              p.spec.name.c_str(), seeds.c_str(), p.wall_s * 1e3, p.result.sim_time_s);
+  for (const std::string& c : p.complaints()) std::printf("  %s\n", c.c_str());
+  for (const std::string& note : p.result.notes) std::printf("  note: %s\n", note.c_str());
+  if (!p.passed() && !p.result.bad)
+    std::printf("  seed %llu; again: %s\n", static_cast<unsigned long long>(p.seed), again(p, options).c_str());
+  if (!p.run.empty()) {
+    const std::string run = shell_word(p.run.string());
+    std::printf("  run %s; ask it: cxlab attach %s, cxlab why-not %s RULE\n", run.c_str(), run.c_str(), run.c_str());
   }
+  if (options.verbose)
+    for (const std::string& line : p.result.printed) std::printf("    %s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+Json json_of(const PlayedStory& p, const TestOptions& options) {
+  Json row{{"file", p.spec.file},        {"story", p.spec.name},    {"passed", p.passed()},
+           {"failures", p.complaints()}, {"notes", p.result.notes}, {"seed", p.seed},
+           {"again", again(p, options)}, {"wall_s", p.wall_s},      {"sim_time_s", p.result.sim_time_s}};
+  if (p.seeds_played > 1) {
+    row["seeds_played"] = p.seeds_played;
+    row["failed_seeds"] = p.failed_seeds;
+  }
+  if (!p.run.empty()) row["run"] = p.run.string();
+  if (options.verbose) row["printed"] = p.result.printed;
+  return row;
+}
+
+// --- Playing
+
+/// Those that the options choose.
+Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab::StoryFilter& filter) {
+  auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
+  if (!stories) return stories;
+  const std::size_t all = stories->size();
+  std::erase_if(*stories, [&](const PlayedStory& story) {
+    return !filter.takes(std::filesystem::path(story.spec.file).filename().string() + "::" + story.spec.name);
+  });
+  if (options.seed)
+    for (PlayedStory& story : *stories) {
+      story.spec.seed = *options.seed;
+      if (!story.spec.seeds.empty()) story.spec.seeds = {*options.seed};
+    }
+  if (stories->empty())
+    return usage_error("-k '" + options.filter + "': it holds for none of " + std::to_string(all) + " stories");
+  return stories;
+}
+
+/// Of these, what failed when it was played the last time; all of them if nothing did.
+void keep_last_failed(std::vector<PlayedStory>& stories, const lab::FailedStories& failed) {
+  const auto passed = [&](const PlayedStory& story) { return !failed.has(story); };
+  if (std::ranges::all_of(stories, passed))
+    std::fprintf(stderr, "nothing of this failed the last time: all is played\n");
+  else
+    std::erase_if(stories, passed);
+}
+
+/// The setup of all stories.
+Expected<lab::StoryPlan> plan_of(const TestOptions& options, const lab::Host& host) {
+  auto packages = lab::find_packages(options.packages);
+  if (!packages) return packages.error();
+  lab::StoryPlan plan;
+  plan.setup = {find_share().interfaces, !options.coverage.empty(), *std::move(packages), host.limits(),
+                own_packages()};
+  plan.jobs = options.jobs;
+  plan.stop_at_failure = options.stop;
+  plan.patience_s = options.patience_s;
+  plan.runs = options.runs;
+  plan.begins = [](const PlayedStory& story) {
+    doing("playing story '" + story.spec.name + "' of " + story.spec.file);
+  };
+  if (!options.json) plan.ended = [&options](const PlayedStory& story) { print(story, options); };
+  return plan;
+}
+
+struct Counts {
+  std::size_t passed = 0, failed = 0, not_played = 0;
+  bool bad = false;  ///< a story or a rule file cannot be used
+
+  explicit Counts(const std::vector<PlayedStory>& stories) {
+    for (const PlayedStory& p : stories) {
+      ++(!p.played ? not_played : p.passed() ? passed : failed);
+      bad |= p.result.bad.has_value();
+    }
+  }
+  std::string text() const {
+    return std::to_string(passed) + " passed, " + std::to_string(failed) + " failed" +
+           (not_played > 0 ? ", " + std::to_string(not_played) + " not played" : "");
+  }
+  int exit_code() const {
+    return bad ? static_cast<int>(ErrorKind::kInput) : failed > 0 ? static_cast<int>(ErrorKind::kNo) : 0;
+  }
+};
+
+/// Plays them, and remembers which failed.
+Status play(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host) {
+  if (Status s = lab::play_stories(stories, plan, host); !s) return s;
+  lab::FailedStories failed = lab::FailedStories::remembered();
+  failed.note(stories);
+  if (Status s = failed.save(); !s)
+    std::fprintf(stderr, "warning: --last-failed will not know of this: %s\n", printable(s.error().text()).c_str());
   return {};
 }
 
+Status write_reports(const std::vector<PlayedStory>& stories, const Coverage& coverage, const TestOptions& options) {
+  if (!options.junit.empty()) {
+    const auto junit = lab::to_junit(stories, options.verbose);
+    if (!junit) return junit.error();
+    if (Status s = write_file(options.junit, *junit); !s) return s;
+  }
+  if (options.coverage.empty()) return {};
+  const auto lcov = lab::to_lcov(coverage);
+  return lcov ? write_file(options.coverage, *lcov) : lcov.error();
+}
+
+int play_once(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host,
+              const TestOptions& options) {
+  if (Status s = play(stories, plan, host); !s) return fail(s.error());
+  if (signal_that_came() != 0) return interrupted("not all stories were played");
+  const Counts counts(stories);
+  const Coverage coverage = lab::coverage_of(stories);
+  if (options.json) {
+    Json report{{"passed", counts.passed}, {"failed", counts.failed}, {"stories", Json::array()}};
+    if (counts.not_played > 0) report["not_played"] = counts.not_played;
+    for (const PlayedStory& p : stories)
+      if (p.played) report["stories"].push_back(json_of(p, options));
+    if (plan.setup.coverage) report["rules"] = parse_json(lab::to_json(coverage));
+    std::printf("%s\n", json_text(report, 2).c_str());
+  } else {
+    if (plan.setup.coverage) print(coverage);
+    std::printf("%s\n", counts.text().c_str());
+  }
+  if (Status s = write_reports(stories, coverage, options); !s) return fail(s.error());
+  return counts.exit_code();
+}
+
+// --- Playing again what a change affects
+
+std::int64_t clock_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+using Paths = std::set<std::filesystem::path>;
+
+class Watching {
+ public:
+  Watching(const TestOptions& options, const lab::StoryFilter& filter, const lab::StoryPlan& plan,
+           const lab::Host& host)
+      : options_(options), filter_(filter), plan_(plan), host_(host) {}
+
+  int watch(std::vector<PlayedStory> stories) {
+    std::vector<PlayedStory> turn = std::move(stories);
+    (void)new_files();
+    while (true) {
+      const std::int64_t begun = clock_ns();
+      if (!turn.empty()) {
+        if (Status s = play(turn, plan_, host_); !s) return fail(s.error());
+        for (const PlayedStory& story : turn) note(story);
+      }
+      if (signal_that_came() != 0) break;
+      files_.watch(all_files(), begun);
+      if (!turn.empty() || broken_)
+        std::printf("%s; watching %zu files, Ctrl-C ends\n", Counts(turn).text().c_str(), files_.size());
+      std::fflush(stdout);
+      const Paths changed = wait();
+      if (signal_that_came() != 0) break;
+      turn = affected(changed);
+    }
+    return interrupted("no file is watched any more");
+  }
+
+ private:
+  using Key = std::pair<std::string, std::string>;  // file, name
+  static Key key_of(const PlayedStory& story) { return {story.spec.file, story.spec.name}; }
+  static std::filesystem::path whole(const std::string& file) {
+    return std::filesystem::absolute(file).lexically_normal();
+  }
+
+  void note(const PlayedStory& story) {
+    if (!story.played) return;
+    Paths files(story.result.files.begin(), story.result.files.end());
+    if (story.result.bad && !story.result.bad->file.empty()) files.insert(whole(story.result.bad->file));
+    // One whose process died has not told what it read: what it read before, or anything.
+    if (!story.result.files.empty())
+      read_[key_of(story)] = std::move(files);
+    else
+      read_.try_emplace(key_of(story));
+    files_of_stories_.insert(whole(story.spec.file));
+  }
+
+  Paths all_files() const {
+    Paths all = files_of_stories_;
+    for (const auto& [story, files] : read_) all.insert(files.begin(), files.end());
+    return all;
+  }
+
+  /// Those of the stories as they are now that read one of these files, or are new.
+  std::vector<PlayedStory> affected(const Paths& now_changed) {
+    changed_.insert(now_changed.begin(), now_changed.end());
+    auto stories = chosen(options_, filter_);
+    broken_ = !stories;
+    if (!stories) {
+      fail(stories.error());
+      if (!stories.error().file.empty()) files_of_stories_.insert(whole(stories.error().file));
+      return {};
+    }
+    const Paths changed = std::exchange(changed_, {});
+    std::set<Key> there;
+    for (const PlayedStory& story : *stories) there.insert(key_of(story));
+    std::erase_if(read_, [&](const auto& story) { return !there.contains(story.first); });
+    std::erase_if(*stories, [&](const PlayedStory& story) {
+      const auto read = read_.find(key_of(story));
+      if (read == read_.end() || read->second.empty() || changed.contains(whole(story.spec.file))) return false;
+      return std::ranges::none_of(read->second, [&](const auto& file) { return changed.contains(file); });
+    });
+    for (const std::filesystem::path& file : changed)
+      std::printf("\n%s has changed\n", file.lexically_proximate(std::filesystem::current_path()).c_str());
+    return *std::move(stories);
+  }
+
+  /// The files that have changed, or story files that are new.
+  Paths wait() {
+    constexpr int kLooks = 5;  // at the files, before folders are read again
+    for (int look = 1;; ++look) {
+      (void)poll(nullptr, 0, 100);
+      if (signal_that_came() != 0) return {};
+      Paths changed = files_.changed();
+      if (look % kLooks == 0)
+        for (const std::filesystem::path& file : new_files()) changed.insert(file);
+      if (!changed.empty()) return changed;
+    }
+  }
+
+  Paths new_files() {
+    Paths out;
+    const auto files = lab::story_files(options_.paths.empty() ? std::vector<std::string>{"."} : options_.paths);
+    if (files)
+      for (const std::filesystem::path& file : *files)
+        if (files_of_stories_.insert(whole(file.string())).second) out.insert(whole(file.string()));
+    return out;
+  }
+
+  const TestOptions& options_;
+  const lab::StoryFilter& filter_;
+  const lab::StoryPlan& plan_;
+  const lab::Host& host_;
+  lab::FileWatch files_;
+  std::map<Key, Paths> read_;  // by story
+  Paths files_of_stories_;
+  Paths changed_;  // and not looked at, because stories could not be read
+  bool broken_ = false;
+};
+
 int test(const TestOptions& options) {
-  auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
+  const auto filter =
+      options.filter.empty() ? Expected<lab::StoryFilter>(lab::StoryFilter()) : lab::StoryFilter::parse(options.filter);
+  if (!filter) return fail(filter.error());
+  auto stories = chosen(options, *filter);
   if (!stories) return fail(stories.error());
-  auto packages = lab::find_packages(options.packages);
-  if (!packages) return fail(packages.error());
-  if (const auto warning = lab::warning_without_wall()) std::fprintf(stderr, "%s\n", warning->c_str());
+  if (options.last_failed) keep_last_failed(*stories, lab::FailedStories::remembered());
   Console console(true);
   const lab::Host host = console.host();
-  const testing::StorySetup setup{find_share().interfaces, !options.coverage.empty(), *std::move(packages),
-                                  host.limits(), own_packages()};
-  if (Status s = play(*stories, setup, options.jobs, host); !s) return fail(s.error());
-  if (signal_that_came() != 0) {
-    for (const PlayedStory& p : *stories)
-      if (p.wall_s > 0) print(p);  // the last one has what it was stopped in
-    return interrupted("not all stories were played");
-  }
-  std::size_t passed = 0;
-  bool bad = false;
-  Json rows = Json::array();
-  for (const PlayedStory& p : *stories) {
-    passed += p.result.passed();
-    bad |= p.result.bad.has_value();
-    if (!options.json) print(p);
-    rows.push_back({{"file", p.spec.file},
-                    {"story", p.spec.name},
-                    {"passed", p.result.passed()},
-                    {"failures", p.complaints()},
-                    {"notes", p.result.notes},
-                    {"wall_s", p.wall_s},
-                    {"sim_time_s", p.result.sim_time_s}});
-  }
-  const Coverage coverage = lab::coverage_of(*stories);
-  Json report{{"passed", passed}, {"failed", stories->size() - passed}, {"stories", rows}};
-  if (setup.coverage) report["rules"] = parse_json(lab::to_json(coverage));
-  if (setup.coverage && !options.json) print(coverage);
-  if (options.json)
-    std::printf("%s\n", json_text(report, 2).c_str());
-  else
-    std::printf("%zu passed, %zu failed\n", passed, stories->size() - passed);
-  if (!options.junit.empty()) {
-    const auto junit = lab::to_junit(*stories);
-    if (!junit) return fail(junit.error());
-    if (Status s = write_file(options.junit, *junit); !s) return fail(s.error());
-  }
-  if (!options.coverage.empty()) {
-    const auto lcov = lab::to_lcov(coverage);
-    if (!lcov) return fail(lcov.error());
-    if (Status s = write_file(options.coverage, *lcov); !s) return fail(s.error());
-  }
-  if (bad) return static_cast<int>(ErrorKind::kInput);
-  return passed == stories->size() ? 0 : static_cast<int>(ErrorKind::kNo);
+  const auto plan = plan_of(options, host);
+  if (!plan) return fail(plan.error());
+  if (const auto warning = lab::warning_without_wall()) std::fprintf(stderr, "%s\n", warning->c_str());
+  if (options.watch) return Watching(options, *filter, *plan, host).watch(*std::move(stories));
+  return play_once(*stories, *plan, host, options);
 }
 
 }  // namespace
@@ -120,15 +348,46 @@ int test(const TestOptions& options) {
 void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/testing.md)");
-  command->footer("Example:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml");
+  command->footer(
+      "Exit code 0: all passed; 1: a story failed; 2: no story is chosen; 3: a story file or a rule file cannot be\n"
+      "used; 130: --watch was ended with Ctrl-C.\n"
+      "EXPR is a word that the name of a story or of its file has in it, or several with `and`, `or`, `not` and\n"
+      "parentheses. Which stories failed the last time is kept in $XDG_STATE_HOME/cxlab/failed_stories.json\n"
+      "(~/.local/state/cxlab/...).\n"
+      "Examples:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml\n"
+      "  cxlab test -k 'pick and not (slow or \"two robots\")' -x\n"
+      "  cxlab test 'stories/door.story.yaml::a bell opens the door' -v\n"
+      "  cxlab test --last-failed --keep-runs runs; cxlab why-not runs/door-a-bell-opens-the-door open\n"
+      "  cxlab test --watch");
   add_limit_options(*command);
-  command->add_option("paths", options->paths, "Story files, or folders with *.story.yaml (default: this folder)");
+  command->add_option("paths", options->paths,
+                      "Story files, folders with *.story.yaml (default: this folder), or FILE::NAME for one story");
   add_package_options(*command, options->packages);
+  command->add_option("-k", options->filter, "Plays the stories for which this holds, as pytest -k does")
+      ->type_name("EXPR");
+  command->add_flag("-x", options->stop, "Stops after the first story that fails");
+  command->add_flag("--last-failed,--lf", options->last_failed,
+                    "Plays those that failed the last time; all if none did");
+  command->add_flag("-q", options->quiet, "Names only stories that fail");
+  command->add_flag("-v", options->verbose, "Shows what the agent of each story printed")->excludes("-q");
+  command
+      ->add_option("--patience", options->patience_s,
+                   "s of the clock on the wall that a story may take (default 60); then it has failed")
+      ->check(positive());
+  command
+      ->add_option("--keep-runs", options->runs,
+                   "Each story that fails leaves its run in a folder of its own there, for why-not, attach, ...")
+      ->type_name("DIR");
+  seed_number(command->add_option("--seed", options->seed, "Plays the stories with this seed alone"));
   command->add_option("--junit", options->junit, "Writes a JUnit report");
   command->add_option("--coverage", options->coverage,
                       "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
+  command->add_flag("--watch", options->watch, "Plays again what a changed rule or story file affects, until Ctrl-C")
+      ->excludes("--json")
+      ->excludes("--junit")
+      ->excludes("--coverage");
   command->callback([options, &action] { action = [options] { return test(*options); }; });
 }
 

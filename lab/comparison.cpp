@@ -8,6 +8,7 @@
 #include "cx/base/json.h"
 #include "cx/explain/names.h"
 #include "cx/explain/why_not.h"
+#include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 #include "cx/journal/journal_reader.h"
 #include "lab/moment.h"
@@ -223,6 +224,78 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
     if (!rule_of_a.empty()) remark_on_rule(in_b, rule_of_a, parting->t, out.first->b);
   }
   return out;
+}
+
+namespace {
+
+std::string laid_out(const std::string& text, const std::string& indent = {}) {
+  return inspect::laid_out(text, indent, indent + "  ");
+}
+
+/// What one run did, and why not what the other did.
+std::string text_of_event(const char* name, const Comparison::Side& side) {
+  std::string out = laid_out(std::string(name) + ": " + (side.what.empty() ? "nothing more" : side.what));
+  if (side.lacks)
+    out += inspect::text_of(
+        *side.lacks,
+        "rule " + side.rule + " did not fire: condition " + std::to_string(side.lacks->number) + " does not hold",
+        "   ");
+  else if (!side.remark.empty())
+    out += laid_out(side.remark, "   ");
+  return out;
+}
+
+std::string text_of_causes(const char* name, const Comparison::Side& side) {
+  if (!side.because || side.because->steps.size() < 2) return {};
+  return std::string("what led to it in ") + name + ":\n" + inspect::text_of(inspect::tree_of(*side.because, false));
+}
+
+std::string text_of_construct(const Comparison::Construct& c) {
+  const bool in_one = c.a.empty() || c.b.empty();
+  return laid_out(c.kind + ' ' + c.name +
+                  (in_one ? " is only in " + (c.a.empty() ? "b: " + c.b : "a: " + c.a)
+                          : " is written differently: " + c.a + " (a), " + c.b + " (b)"));
+}
+
+constexpr std::size_t kPath = 44, kValue = 16;  // columns
+
+std::string outcome_row(std::string path, const std::string& a, const std::string& b) {
+  path.resize(std::max(path.size(), kPath), ' ');
+  const auto cell = [](const std::string& text) {
+    return ' ' + std::string(kValue - std::min(kValue, text.size()), ' ') + text;
+  };
+  return path + cell(a) + cell(b) + '\n';
+}
+
+std::string text_of_outcomes(const std::vector<Comparison::Outcome>& outcomes) {
+  constexpr std::size_t kShown = 30;
+  std::string out = outcome_row("result", "a", "b");
+  for (std::size_t i = 0; i < outcomes.size() && i < kShown; ++i) {
+    const Comparison::Outcome& o = outcomes[i];
+    const std::string a = o.a.empty() ? "-" : o.a, b = o.b.empty() ? "-" : o.b;
+    if (o.path.size() <= kPath && a.size() <= kValue && b.size() <= kValue)
+      out += outcome_row(o.path, a, b);
+    else
+      out += o.path + '\n' + laid_out("a: " + a, "  ") + laid_out("b: " + b, "  ");
+  }
+  if (outcomes.size() > kShown) out += "and " + std::to_string(outcomes.size() - kShown) + " more (--json has all)\n";
+  return out;
+}
+
+}  // namespace
+
+std::string text_of(const Comparison& found) {
+  std::string out;
+  for (const std::string& name : found.only_in_a) out += "environment " + name + " is only in a\n";
+  for (const std::string& name : found.only_in_b) out += "environment " + name + " is only in b\n";
+  for (const Comparison::Construct& c : found.constructs) out += text_of_construct(c);
+  if (!found.first)
+    out += "all that rules did up to " + inspect::seconds_text(found.compared) + " is the same\n";
+  else
+    out += "the same before " + inspect::seconds_text(found.first->t) + "; what differs first, in " +
+           found.first->environment + ":\n" + text_of_event("a", found.first->a) + text_of_event("b", found.first->b) +
+           text_of_causes("a", found.first->a) + text_of_causes("b", found.first->b);
+  return found.outcomes.empty() ? out : out + text_of_outcomes(found.outcomes);
 }
 
 }  // namespace cxlab::lab

@@ -50,6 +50,9 @@ struct Comparison {
   bool same() const { return !first && outcomes.empty() && only_in_a.empty() && only_in_b.empty(); }
 };
 
+/// As people read it, in lines of at most 100 columns.
+std::string text_of(const Comparison& comparison);
+
 /// Plays the rules of both runs again. Runs that have no environment in common are an error.
 Expected<Comparison> compare(const Run& a, const Run& b, const Host& host = {});
 

@@ -1,8 +1,15 @@
 #pragma once
-// Stories played one after the other or in several processes, and reports about them.
+// Stories of a user's files, played in processes, and reports about them.
+//
+//   auto stories = read_stories({"my_agent", "doors.story.yaml::a bell opens the door"});
+//   play_stories(*stories, {.setup = {find_share().interfaces}, .jobs = 2});
+//   for (const PlayedStory& story : *stories) if (!story.passed()) ...
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,19 +23,39 @@ namespace cxlab::lab {
 /// One story and how it went.
 struct PlayedStory {
   testing::StorySpec spec;
-  testing::StoryResult result;
-  double wall_s = 0;
+  bool played = false;               ///< with all its seeds; else it has not been its turn
+  testing::StoryResult result = {};  ///< with several seeds that of the smallest one that failed, and rules of all
+  std::uint64_t seed = 1;            ///< that the result is of
+  std::size_t seeds_played = 0;
+  std::set<std::uint64_t> failed_seeds = {};
+  double wall_s = 0;               ///< of all its processes
+  std::filesystem::path run = {};  ///< a folder that can be asked why it failed; empty: none was kept
+
+  bool passed() const { return result.passed(); }
   /// What is wrong: with the story itself, then with the rules.
   std::vector<std::string> complaints() const;
 };
 
-/// The stories of these files and of all *.story.yaml below these folders.
+/// These files, and all *.story.yaml below these folders; the file of FILE::NAME.
+Expected<std::vector<std::filesystem::path>> story_files(const std::vector<std::string>& paths);
+/// The stories of these files and of all *.story.yaml below these folders; of FILE::NAME those of that name.
 Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& paths);
 
-/// Plays each in a copy of this process, which must have one thread only, `jobs` at a time. The copy reaches nothing
-/// but what its story names (cx/wall/wall.h); a story whose copy ends early has failed.
-Status play_stories(std::vector<PlayedStory>& stories, const testing::StorySetup& setup, int jobs,
-                    const Host& host = {});
+struct StoryPlan {
+  testing::StorySetup setup;
+  int jobs = 1;                  ///< processes at a time
+  bool stop_at_failure = false;  ///< stories after the first one that fails are not played, or not to their end
+  double patience_s = 60;        ///< s that a process may take; one that takes longer is ended
+  /// Where each story that fails leaves a run (lab/story_run.h); empty: none does.
+  std::filesystem::path runs = {};
+  std::function<void(const PlayedStory&)> begins = {};  ///< called when a story's turn comes
+  /// Called with each story that was played, in the order of the stories.
+  std::function<void(const PlayedStory&)> ended = {};
+};
+
+/// Plays each in a copy of this process, which must have one thread only. The copy reaches nothing but what its story
+/// names (cx/wall/wall.h); a story whose copy ends early or takes too long has failed, and the others are played.
+Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host = {});
 
 /// What became of a rule in all stories.
 struct CoveredRule {
@@ -43,7 +70,8 @@ Coverage coverage_of(const std::vector<PlayedStory>& stories);
 /// A JSON array of rules: file, line, rule, state, fired, activated.
 std::string to_json(const Coverage& coverage);
 
-Expected<std::string> to_junit(const std::vector<PlayedStory>& stories);
+/// Of those that were played; `printed`: with what their agents printed.
+Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed = false);
 /// Rules as functions of lcov; its branches say whether each was activated and whether it fired.
 Expected<std::string> to_lcov(const Coverage& coverage);
 

@@ -17,6 +17,7 @@ import unittest
 
 CXLAB = os.environ.get("CXLAB", "")
 LIMIT_S = 60
+STATE = os.path.join(tempfile.gettempdir(), f"cxlab-state-{os.getuid()}")  # what cxlab remembers of a user is no part of a row
 LONGEST = 400  # characters of a line that count
 
 
@@ -87,7 +88,7 @@ def play_row(row, fixed):
         write(folder, {**fixed, **row.files})
         before = state(folder, row.leaves)
         command = [CXLAB, *(argument.replace("{here}", str(folder)) for argument in row.command)]
-        environment = {**os.environ, "HOME": str(folder / "home")}
+        environment = {**os.environ, "HOME": str(folder / "home"), "XDG_STATE_HOME": STATE}
         try:
             done = subprocess.run(command, cwd=folder, input=row.stdin.encode(), capture_output=True, timeout=LIMIT_S, env=environment)
         except subprocess.TimeoutExpired:

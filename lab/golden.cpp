@@ -1,0 +1,119 @@
+#include "lab/golden.h"
+
+#include "cx/base/file.h"
+#include "cx/base/number_text.h"
+#include "cx/base/process.h"
+#include "cx/base/scratch_folder.h"
+#include "cx/journal/run_folder.h"
+#include "lab/comparison.h"
+#include "lab/rerun.h"
+#include "lab/run.h"
+
+namespace cxlab::lab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kError = "error.txt";
+
+Status play_again(const testing::StorySpec& story, const fs::path& folder, const Host& host) {
+  auto run = Run::open(story.golden);
+  if (!run) return run.error();
+  RerunOptions options;
+  options.out = folder.string();
+  options.force = true;
+  if (story.end > SimTime::zero()) options.until = to_seconds(story.end);
+  const auto again = rerun(*run, options, host);
+  return again ? Status() : again.error();
+}
+
+/// What is wrong, in lines; empty: it goes as it went.
+Expected<std::vector<std::string>> difference(const testing::StorySpec& story, const fs::path& folder,
+                                              const Host& host) {
+  const std::string place = story.file + ':' + std::to_string(story.line) + ": ";
+  auto then = Run::open(story.golden);
+  if (!then) return then.error();
+  auto now = Run::open(folder);
+  if (!now) return now.error();
+  auto found = compare(*then, *now, host);
+  if (!found) return found.error();
+  const bool cut_short = story.end > SimTime::zero();
+  if (cut_short) found->outcomes.clear();  // of runs of two lengths
+  std::vector<std::string> out;
+  if (found->same()) return out;
+  out.push_back(place + "the run goes otherwise than " + story.golden.string() +
+                (found->first ? " from " + general_text(to_seconds(found->first->t), 9) + " s on"
+                              : ": its rules do the same, its result is another"));
+  out.push_back("a is the run of then, b that of now\n" + text_of(*found));
+  return out;
+}
+
+/// Rules and configurations of the agents, which a change of may make it go otherwise.
+std::vector<std::string> files_of(const testing::StorySpec& story) {
+  constexpr std::size_t kMost = 2000;
+  std::vector<std::string> out{fs::absolute(story.golden / "manifest.json").lexically_normal().string()};
+  const auto run = Run::open(story.golden);
+  const auto scenario = run ? run->scenario() : Expected<Scenario>(Error{});
+  if (!scenario) return out;
+  out.push_back(fs::absolute(scenario->file).lexically_normal().string());
+  std::map<std::string, PackageSpec> packages = scenario->packages;
+  for (const AgentSpec& agent : scenario->agents) {
+    out.push_back(fs::absolute(scenario->resolve(agent.config)).lexically_normal().string());
+    packages.insert(agent.packages.begin(), agent.packages.end());
+  }
+  for (const auto& [name, package] : packages) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(fs::absolute(scenario->resolve(package.folder)), error), end;
+         !error && it != end && out.size() < kMost; it.increment(error))
+      if (it->path().extension() == ".clp" || it->path().extension() == ".yaml")
+        out.push_back(it->path().lexically_normal().string());
+  }
+  return out;
+}
+
+}  // namespace
+
+testing::StoryResult play_golden(const testing::StorySpec& story, const Host& host) {
+  testing::StoryResult result;
+  result.files = files_of(story);
+  const auto scratch = ScratchFolder::create(RemovedBy::kServant);
+  if (!scratch) {
+    result.bad = scratch.error();
+    return result;
+  }
+  const fs::path folder = (*scratch)->path() / "run", error = (*scratch)->path() / kError;
+  auto process = Process::fork({}, [&] {
+    const Status played = play_again(story, folder, host);
+    if (!played) (void)write_file(error, played.error().text());
+    return played ? 0 : static_cast<int>(played.error().kind);
+  });
+  if (!process) {
+    result.bad = process.error();
+    return result;
+  }
+  const int code = process->wait();
+  if (const auto run = Run::open(folder)) result.sim_time_s = to_seconds(run->sim_time);
+  const auto why = is_file(error) ? read_file(error) : Expected<std::string>(std::string());
+  if (code != 0 && why && !why->empty()) {
+    result.bad = input_error(*why, story.file, story.line);
+    return result;
+  }
+  if (code != 0) {
+    result.failures.push_back(story.file + ':' + std::to_string(story.line) + ": the process that played " +
+                              story.golden.string() + " again ended with code " + std::to_string(code));
+    return result;
+  }
+  auto differs = difference(story, folder, host);
+  if (!differs)
+    result.bad = differs.error();
+  else
+    result.failures = *std::move(differs);
+  return result;
+}
+
+Status keep_golden(const testing::StorySpec& story, const fs::path& folder, const Host& host) {
+  return play_again(story, folder, host);
+}
+
+}  // namespace cxlab::lab

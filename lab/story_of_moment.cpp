@@ -1,0 +1,515 @@
+#include "lab/story_of_moment.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <set>
+
+#include "cx/base/file.h"
+#include "cx/base/json.h"
+#include "cx/base/number_text.h"
+#include "cx/base/process.h"
+#include "cx/base/servant.h"
+#include "cx/engine/form_reader.h"
+#include "cx/journal/journal_reader.h"
+#include "cx/journal/run_folder.h"
+#include "cx/testing/story_parts.h"
+#include "lab/moment.h"
+
+namespace cxlab::lab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// All records of environments, from the start.
+class Records final : public JournalListener {
+ public:
+  bool wants(std::string_view stream, RecordKind) const override { return stream.starts_with("env/"); }
+  void heard(const JournalRecord& record) override { all.push_back(record); }
+  std::vector<JournalRecord> all;
+};
+
+/// In single quotes of YAML.
+std::string yaml_quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  return out + '\'';
+}
+
+std::string seconds_of(SimTime t) { return general_text(to_seconds(t), 12); }
+
+/// Names in the records of an environment are as its rules wrote them.
+std::string whole_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
+
+std::string type_of(const std::vector<bus::Bus::Info>& all, const std::string& name) {
+  const auto found = std::ranges::find(all, whole_name(name), &bus::Bus::Info::name);
+  return found == all.end() ? "" : found->type;
+}
+
+/// What a goal or a call met.
+struct Answer {
+  SimTime sent{};
+  std::optional<SimTime> ended = {};
+  std::string outcome = "never", result = {};  // JSON
+};
+/// By name, in order of sending. `earlier`: how many of before the moment have no answer yet.
+struct Answers {
+  std::vector<Answer> answers;
+  std::size_t earlier = 0, replied = 0;
+
+  /// The first that nothing is known of.
+  Answer* open() {
+    const auto found = std::ranges::find_if(answers, [](const Answer& a) { return !a.ended && a.outcome == "never"; });
+    return found == answers.end() ? nullptr : &*found;
+  }
+};
+
+class Writer {
+ public:
+  Writer(const Run& run, const MomentStory& moment, const fs::path& file, const Host& host)
+      : run_(run), given_(moment), file_(file), host_(host) {}
+
+  Expected<WrittenStory> write() {
+    if (Status s = find(); !s) return s.error();
+    if (Status s = agent(); !s) return s.error();
+    facts();
+    if (Status s = play_on(); !s) return s.error();
+    for (const JournalRecord& record : records_.all)
+      if (record.stream == stream_) record.t <= at_ ? before(record) : after(record);
+    what_is_left();
+    WrittenStory out;
+    out.text = text();
+    out.notes = notes_;
+    out.expectations = static_cast<int>(expect_.size());
+    if (expect_.empty())
+      return negative("nothing that a story could expect happened within " + general_text(given_.seconds, 6) +
+                      " s after " + seconds_of(at_) + " s: choose another time, or a longer stretch (--for)");
+    return out;
+  }
+
+ private:
+  /// Goes to the last time at which the executive ran the rules.
+  Status find() {
+    auto moment = Moment::open(run_, host_);
+    if (!moment) return moment.error();
+    moment_ = *std::move(moment);
+    if (Status s = seek(given_.at); !s) return about_option(s.error(), "--at");
+    at_ = moment_->t();
+    SimTime beat = kNever;
+    for (const JournalRecord& record : records_.all)
+      if (record.stream == stream_ && record.kind == RecordKind::kAssert && record.data.text("template") == "time")
+        beat = record.t;
+    if (beat == kNever || beat == at_) return {};
+    at_ = beat;
+    if (Status s = moment_->rewind(); !s) return s;
+    return seek(beat);
+  }
+
+  Status seek(SimTime t) {
+    records_.all.clear();
+    moment_->episode().journal().observe(records_);
+    if (Status s = moment_->seek(SimTime{-1}); !s) return s;  // to before the first tick
+    auto found = moment_->environments(given_.environment);
+    if (!found) return found.error();
+    if (found->size() > 1) {
+      std::vector<std::string> names;
+      for (const cx::Environment* one : *found) names.push_back(one->unique_name());
+      return usage_error("the run has several environments: choose one with --env: " + some_of(names, names.size()));
+    }
+    environment_ = found->front();
+    stream_ = moment_->episode().journal().stream_name(environment_->engine().stream());
+    at_the_start_.clear();
+    for (const auto& [global, value] : environment_->engine().globals()) at_the_start_[global] = value.print();
+    for (const FactCopy& fact : environment_->engine().facts()) at_the_start_[fact.print()];
+    return moment_->seek(t);
+  }
+
+  /// Which one it is, and the files that it is made of.
+  Status agent() {
+    auto scenario = run_.scenario();
+    if (!scenario) return scenario.error();
+    auto& managers = moment_->episode().agents();
+    for (std::size_t i = 0; i < managers.size(); ++i)
+      for (std::size_t k = 0; k < managers[i]->size(); ++k)
+        if (&managers[i]->environment(k) == environment_) {
+          if (k > 0) head_ += "  environment: " + yaml_quoted(environment_->name()) + '\n';
+          return agent(*scenario, scenario->agents[i]);
+        }
+    return input_error("no agent of the run has the environment " + environment_->unique_name());
+  }
+
+  Status agent(const Scenario& scenario, const AgentSpec& agent) {
+    if (agent.name_space != "/" || !agent.remaps.empty())
+      return input_error("the agent has a namespace or remaps, which a story has not", run_.folder.string());
+    const fs::path home = fs::absolute(file_).lexically_normal().parent_path();
+    const auto from_here = [&](const std::string& path) {
+      return fs::absolute(scenario.resolve(path)).lexically_normal().lexically_proximate(home).string();
+    };
+    head_ += "  config: " + yaml_quoted(from_here(agent.config)) + '\n';
+    std::map<std::string, PackageSpec> packages = scenario.packages;
+    for (const auto& [name, package] : agent.packages) packages[name] = package;
+    std::string list;
+    for (const auto& [name, package] : packages)
+      list += (list.empty() ? "" : ", ") + name + ": " + yaml_quoted(from_here(package.folder));
+    if (!list.empty()) head_ += "  packages: {" + list + "}\n";
+    list.clear();
+    for (const cx::GivenParameter& param : agent.params)
+      list += (list.empty() ? "" : ", ") + yaml_quoted(param.name) + ": " + param.value;
+    if (!list.empty()) head_ += "  params: {" + list + "}\n";
+    head_ +=
+        "  seed: " + std::to_string(run_.manifest.seed) + "\n  begins_s: " + seconds_of(at_) + "\n  moment: true\n";
+    return {};
+  }
+
+  void facts() {
+    const RuleEngine& engine = environment_->engine();
+    for (const FactCopy& fact : engine.facts()) {
+      const std::string text = fact.print();
+      if (text.find("<Pointer-") != std::string::npos || text.find("<Fact-") != std::string::npos)
+        notes_.push_back("left out, because what it points to is not in a story: " + text);
+      else if (text != "(initial-fact)")
+        given_facts_.push_back(text);
+    }
+    for (const auto& [global, value] : engine.globals())
+      if (const auto then = at_the_start_.find(global); then == at_the_start_.end() || then->second != value.print())
+        globals_.emplace_back(global, value.print());
+    if (const std::size_t waiting = engine.agenda().size(); waiting > 0)
+      notes_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
+  }
+
+  Status play_on() {
+    end_ = std::min(at_ + from_seconds(given_.seconds), moment_->end());
+    for (const ConstructInfo& c : environment_->engine().constructs())
+      if (c.kind == "defrule" && c.line > 0 && fs::path(c.file).is_absolute())
+        rules_.insert((c.module == "MAIN" ? "" : c.module + "::") + c.name);
+    if (Status s = moment_->seek(end_); !s) return s;
+    topics_ = moment_->episode().bus().topics();
+    services_ = moment_->episode().bus().services();
+    actions_ = moment_->episode().bus().actions();
+    return {};
+  }
+
+  /// Of goals and calls on their way at the moment, and what servers there are.
+  void before(const JournalRecord& record) {
+    const std::string name(record.data.text("name"));
+    if (record.kind == RecordKind::kBus && record.data.text("op") == "goal") ++actions_met_[name].earlier;
+    if (record.kind == RecordKind::kBus && record.data.text("op") == "call") ++services_met_[name].earlier;
+    if (record.kind != RecordKind::kInput) return;
+    const std::string_view what = record.data.text("what");
+    if (what == "result" && actions_met_[name].earlier > 0) --actions_met_[name].earlier;
+    if (what == "response" && services_met_[name].earlier > 0) --services_met_[name].earlier;
+    look(record);
+  }
+
+  /// "action-ready /robot1/pick": rules asked whether it is served.
+  void look(const JournalRecord& record) {
+    if (record.data.text("what") != "look" || record.data.text("value") != "TRUE") return;
+    const std::string text(record.data.text("name"));
+    const std::size_t blank = text.find(' ');
+    if (text.starts_with("action-ready ")) actions_met_[text.substr(blank + 1)];
+    if (text.starts_with("service-ready ")) services_met_[text.substr(blank + 1)];
+  }
+
+  void after(const JournalRecord& record) {
+    switch (record.kind) {
+      case RecordKind::kBus: return sent(record);
+      case RecordKind::kInput: return came(record);
+      case RecordKind::kFire: return fired(record);
+      case RecordKind::kAssert:
+      case RecordKind::kDecision: return asserted(record);
+      default: return;
+    }
+  }
+
+  std::string message(const JournalRecord& record, const char* key) const {
+    const RecordValue* value = record.data.find(key);
+    return value == nullptr ? "" : to_json(*value);
+  }
+
+  void sent(const JournalRecord& record) {
+    const std::string op(record.data.text("op")), name(record.data.text("name"));
+    if (op == "goal") actions_met_[name].answers.push_back({record.t});
+    if (op == "call") services_met_[name].answers.push_back({record.t});
+    const std::string fields = message(record, "msg");
+    if (op == "goal")
+      expect("goal: " + yaml_quoted(name) + ", fields: " + fields, record.t);
+    else if (op == "publish" && is_topic_of_rules(name))
+      expect("published: " + yaml_quoted(name) + ", type: " + type_of(topics_, name) + ", fields: " + fields, record.t);
+  }
+
+  /// Not those of the node itself, such as `~/transition_event`.
+  bool is_topic_of_rules(const std::string& name) const {
+    return !type_of(topics_, name).empty() && name.find("clips_executive/") == std::string::npos;
+  }
+
+  void came(const JournalRecord& record) {
+    const std::string what(record.data.text("what")), name(record.data.text("name"));
+    const std::string content = message(record, "message");
+    look(record);
+    if (what == "topic") {
+      const std::string type = type_of(topics_, name);
+      if (!type.empty())
+        steps_.push_back("{at: " + seconds_of(record.t) + ", publish: " + yaml_quoted(name) + ", type: " + type +
+                         ", data: " + content + "}");
+    } else if (what == "result" || what == "response") {
+      Answers& met = (what == "result" ? actions_met_ : services_met_)[name];
+      if (met.earlier > 0) {
+        --met.earlier;
+        skipped_.insert(name);
+      } else if (Answer* answer = met.open()) {
+        answer->ended = record.t;
+        answer->outcome = "succeed";
+        answer->result = content;
+        last_ = answer;
+      }
+    } else if (what == "goal-response") {
+      Answers& met = actions_met_[name];
+      last_ = met.replied < met.answers.size() ? &met.answers[met.replied++] : nullptr;
+    } else if (what != "look" && what != "feedback") {
+      others_.insert(what + ' ' + name);
+    }
+  }
+
+  void fired(const JournalRecord& record) {
+    std::string rule(record.data.text("rule"));
+    if (rule.starts_with("MAIN::")) rule = rule.substr(6);
+    if (!rules_.contains(rule)) return;
+    auto& [count, last] = fired_[rule];
+    ++count;
+    last = record.t;
+  }
+
+  /// A plugin tells in a fact of its own how a goal was taken, or ended.
+  void asserted(const JournalRecord& record) {
+    const std::string_view deftemplate = record.data.text("template");
+    const RecordValue* slots = record.data.find("slots");
+    if (last_ == nullptr || slots == nullptr) return;
+    if (deftemplate.ends_with("goal-response")) {
+      if (slots->text("client-goal-handle-ptr").find("nil") != std::string_view::npos) last_->outcome = "reject";
+    } else if (deftemplate.ends_with("wrapped-result")) {
+      if (slots->text("code") == "ABORTED") last_->outcome = "fail";
+      if (slots->text("code") == "CANCELED") *last_ = {last_->sent, {}, "never", {}};  // a stand-in cancels by itself
+    } else {
+      return;
+    }
+    last_ = nullptr;
+  }
+
+  void expect(const std::string& what, SimTime t) {
+    // A refresh later, because what comes between two of them may come in another order.
+    expect_.push_back("{" + what + ", after: " + seconds_of(at_) +
+                      ", within_s: " + seconds_of(t + std::chrono::milliseconds(100)) + "}");
+  }
+
+  /// Firings, and facts that are there at the end and were not, or the other way round.
+  void what_is_left() {
+    for (const auto& [rule, use] : fired_)
+      expect("fires: " + yaml_quoted(rule) + (use.first > 1 ? ", count: " + std::to_string(use.first) : ""),
+             use.second);
+    std::set<std::string> before(given_facts_.begin(), given_facts_.end());
+    constexpr std::size_t kMost = 20;
+    std::size_t fresh = 0, gone = 0;
+    for (const FactCopy& fact : environment_->engine().facts()) {
+      const std::string text = fact.print();
+      if (before.erase(text) > 0 || text.find('<') != std::string::npos || is_of_plugin(text)) continue;
+      if (++fresh <= kMost) expect_.push_back("{fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
+    }
+    for (const std::string& text : before)
+      if (!is_of_plugin(text) && ++gone <= kMost)
+        expect_.push_back("{no_fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
+    for (const std::string& name : skipped_)
+      notes_.push_back(name + " was at work for a goal of before: what it answered is not in the story");
+    for (const std::string& other : others_) notes_.push_back("not in the story: " + other);
+  }
+
+  static bool is_of_plugin(const std::string& fact) {
+    return fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
+  }
+
+  std::string stand_ins(const std::map<std::string, Answers>& met, const char* word,
+                        const std::vector<bus::Bus::Info>& known) const {
+    std::string out;
+    for (const auto& [name, answers] : met) {
+      const std::string type = type_of(known, name);
+      if (type.empty()) continue;
+      std::string item = std::string("{") + word + ": " + yaml_quoted(name) + ", type: " + type;
+      std::string then;
+      for (std::size_t i = 0; i < std::max<std::size_t>(answers.answers.size(), 1); ++i) {
+        const Answer answer = i < answers.answers.size() ? answers.answers[i] : Answer();
+        std::string outcome = "outcome: " + answer.outcome;
+        if (answer.ended) outcome += ", takes_s: " + seconds_of(*answer.ended - answer.sent);
+        if (!answer.result.empty()) outcome += ", result: " + answer.result;
+        if (i == 0)
+          item += ", " + outcome;
+        else
+          then += (then.empty() ? "" : ",\n           ") + ("{" + outcome + "}");
+      }
+      out += "    - " + item + (then.empty() ? "" : ",\n       then: [" + then + "]") + "}\n";
+    }
+    return out;
+  }
+
+  /// Globals that had changed by then; and topics, services and actions that rules had opened after the start, whose
+  /// facts say which.
+  std::string calls() const {
+    std::string out;
+    static const std::pair<const char*, const char*> kOpened[] = {
+        {"(ros-msgs-subscription (topic ", "subscription"},
+        {"(ros-msgs-publisher (topic ", "publisher"},
+        {"(ros-msgs-client (service ", "client"},
+        {"(ros-msgs-action-client (server ", "action-client"}};
+    for (const std::string& fact : given_facts_)
+      for (const auto& [begin, kind] : kOpened) {
+        if (!fact.starts_with(begin) || at_the_start_.contains(fact)) continue;
+        std::string arguments = fact.substr(std::strlen(begin));
+        if (const std::size_t type = arguments.find(") (type "); type != std::string::npos)
+          arguments.replace(type, std::strlen(") (type "), " ");
+        if (arguments.ends_with("))")) arguments.pop_back();
+        out += "    - " + yaml_quoted(std::string("(ros-msgs-create-") + kind + ' ' + arguments) + '\n';
+      }
+    for (const auto& [global, value] : globals_)
+      out += "    - " + yaml_quoted("(bind ?*" + global + "* " + value + ")") + '\n';
+    return out;
+  }
+
+  static std::string list(const std::string& key, const std::vector<std::string>& items, bool quote) {
+    std::string out;
+    for (const std::string& item : items) out += "    - " + (quote ? yaml_quoted(item) : item) + '\n';
+    return out.empty() ? out : "  " + key + ":\n" + out;
+  }
+  static std::string section(const std::string& key, const std::string& items) {
+    return items.empty() ? items : "  " + key + ":\n" + items;
+  }
+
+  std::string text() const {
+    const std::string run = fs::absolute(run_.folder).lexically_normal().filename().string();
+    const std::string name = given_.name.empty() ? "at " + seconds_of(at_) + " s of " + run : given_.name;
+    return "# Written by `cxlab new story`: what the agent knew at " + seconds_of(at_) + " s of the run " + run +
+           ", what came to it then, and what it did.\n- story: " + yaml_quoted(name) + '\n' + head_ +
+           section("calls", calls()) + list("given", given_facts_, true) +
+           section("skills", stand_ins(actions_met_, "action", actions_)) +
+           section("serve", stand_ins(services_met_, "service", services_)) + list("steps", steps_, false) +
+           list("expect", expect_, false);
+  }
+
+  const Run& run_;
+  const MomentStory& given_;
+  const fs::path& file_;
+  const Host& host_;
+  Records records_;  // outlives the moment
+  std::unique_ptr<Moment> moment_;
+  cx::Environment* environment_ = nullptr;
+  SimTime at_{}, end_{};
+  std::string stream_, head_;
+  std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
+  std::vector<std::string> given_facts_, steps_, expect_, notes_;
+  std::vector<std::pair<std::string, std::string>> globals_;
+  std::set<std::string> rules_, skipped_, others_;
+  std::vector<bus::Bus::Info> topics_, services_, actions_;
+  std::map<std::string, Answers> actions_met_, services_met_;
+  std::map<std::string, std::pair<int, SimTime>> fired_;
+  Answer* last_ = nullptr;
+};
+
+/// From the process that wrote the story.
+std::string line_of_story(const Expected<WrittenStory>& story) {
+  if (!story) {
+    const Error& e = story.error();
+    return json_text(Json{{"error", {static_cast<int>(e.kind), e.message, e.file, e.line}}});
+  }
+  return json_text(Json{{"text", story->text}, {"notes", story->notes}, {"expectations", story->expectations}});
+}
+
+Expected<WrittenStory> story_of_line(const std::string& line) {
+  try {
+    const Json json = parse_json(line);
+    if (json.contains("error")) {
+      const Json& e = json.at("error");
+      return Error{static_cast<ErrorKind>(e.at(0).get<int>()), e.at(1), e.at(2), e.at(3), {}};
+    }
+    return WrittenStory{json.at("text"), json.at("notes").get<std::vector<std::string>>(), json.at("expectations")};
+  } catch (const Json::exception&) {
+    return run_error("the process that played the rules again ended before it had written the story");
+  }
+}
+
+/// The lines of this file that the texts name first: "FILE:12: ...".
+std::set<int> lines_named(const std::vector<std::string>& texts, const std::string& file) {
+  std::set<int> lines;
+  for (const std::string& text : texts) {
+    if (!text.starts_with(file + ':')) continue;
+    const std::size_t begin = file.size() + 1, end = text.find(':', begin);
+    if (const auto line = read_number<int>(text.substr(begin, end - begin))) lines.insert(*line);
+  }
+  return lines;
+}
+
+}  // namespace
+
+Expected<WrittenStory> story_of(const Run& run, const MomentStory& moment, const fs::path& file, const Host& host) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
+  const Descriptor from(ends[0]);
+  Descriptor to(ends[1]);
+  auto process = Process::fork({}, [&] {
+    const std::string line = line_of_story(Writer(run, moment, file, host).write());
+    for (std::size_t done = 0; done < line.size();) {
+      const ssize_t n = ::write(to.number(), line.data() + done, line.size() - done);
+      if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
+      if (n > 0) done += static_cast<std::size_t>(n);
+    }
+    return 0;
+  });
+  to = Descriptor();
+  if (!process) return process.error();
+  std::string line;
+  char bytes[1 << 14];
+  for (ssize_t n = 1; n > 0 || (n < 0 && errno == EINTR);)
+    if (n = read(from.number(), bytes, sizeof bytes); n > 0) line.append(bytes, static_cast<std::size_t>(n));
+  (void)process->wait();
+  return story_of_line(line);
+}
+
+Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPlan& plan, const Host& host) {
+  const int all = story.expectations;
+  while (true) {
+    if (Status s = replace_file(file, story.text); !s) return s;
+    auto stories = read_stories({file.string()});
+    if (!stories) return stories.error();
+    if (Status s = play_stories(*stories, plan, host); !s || host.stopped()) return s;
+    const PlayedStory& played = stories->front();
+    if (played.passed()) break;
+    std::string kept;
+    int number = 0, dropped = 0;
+    bool in_expect = false;
+    const std::set<int> wrong = lines_named(played.complaints(), file.string());
+    for (std::size_t begin = 0, end; begin < story.text.size(); begin = end + 1) {
+      end = story.text.find('\n', begin);
+      const std::string line = story.text.substr(begin, end - begin);
+      in_expect = in_expect || line == "  expect:";
+      if (wrong.contains(++number) && in_expect)
+        ++dropped;
+      else
+        kept += line + '\n';
+    }
+    if (dropped == 0) return negative("the story cannot be played as the run was: " + played.complaints().front());
+    story.text = kept;
+    story.expectations -= dropped;
+    if (story.expectations == 0)
+      return negative(
+          "of what happened in the run nothing happens in a story: choose another time (--at), at which less "
+          "is under way");
+  }
+  if (all > story.expectations)
+    story.notes.push_back(std::to_string(all - story.expectations) + " of " + std::to_string(all) +
+                          " things that happened in the run do not happen in the story, and are not expected");
+  return {};
+}
+
+}  // namespace cxlab::lab

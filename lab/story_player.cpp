@@ -1,0 +1,302 @@
+// Stories played in processes: each in a copy of this one, several at a time.
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <list>
+#include <optional>
+#include <set>
+
+#include "cx/base/file.h"
+#include "cx/base/json.h"
+#include "cx/base/number_text.h"
+#include "cx/base/process.h"
+#include "cx/base/servant.h"
+#include "lab/golden.h"
+#include "lab/stories.h"
+#include "lab/story_run.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// From the process that played the story.
+std::string to_line(const testing::StoryResult& result) {
+  Json rules = Json::array(), bad;
+  for (const auto& r : result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
+  if (const auto& error = result.bad)
+    bad = {{"kind", static_cast<int>(error->kind)},
+           {"message", error->message},
+           {"file", error->file},
+           {"line", error->line}};
+  const Json line{{"failures", result.failures},
+                  {"notes", result.notes},
+                  {"sim_time_s", result.sim_time_s},
+                  {"rules", rules},
+                  {"bad", bad},
+                  {"printed", result.printed},
+                  {"files", result.files}};
+  return json_text(line);
+}
+
+/// The result that the text is, if it is a whole one.
+std::optional<testing::StoryResult> read_line(const std::string& text) {
+  try {
+    const Json line = parse_json(text);
+    testing::StoryResult result;
+    result.failures = line.at("failures").get<std::vector<std::string>>();
+    result.notes = line.at("notes").get<std::vector<std::string>>();
+    result.sim_time_s = line.at("sim_time_s").get<double>();
+    for (const auto& r : line.at("rules")) result.rules.push_back({r.at(0), r.at(1), r.at(2), r.at(3), r.at(4)});
+    if (const auto& bad = line.at("bad"); !bad.is_null())
+      result.bad = Error{
+          static_cast<ErrorKind>(bad.at("kind").get<int>()), bad.at("message"), bad.at("file"), bad.at("line"), {}};
+    result.printed = line.at("printed").get<std::vector<std::string>>();
+    result.files = line.at("files").get<std::vector<std::string>>();
+    return result;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+/// What a process does: it plays a story with a seed, or keeps a run of that.
+struct Job {
+  std::size_t story = 0;
+  std::uint64_t seed = 1;
+  fs::path keep = {};
+};
+
+/// A process that plays one story, and its end of a pipe with what it has said so far.
+struct Player {
+  std::size_t number;  ///< of its job
+  Job job;
+  Descriptor results;
+  Process process;
+  Clock::time_point begun = Clock::now();
+  std::string said = {};
+  bool late = false;  ///< it was ended
+};
+
+int say(const Descriptor& to, const std::string& line) {
+  for (std::size_t done = 0; done < line.size();) {
+    const ssize_t n = write(to.number(), line.data() + done, line.size() - done);
+    if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
+    if (n > 0) done += static_cast<std::size_t>(n);
+  }
+  return 0;
+}
+
+Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec spec, const testing::StorySetup& setup) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
+  Descriptor from(ends[0]), to(ends[1]);
+  spec.seed = job.seed;
+  ProcessOptions options;
+  if (!job.keep.empty()) options.out = options.err = Stream::null();  // what it says was said the first time
+  auto process = Process::fork(options, [&] {
+    Host confined;
+    confined.most = setup.limits;
+    confined.confine = true;
+    const bool golden = !spec.golden.empty();
+    if (job.keep.empty())
+      return say(to, to_line(golden ? play_golden(spec, confined) : testing::run_story(spec, setup)));
+    const Status kept = golden ? keep_golden(spec, job.keep, confined) : keep_run(spec, setup, job.keep);
+    return kept ? 0 : say(to, kept.error().text());
+  });
+  if (!process) return process.error();
+  return Player{number, std::move(job), std::move(from), *std::move(process)};
+}
+
+/// Takes what is there; false once the process has closed its end, as it does when it ends.
+bool hear(Player& player) {
+  char bytes[1 << 14];
+  const ssize_t n = read(player.results.number(), bytes, sizeof bytes);
+  if (n > 0) player.said.append(bytes, static_cast<std::size_t>(n));
+  return n > 0 || (n < 0 && errno == EINTR);
+}
+
+/// The result of a process that has ended. What it left unsaid is a failure of its story alone.
+testing::StoryResult result_of(Player& player, const testing::StorySpec& spec, double patience_s) {
+  const int code = player.process.wait();
+  if (code == 0 && !player.late)
+    if (auto result = read_line(player.said)) return *std::move(result);
+  testing::StoryResult result;
+  const std::string how =
+      code > 128 ? "a signal (" + std::to_string(code - 128) + ")" : "exit code " + std::to_string(code);
+  result.failures.push_back(
+      spec.file + ':' + std::to_string(spec.line) +
+      (player.late ? ": the story has not ended after " + general_text(patience_s, 6) +
+                         " s of the clock on the wall (--patience) and was ended; the other stories were played"
+                   : ": the process that played this story ended with " + how +
+                         " before the story did; the other stories were played"));
+  return result;
+}
+
+/// Adds how a story went with one more seed. What remains is the result of the smallest seed that failed, else of the
+/// largest, with the rules and files of all.
+void add(PlayedStory& story, std::uint64_t seed, testing::StoryResult result) {
+  std::vector<testing::RuleCount> rules = std::move(story.result.rules);
+  std::set<std::string> files(story.result.files.begin(), story.result.files.end());
+  rules.insert(rules.end(), result.rules.begin(), result.rules.end());
+  files.insert(result.files.begin(), result.files.end());
+  const bool tells = story.seeds_played == 0 ||
+                     (result.passed() ? story.passed() && seed > story.seed : story.passed() || seed < story.seed);
+  if (!result.passed()) story.failed_seeds.insert(seed);
+  ++story.seeds_played;
+  if (tells) {
+    story.seed = seed;
+    story.result = std::move(result);
+  }
+  story.result.rules = std::move(rules);
+  story.result.files.assign(files.begin(), files.end());
+}
+
+class Troupe {
+ public:
+  Troupe(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host)
+      : stories_(stories), plan_(plan), host_(host), setup_(plan.setup), to_play_(stories.size()) {
+    if (kPlaysBehindWalls) setup_.confine = [](const Wall& wall) { (void)raise_wall(wall); };
+    for (std::size_t i = 0; i < stories.size(); ++i) {
+      const std::vector<std::uint64_t>& seeds = stories[i].spec.seeds;
+      to_play_[i] = std::max<std::size_t>(seeds.size(), 1);
+      for (const std::uint64_t seed : seeds.empty() ? std::vector{stories[i].spec.seed} : seeds)
+        jobs_.push_back({i, seed});
+    }
+    last_ = jobs_.size();
+  }
+
+  Status play() {
+    while (next_ < last_ || !to_keep_.empty() || !players_.empty()) {
+      if (host_.stopped()) break;
+      if (Status s = fill(); !s) return s;
+      listen();
+    }
+    players_.clear();
+    for (; told_ < stories_.size(); ++told_) tell(stories_[told_]);
+    return {};
+  }
+
+ private:
+  Status fill() {
+    while (players_.size() < static_cast<std::size_t>(std::max(plan_.jobs, 1))) {
+      if (to_keep_.empty() && next_ >= last_) break;
+      const bool keeps = !to_keep_.empty();
+      Job job = keeps ? std::move(to_keep_.front()) : jobs_[next_];
+      if (keeps) to_keep_.pop_front();
+      const PlayedStory& story = stories_[job.story];
+      if (plan_.begins) plan_.begins(story);
+      auto player = start_player(keeps ? 0 : next_, std::move(job), story.spec, setup_);
+      if (!player) return player.error();
+      players_.push_back(*std::move(player));
+      if (!keeps) ++next_;
+    }
+    return {};
+  }
+
+  void listen() {
+    std::vector<pollfd> ends;
+    for (const Player& player : players_) ends.push_back({player.results.number(), POLLIN, 0});
+    constexpr int kLookAtHost = 100;  // ms
+    (void)poll(ends.data(), ends.size(), kLookAtHost);
+    auto end = ends.begin();
+    for (auto player = players_.begin(); player != players_.end();) {
+      const bool ready = (end++)->revents != 0;
+      if (!ready && !player->late && seconds_since(player->begun) > plan_.patience_s) {
+        player->late = true;
+        player->process.kill();
+      }
+      if (!ready || hear(*player)) {
+        ++player;
+        continue;
+      }
+      take(*player);
+      player = players_.erase(player);
+    }
+    std::erase_if(players_, [this](const Player& p) { return p.job.keep.empty() && p.number >= last_; });
+  }
+
+  void take(Player& player) {
+    PlayedStory& story = stories_[player.job.story];
+    story.wall_s += seconds_since(player.begun);
+    if (!player.job.keep.empty() && last_ > 0 && player.job.story > jobs_[last_ - 1].story) return;
+    if (!player.job.keep.empty()) {
+      (void)player.process.wait();
+      if (is_file(player.job.keep / "manifest.json"))
+        story.run = player.job.keep;
+      else
+        story.result.notes.push_back("no run was kept: " +
+                                     (player.said.empty() ? "its process ended before it began" : player.said));
+      return end(story);
+    }
+    if (player.number >= last_) return;  // it was on its way when an earlier one failed
+    add(story, player.job.seed, result_of(player, story.spec, plan_.patience_s));
+    --to_play_[player.job.story];
+    if (plan_.stop_at_failure && !story.passed()) stop_after(player.number);
+    for (std::size_t i = told_; i < stories_.size() && (last_ == 0 || i <= jobs_[last_ - 1].story); ++i)
+      if (to_play_[i] == 0 && !stories_[i].played && !ending_.contains(i)) complete(i);
+  }
+
+  /// Jobs after this one are not done any more; stories after it that were faster were not played.
+  void stop_after(std::size_t job) {
+    for (; last_ > job + 1; --last_)
+      if (const std::size_t story = jobs_[last_ - 1].story; story > jobs_[job].story)
+        stories_[story] = PlayedStory{std::move(stories_[story].spec)};
+    const std::size_t story = jobs_[job].story;
+    to_play_[story] = 0;
+    std::erase_if(to_keep_, [story](const Job& keep) { return keep.story > story; });
+  }
+
+  /// All of its seeds have been played.
+  void complete(std::size_t i) {
+    PlayedStory& story = stories_[i];
+    if (story.seeds_played == 0) return;
+    ending_.insert(i);
+    if (story.passed() || story.result.bad || plan_.runs.empty()) return end(story);
+    auto folder = folder_for(story.spec, plan_.runs);
+    if (!folder) {
+      story.result.notes.push_back("no run was kept: " + folder.error().text());
+      return end(story);
+    }
+    to_keep_.push_back({i, story.seed, *std::move(folder)});
+  }
+
+  void end(PlayedStory& story) {
+    story.played = true;
+    while (told_ < stories_.size() && stories_[told_].played) tell(stories_[told_++]);
+  }
+
+  void tell(const PlayedStory& story) {
+    if (story.played && plan_.ended) plan_.ended(story);
+  }
+
+  std::vector<PlayedStory>& stories_;
+  const StoryPlan& plan_;
+  const Host& host_;
+  testing::StorySetup setup_;
+  std::vector<Job> jobs_;
+  std::vector<std::size_t> to_play_;  // by story: jobs that are left
+  std::deque<Job> to_keep_;
+  std::set<std::size_t> ending_;  // stories that have been played, whose run may still be kept
+  std::list<Player> players_;
+  std::size_t next_ = 0, told_ = 0;
+  std::size_t last_ = 0;  // jobs before it are done
+};
+
+}  // namespace
+
+Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host) {
+  return Troupe(stories, plan, host).play();
+}
+
+}  // namespace cxlab::lab

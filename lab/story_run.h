@@ -1,0 +1,21 @@
+#pragma once
+// A story as a run: played once more into a folder that can be asked like that of any run (docs/questions.md).
+
+#include <filesystem>
+
+#include "cx/base/expected.h"
+#include "cx/testing/story.h"
+#include "lab/host.h"
+#include "scenarios/scenario.h"
+
+namespace cxlab::lab {
+
+/// A folder for the run of this story below `runs`: that of the same story before, or a new one.
+Expected<std::filesystem::path> folder_for(const testing::StorySpec& story, const std::filesystem::path& runs);
+
+/// Plays the story as `run_story` does, in a world of kind `story`, whose scenario is written to story/scenario.yaml in
+/// the folder. What has happened reaches the folder with each tick: this process may be killed at any time. Without
+/// trust in rules it gives up its rights before the first one runs (lab/confine.h).
+Status keep_run(const testing::StorySpec& story, const testing::StorySetup& setup, const std::filesystem::path& folder);
+
+}  // namespace cxlab::lab

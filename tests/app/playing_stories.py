@@ -1,0 +1,331 @@
+"""Which stories cxlab test plays, what it says of them, and what one that fails leaves."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree
+
+from lab import CONFIG, CXLAB, SCENARIO
+
+DOOR = """(defrule open (bell) => (printout t "it opens" crlf) (assert (door OPEN)))
+(defrule slam (wind) => (assert (door SHUT)))
+"""
+
+
+class Stories(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.environment = {**os.environ, "HOME": str(self.folder / "home")}
+        self.environment.pop("XDG_STATE_HOME", None)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def story(self, name, given, expect, more=""):
+        return f"- story: {name}\n  rules: door.clp\n  given: [{given}]\n{more}  expect: [{{{expect}}}]\n"
+
+    def doors(self):
+        """Of two files, with four stories; two pass."""
+        self.write("door.clp", DOOR)
+        self.write("bell.story.yaml", self.story("a bell opens", "(bell)", "fires: open, within_s: 1")
+                   + self.story("a bell shuts", "(bell)", "fact: (door SHUT), within_s: 1"))
+        self.write("sub/wind.story.yaml", self.story("a wind shuts", "(wind)", "fires: slam, within_s: 1").replace("door.clp", "../door.clp")
+                   + self.story("a wind opens it's \"door\"", "(wind)", "fact: (door OPEN), within_s: 1").replace("door.clp", "../door.clp"))
+
+    def cxlab(self, *arguments, **more):
+        return subprocess.run([CXLAB, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True, timeout=100, env=self.environment, **more)
+
+    def played(self, *arguments, code=1):
+        """Names of the stories, and whether they passed."""
+        done = self.cxlab("test", "--json", *arguments)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return {story["story"]: story["passed"] for story in json.loads(done.stdout)["stories"]}
+
+
+class Choosing(Stories):
+    def setUp(self):
+        super().setUp()
+        self.doors()
+        self.odd = "a wind opens it's \"door\""
+
+    def test_words_choose_stories(self):
+        for words, chosen in (("bell", ["a bell opens", "a bell shuts"]), ("bell.story and not shuts", ["a bell opens"]),
+                              ("'wind opens' or 'BELL opens'", ["a bell opens", self.odd]), ("not (bell or shuts)", [self.odd])):
+            self.assertEqual(list(self.played("-k", words, code=0 if chosen == ["a bell opens"] else 1)), chosen, words)
+        for words, said in (("horn", "-k 'horn': it holds for none of 4 stories"), ("bell shuts", "found shuts at column 6, expected `and` or `or`")):
+            done = self.cxlab("test", "-k", words)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(said, done.stderr)
+
+    def test_the_folder_is_no_part_of_the_name(self):
+        self.assertEqual(self.cxlab("test", "-k", self.folder.name).returncode, 2)
+
+    def test_one_story_is_named_with_its_file(self):
+        self.assertEqual(self.played("bell.story.yaml::a bell opens", code=0), {"a bell opens": True})
+        self.assertEqual(self.played("bell.story.yaml::a bell shuts", "sub"), {"a bell shuts": False, "a wind shuts": True, self.odd: False})
+        done = self.cxlab("test", "bell.story.yaml::a bel opens")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no story 'a bel opens', did you mean 'a bell opens'?", done.stderr)
+
+    def test_the_first_failure_ends_it(self):
+        for jobs in (1, 3):
+            done = self.cxlab("test", "-x", "-j", jobs)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stdout.splitlines()[-1], "1 passed, 1 failed, 2 not played")
+            self.assertNotIn("wind", done.stdout)
+        report = json.loads(self.cxlab("test", "-x", "--json", "--junit", "j.xml").stdout)
+        self.assertEqual((len(report["stories"]), report["not_played"]), (2, 2))
+        self.assertEqual(xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().get("tests"), "2")
+
+    def test_those_that_failed_are_played_again(self):
+        both = {"a bell shuts": False, self.odd: False}
+        done = self.cxlab("test", "--last-failed")
+        self.assertIn("nothing of this failed the last time: all is played\n", done.stderr)
+        self.assertEqual(self.played("--last-failed"), both)
+        self.assertEqual(self.played("--lf", "-k", "bell"), {"a bell shuts": False})
+        self.assertEqual(self.played("--lf"), both, "what was not played stays")
+        self.write("door.clp", DOOR.replace("=> (assert (door SHUT))", "=> (assert (door OPEN))"))
+        self.assertEqual(self.played("--lf"), {"a bell shuts": False, self.odd: True})
+        self.assertEqual(self.played("--lf", self.folder), {"a bell shuts": False})
+        memory = self.folder / "home/.local/state/cxlab/failed_stories.json"
+        self.assertEqual(json.loads(memory.read_text()), {"failed": [{"file": str((self.folder / "bell.story.yaml").resolve()), "story": "a bell shuts"}]})
+        memory.write_text("[")
+        self.assertEqual(len(self.played("--lf")), 4, "a memory that cannot be read is none")
+        self.environment["XDG_STATE_HOME"] = str(self.folder / "state")
+        self.played()
+        self.assertTrue((self.folder / "state/cxlab/failed_stories.json").is_file())
+        self.assertEqual({path.name for path in self.folder.iterdir()}, {"door.clp", "bell.story.yaml", "sub", "home", "state"}, "nothing beside the stories")
+
+    def test_what_the_agent_printed(self):
+        done = self.cxlab("test", "-k", "bell", "-v", "--junit", "j.xml")
+        self.assertEqual(done.stdout.count("    [0.000] [main] it opens\n"), 2, done.stdout)
+        cases = xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().findall("testcase")
+        self.assertEqual(["[0.000] [main] it opens" in case.find("system-out").text for case in cases], [True, True])
+        self.assertNotIn("it opens", self.cxlab("test", "-k", "bell").stdout)
+        self.assertIn("[0.000] [main] it opens", json.loads(self.cxlab("test", "-k", "bell", "-v", "--json").stdout)["stories"][0]["printed"])
+        quiet = self.cxlab("test", "-q").stdout
+        self.assertNotIn("ok", quiet)
+        self.assertEqual(quiet.count("FAILED"), 2)
+        self.assertEqual(self.cxlab("test", "-q", "-v").returncode, 2)
+
+    def test_the_command_that_repeats_a_failure_plays_it_alone(self):
+        for story in json.loads(self.cxlab("test", "--json").stdout)["stories"]:
+            done = subprocess.run(story["again"].replace("cxlab", CXLAB, 1), shell=True, cwd=self.folder, capture_output=True, text=True, env=self.environment)
+            self.assertEqual(done.returncode, 0 if story["passed"] else 1, done.stderr)
+            self.assertIn(f'{story["file"]}: {story["story"]} (', done.stdout)
+            self.assertEqual(done.stdout.count("simulated"), 1)
+            self.assertEqual(f'  seed 1; again: {story["again"]}\n' in done.stdout, not story["passed"])
+
+
+class Failing(Stories):
+    """What a story that fails leaves, and that the others do not notice."""
+
+    def ask(self, *arguments, code=0):
+        done = self.cxlab(*arguments)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout
+
+    def test_its_run_can_be_asked(self):
+        self.doors()
+        done = self.cxlab("test", "--keep-runs", "runs")
+        self.assertIn("  run runs/bell-a-bell-shuts; ask it: cxlab attach runs/bell-a-bell-shuts, cxlab why-not runs/bell-a-bell-shuts RULE\n", done.stdout)
+        self.assertEqual(sorted(p.name for p in (self.folder / "runs").iterdir()), ["bell-a-bell-shuts", "wind-a-wind-opens-it-s-door"])
+        run = "runs/bell-a-bell-shuts"
+        self.assertIn("(door OPEN)", self.ask("facts", run))
+        self.assertIn("condition 1 does not hold: (wind)", self.ask("why-not", run, "slam"))
+        self.assertIn("bell", self.ask("why", run, "open"))
+        self.assertIn("open", self.ask("attach", run, "-c", "back-until open"))
+        self.assertIn("the same up to", self.ask("replay", run))
+        self.assertIn("the same:", self.ask("rerun", run, "--out", "again"))
+        self.assertIn("is the same", self.ask("diff", run, "again"))
+        rows = json.loads(self.cxlab("test", "--keep-runs", "runs", "--json").stdout)["stories"]
+        self.assertEqual([row.get("run") for row in rows], [None, run, None, "runs/wind-a-wind-opens-it-s-door"], "that of before is replaced")
+
+    def test_the_run_is_the_story(self):
+        """The same lines at the same times, with messages, skills and facts at several times."""
+        self.write("errand.clp", """(deftemplate errand (slot to) (slot state (default NEW)))
+(defrule begin (declare (salience 10)) (start) => (ros-msgs-create-action-client "/go" "cxlab_skills/action/DriveTo") (ros-msgs-create-subscription "/bell" "std_msgs/msg/String"))
+(defrule send ?e <- (errand (state NEW) (to ?to)) (time ?) =>
+  (bind ?goal (ros-msgs-create-goal-request "cxlab_skills/action/DriveTo"))
+  (ros-msgs-set-field ?goal "target" ?to) (ros-msgs-async-send-goal ?goal "/go") (modify ?e (state SENT)) (printout t "send " ?to " " (random 1 1000) crlf))
+(defrule done ?e <- (errand (state SENT)) ?r <- (ros-msgs-wrapped-result (code ?code)) => (retract ?r) (modify ?e (state ?code)) (printout t ?code crlf))
+(defrule heard ?m <- (ros-msgs-message (msg-ptr ?ptr)) => (printout t (ros-msgs-get-field ?ptr "data") crlf) (ros-msgs-destroy-message ?ptr) (retract ?m) (assert (errand (to BELL))))
+(defrule nothing (never) =>)
+""")
+        self.write("errand.story.yaml", """- story: errands
+  rules: errand.clp
+  seeds: "1..4"
+  given: [(start), (errand (to A))]
+  skills: [{action: /go, type: cxlab_skills/action/DriveTo, outcome: fail, takes_s: [1, 3], then: [{outcome: succeed, takes_s: 0.5}]}]
+  faults: [{outcome: fail, probability: 0.5, takes_s: 0.3}]
+  steps: [{at: 2, publish: /bell, type: std_msgs/msg/String, data: {data: ring}}, {at: 3, assert: (errand (to B))}, {at: 3.5, retract: (errand (to B))}]
+  end: 8
+  expect: [{fires: nothing, within_s: 8}]
+""")
+        for seed in (2, 3):
+            row = json.loads(self.cxlab("test", "--keep-runs", "runs", "--seed", seed, "--json", "-v").stdout)["stories"][0]
+            lines = [(t, text) for t, logger, text in (line.split("] ", 2) for line in row["printed"]) if logger == "[main" and not text.startswith("[warn]")]
+            log = (self.folder / row["run"] / "logs/main.log").read_text().splitlines()
+            kept = [line.split("] ", 3) for line in log]
+            self.assertEqual(lines, [(t, text) for t, _, level, text in kept if level == "[info"], seed)
+            self.assertGreater(len(lines), 4)
+
+    def test_properties_are_told_by_their_smallest_seed(self):
+        self.write("dice.clp", "(defrule roll (start) => (assert (rolled (random 1 6))))\n")
+        self.write("dice.story.yaml", '- {story: dice, rules: dice.clp, seeds: "1..30", given: [(start)], expect: [{no_fact: (rolled 6), within_s: 1}]}\n')
+        found = {}
+        for jobs in (1, 3):
+            done = self.cxlab("test", "--json", "-j", jobs, "--keep-runs", "runs")
+            self.assertEqual(done.returncode, 1, done.stderr)
+            found[jobs] = json.loads(done.stdout)["stories"][0]
+            self.assertEqual(found[jobs]["seeds_played"], 30)
+        row = found[1]
+        self.assertEqual(row["failed_seeds"], found[3]["failed_seeds"])
+        self.assertTrue(0 < len(row["failed_seeds"]) < 30)
+        self.assertEqual(row["seed"], min(row["failed_seeds"]))
+        self.assertEqual(row["failures"], found[3]["failures"])
+        self.assertIn(f'seed {row["seed"]} is the smallest of {len(row["failed_seeds"])} that fail, of 30', row["failures"])
+        self.assertTrue(row["again"].endswith(f' --seed {row["seed"]}'), row["again"])
+        self.assertIn("(rolled 6)", self.ask("facts", row["run"]))
+        for seed in range(1, 11):
+            self.assertEqual(self.cxlab("test", "--seed", seed).returncode, 1 if seed in row["failed_seeds"] else 0, seed)
+
+    def test_nothing_takes_the_others_down(self):
+        """A loop of rules, one that takes long, a skill that never ends."""
+        self.write("loop.clp", "(defrule loop (start) => (assert (go 0)))\n(defrule on (go ?n) => (assert (go (+ ?n 1))))\n")
+        self.write("long.clp", "(defrule long (start) => (while TRUE (bind ?x 1)))\n")
+        self.write("door.clp", DOOR)
+        for name in ("loop", "long"):
+            self.write(f"{name}.story.yaml", self.story(name, "(start)", "no_fact: (start), within_s: 1").replace("door.clp", f"{name}.clp"))
+        self.write("zdoor.story.yaml", self.story("door", "(bell)", "fires: open, within_s: 1")
+                   + self.story("skill", "(bell)", "fires: open, within_s: 1", "  skills: [{action: /go, type: cxlab_skills/action/DriveTo, outcome: never}]\n"))
+        done = self.cxlab("test", "--steps", 0, "--patience", 2, "-j", 2)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("2 passed, 2 failed", done.stdout)
+        self.assertIn("the story has not ended after 2 s of the clock on the wall (--patience) and was ended; the other stories were played", done.stdout)
+        done = self.cxlab("test", "loop.story.yaml", "zdoor.story.yaml", "--keep-runs", "runs")
+        self.assertIn("2 passed, 1 failed", done.stdout)
+        self.assertIn("loop.clp:2: environment 'main': rules still fire after 100000 firings", done.stdout)
+        self.assertIn("(start)", self.ask("facts", "runs/loop-loop", "start"))
+
+    def test_a_golden_run_says_what_goes_otherwise(self):
+        self.write("agent.yaml", CONFIG)
+        self.write("rules/rules.clp", DOOR + "(deffacts start (bell))\n")
+        self.write("scenario.yaml", SCENARIO)
+        self.ask("run", "scenario.yaml", "--out", "golden", "--quiet")
+        self.write("golden.story.yaml", "- {story: as it went, golden: golden}\n- {story: its beginning, golden: golden, end: 1}\n")
+        self.assertIn("2 passed", self.ask("test"))
+        self.write("rules/rules.clp", DOOR.replace("(bell)", "(bell) (key)") + "(deffacts start (bell))\n")
+        done = self.cxlab("test", "--keep-runs", "runs")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        for part in ("golden.story.yaml:1: the run goes otherwise than golden from 0 s on", "defrule open is written differently",
+                     "rule open did not fire: condition 2 does not hold", "0 passed, 2 failed"):
+            self.assertIn(part, done.stdout)
+        self.assertEqual(self.cxlab("diff", "golden", "runs/golden-as-it-went").returncode, 1)
+        self.write("bad.story.yaml", "- {story: none, golden: nowhere}\n")
+        done = self.cxlab("test", "bad.story.yaml")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("there is no folder of a run", done.stdout)
+
+
+class FromAMoment(Stories):
+    """cxlab new story."""
+
+    def test_a_story_passes_and_bites(self):
+        made = self.cxlab("new", "agent", "mine")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual(self.cxlab("run", "mine/scenario.yaml", "--out", "run", "--quiet").returncode, 0)
+        done = self.cxlab("new", "story", "run", "--at", "1.05", "--for", "2", "--out", "mine/stories/ada.story.yaml")
+        self.assertEqual((done.returncode, done.stdout), (0, "mine/stories/ada.story.yaml\n"), done.stderr)
+        text = (self.folder / "mine/stories/ada.story.yaml").read_text()
+        for part in ("begins_s: 1\n", "- '(door (state CLOSED))'", "publish: '/bell'", "published: '/door'", "fires: 'open-door'", "'(visitor \"Ada\")'"):
+            self.assertIn(part, text)
+        self.assertEqual(self.cxlab("test", "mine/stories/ada.story.yaml").returncode, 0)
+        rules = (self.folder / "mine/clips/agent.clp").read_text()
+        for old, new in (("(door (state CLOSED))\n  =>", "(door (state OPEN))\n  =>"), ('"open for "', '"closed for "'), ('(topic "/bell")', '(topic "/bel")')):
+            self.assertIn(old, rules)
+            self.write("mine/clips/agent.clp", rules.replace(old, new))
+            self.assertEqual(self.cxlab("test", "mine/stories/ada.story.yaml").returncode, 1, new)
+        self.assertEqual(self.cxlab("new", "story", "run", "--at", "1", "--out", "mine/stories/ada.story.yaml").returncode, 2)
+        quiet = self.cxlab("new", "story", "run", "--at", "4", "--for", "1")
+        self.assertEqual(quiet.returncode, 1)
+        self.assertIn("nothing that a story could expect happened", quiet.stderr)
+        late = self.cxlab("new", "story", "run", "--at", "99")
+        self.assertEqual(late.returncode, 2)
+        self.assertIn("--at: the run ends at 10 s", late.stderr)
+        self.assertEqual([p.name for p in self.folder.glob("*.story.yaml")], [], "nothing is left of a story that was not written")
+
+    def test_answers_of_skills_are_in_it(self):
+        self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
+        self.assertEqual(self.cxlab("run", "carrier/scenario.yaml", "--tier", "timed", "--until", "60", "--out", "run", "--quiet").returncode, 0)
+        done = self.cxlab("new", "story", "run", "--at", "0.5", "--for", "40", "--out", "carrier/stories/early.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = (self.folder / "carrier/stories/early.story.yaml").read_text()
+        self.assertRegex(text, r"- \{action: '/robot1/[a-z_]*', type: cxlab_skills/action/\w+, outcome: succeed, takes_s: ")
+        self.assertRegex(text, "goal: '/robot1/")
+        self.assertEqual(self.cxlab("test", "carrier/stories/early.story.yaml").returncode, 0)
+
+
+class Watching(Stories):
+    """Plays again what a change affects."""
+
+    def watch(self, *arguments):
+        process = subprocess.Popen([CXLAB, "test", "--watch", *arguments], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def turn(self, process):
+        """What it says until it watches; an empty text at its end."""
+        lines = []
+        for line in process.stdout:
+            lines.append(line)
+            if "; watching " in line:
+                break
+        return "".join(lines)
+
+    def test_only_what_is_affected_is_played_again(self):
+        self.write("door.clp", DOOR)
+        self.write("lamp.clp", "(defrule on (dark) => (assert (lamp ON)))\n")
+        self.write("door.story.yaml", self.story("door", "(bell)", "fires: open, within_s: 1"))
+        self.write("lamp.story.yaml", self.story("lamp", "(dark)", "fact: (lamp ON), within_s: 1").replace("door.clp", "lamp.clp"))
+        process = self.watch()
+        self.assertIn("2 passed, 0 failed; watching 4 files, Ctrl-C ends\n", self.turn(process))
+
+        def replaced(name, text):  # as editors save a file
+            self.write(name + "~", text)
+            os.replace(self.folder / (name + "~"), self.folder / name)
+
+        changes = [
+            ("lamp.clp", "(defrule on (dark) => (assert (lamp OFF)))\n", ["lamp.clp has changed", "FAILED  lamp.story.yaml: lamp", "0 passed, 1 failed;"]),
+            ("lamp.clp", "(defrule on (dark) => (assert (lamp ON\n", ["lamp.clp has changed", "lamp.clp:1:", "0 passed, 1 failed;"]),
+            ("lamp.clp", "(defrule on (dark) => (assert (lamp ON)))\n", ["ok      lamp.story.yaml: lamp", "1 passed, 0 failed;"]),
+            ("door.story.yaml", self.story("door", "(wind)", "fires: open, within_s: 1"), ["FAILED  door.story.yaml: door", "0 passed, 1 failed;"]),
+            ("door.story.yaml", "- story: [", ["error: door.story.yaml:", "0 passed, 0 failed;"]),
+            ("door.story.yaml", self.story("door", "(bell)", "fires: open, within_s: 1"), ["ok      door.story.yaml: door", "1 passed, 0 failed;"]),
+            ("new.story.yaml", self.story("new", "(bell)", "fires: open, within_s: 1"), ["ok      new.story.yaml: new", "1 passed, 0 failed;"]),
+        ]
+        for i, (name, text, said) in enumerate(changes):
+            with self.subTest(change=i):
+                (replaced if i % 2 else self.write)(name, text)
+                begun = time.monotonic()
+                out = self.turn(process)
+                self.assertLess(time.monotonic() - begun, 5, "a second, on an idle machine")
+                for part in said:
+                    self.assertIn(part, out)
+                self.assertNotIn("door" if name.startswith("lamp") else "lamp", out)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(10), 130)
+
+
+if __name__ == "__main__":
+    unittest.main()
