@@ -92,7 +92,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
         script = cxlab("completion", "zsh").stdout
         self.assertTrue(script.startswith("#compdef cxlab\n"))
         for text in ["'run:Plays a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments", "'*:argument:_cxlab_run' ;;", f"_cxlab_run() {{ _alternative 'names:name:({' '.join(SCENARIOS)})' 'files:file:_files' }}",
-                     "(agent plugin game)", " config-load "]:
+                     "(agent plugin game story)", " config-load "]:
             self.assertIn(text, script)
         if shutil.which("zsh"):
             done = subprocess.run(["zsh", "-n"], input=script, capture_output=True, text=True)
