@@ -241,8 +241,8 @@ std::vector<std::string> PddlManager::warnings() const {
     const std::string others = missing.times == 1   ? ""
                                : missing.times == 2 ? " and once more"
                                                     : " and " + std::to_string(missing.times - 1) + " times more";
-    warnings.push_back(options_.node.full_name() + ": no plan at " + time_text(cxlab::to_seconds(missing.first)) + " s" +
-                       others + ": " + missing.cause);
+    warnings.push_back(options_.node.full_name() + ": no plan at " + time_text(cxlab::to_seconds(missing.first)) +
+                       " s" + others + ": " + missing.cause);
   }
   if (causes_.size() > kMostCauses)
     warnings.push_back(options_.node.full_name() + ": " + std::to_string(causes_.size() - kMostCauses) +
