@@ -53,19 +53,19 @@ std::string type_of(const std::vector<bus::Bus::Info>& all, const std::string& n
 }
 
 /// What a goal or a call met.
-struct Answer {
+struct SkillAnswer {
   SimTime sent{};
   std::optional<SimTime> ended = {};
   std::string outcome = "never", result = {};  // JSON
 };
 /// By name, in order of sending. `earlier`: how many of before the moment have no answer yet.
-struct Answers {
-  std::vector<Answer> answers;
+struct SkillAnswers {
+  std::vector<SkillAnswer> answers;
   std::size_t earlier = 0, replied = 0;
 
   /// The first that nothing is known of.
-  Answer* open() {
-    const auto found = std::ranges::find_if(answers, [](const Answer& a) { return !a.ended && a.outcome == "never"; });
+  SkillAnswer* open() {
+    const auto found = std::ranges::find_if(answers, [](const SkillAnswer& a) { return !a.ended && a.outcome == "never"; });
     return found == answers.end() ? nullptr : &*found;
   }
 };
@@ -258,18 +258,18 @@ class Writer {
         steps_.push_back("{at: " + seconds_of(record.t) + ", publish: " + yaml_quoted(name) + ", type: " + type +
                          ", data: " + content + "}");
     } else if (what == "result" || what == "response") {
-      Answers& met = (what == "result" ? actions_met_ : services_met_)[name];
+      SkillAnswers& met = (what == "result" ? actions_met_ : services_met_)[name];
       if (met.earlier > 0) {
         --met.earlier;
         skipped_.insert(name);
-      } else if (Answer* answer = met.open()) {
+      } else if (SkillAnswer* answer = met.open()) {
         answer->ended = record.t;
         answer->outcome = "succeed";
         answer->result = content;
         last_ = answer;
       }
     } else if (what == "goal-response") {
-      Answers& met = actions_met_[name];
+      SkillAnswers& met = actions_met_[name];
       last_ = met.replied < met.answers.size() ? &met.answers[met.replied++] : nullptr;
     } else if (what != "look" && what != "feedback") {
       others_.insert(what + ' ' + name);
@@ -332,7 +332,7 @@ class Writer {
     return fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
   }
 
-  std::string stand_ins(const std::map<std::string, Answers>& met, const char* word,
+  std::string stand_ins(const std::map<std::string, SkillAnswers>& met, const char* word,
                         const std::vector<bus::Bus::Info>& known) const {
     std::string out;
     for (const auto& [name, answers] : met) {
@@ -341,7 +341,7 @@ class Writer {
       std::string item = std::string("{") + word + ": " + yaml_quoted(name) + ", type: " + type;
       std::string then;
       for (std::size_t i = 0; i < std::max<std::size_t>(answers.answers.size(), 1); ++i) {
-        const Answer answer = i < answers.answers.size() ? answers.answers[i] : Answer();
+        const SkillAnswer answer = i < answers.answers.size() ? answers.answers[i] : SkillAnswer();
         std::string outcome = "outcome: " + answer.outcome;
         if (answer.ended) outcome += ", takes_s: " + seconds_of(*answer.ended - answer.sent);
         if (!answer.result.empty()) outcome += ", result: " + answer.result;
@@ -412,9 +412,9 @@ class Writer {
   std::vector<std::pair<std::string, std::string>> globals_;
   std::set<std::string> rules_, skipped_, others_;
   std::vector<bus::Bus::Info> topics_, services_, actions_;
-  std::map<std::string, Answers> actions_met_, services_met_;
+  std::map<std::string, SkillAnswers> actions_met_, services_met_;
   std::map<std::string, std::pair<int, SimTime>> fired_;
-  Answer* last_ = nullptr;
+  SkillAnswer* last_ = nullptr;
 };
 
 /// From the process that wrote the story.

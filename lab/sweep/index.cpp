@@ -51,14 +51,14 @@ constexpr const char* kRuns =
 using Value = std::variant<std::nullptr_t, std::int64_t, double, std::string>;
 
 /// A database that is written from beginning to end. The first error stays, and later calls do nothing.
-class Writer {
+class IndexWriter {
  public:
-  explicit Writer(const fs::path& file) : file_(file) {
+  explicit IndexWriter(const fs::path& file) : file_(file) {
     note(sqlite3_open_v2(file.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr));
   }
-  ~Writer() { sqlite3_close_v2(database_); }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
+  ~IndexWriter() { sqlite3_close_v2(database_); }
+  IndexWriter(const IndexWriter&) = delete;
+  IndexWriter& operator=(const IndexWriter&) = delete;
 
   void run(const std::string& sql) {
     if (status_) note(sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr));
@@ -114,7 +114,7 @@ Value seed_value(std::uint64_t seed) {
   return seed <= INT64_MAX ? Value(static_cast<std::int64_t>(seed)) : Value(std::to_string(seed));
 }
 
-void insert_row(const Row& row, const std::vector<std::string>& metrics, Writer& out) {
+void insert_row(const Row& row, const std::vector<std::string>& metrics, IndexWriter& out) {
   const auto cell = static_cast<std::int64_t>(row.cell.number);
   const bool measured = row.status != "crashed";
   const auto of_process = [measured](double value) { return measured ? Value(value) : Value(nullptr); };
@@ -163,7 +163,7 @@ Status write_index(const std::vector<Row>& rows, const Suite& suite, const fs::p
   const fs::path part = file.string() + ".part-" + std::to_string(getpid());
   std::error_code error;
   fs::remove(part, error);
-  Writer out(part);
+  IndexWriter out(part);
   out.run(kTables);
   std::string runs = kRuns;
   for (const std::string& metric : metrics) runs += ", " + sql_name(metric) + " REAL";

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double wall_seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// Files that are mapped into this process to be executed: program and libraries.
 std::set<std::string> libraries() {
@@ -234,7 +234,7 @@ class CellPlayer {
 
   Status take_ended() {
     for (auto it = running_.begin(); it != running_.end();) {
-      const double seconds = seconds_since(it->begin);
+      const double seconds = wall_seconds_since(it->begin);
       auto code = it->process.wait_for(0);
       if (!code && options_.time_limit_s > 0 && seconds > options_.time_limit_s) {
         it->over_time = true;
@@ -311,7 +311,7 @@ class CellPlayer {
 
   void estimate() {
     double playing_s = 0;
-    for (const Running& one : running_) playing_s += seconds_since(one.begin);
+    for (const Running& one : running_) playing_s += wall_seconds_since(one.begin);
     progress_.seconds_left = remaining_.estimate(options_.jobs, playing_s);
   }
 
