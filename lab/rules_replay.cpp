@@ -26,8 +26,8 @@ Expected<RulesReplay> RulesReplay::load(const Run& run, const Host& host, const 
   RulesReplay replay;
   if (!run.finished || run.ticks > 0) {
     const auto begun = has_first_tick(run.folder / "inputs.bin");
-    if (!begun) return begun.error();
-    if (!*begun)
+    if (!begun && run.finished) return begun.error();
+    if (!begun || !*begun)
       return input_error(run.finished ? "the log of its inputs is cut off before the first tick"
                                       : "the run ended before the log of its inputs had the first tick",
                          run.folder.string());

@@ -344,7 +344,7 @@ agents:
         run = self.folder / "run"
         self.cxlab("env", config, "--until", 1, "--quiet", "--out", run, expect=3)
         self.assertRegex(self.cxlab("why-not", run, "bad", expect=3).stderr,
-                         r"^error: .*mine.clp:2: rule 'bad' was not loaded: .*Syntax Error")
+                         r"(?m)^error: .*mine.clp:2: rule 'bad' was not loaded: .*Syntax Error")
         self.assertIn("did you mean 'fine'?", self.cxlab("why-not", run, "fin", expect=3).stderr)
 
     def test_why_not_says_where_the_run_ends_and_which_alternative_it_shows(self):
