@@ -65,7 +65,8 @@ struct SkillAnswers {
 
   /// The first that nothing is known of.
   SkillAnswer* open() {
-    const auto found = std::ranges::find_if(answers, [](const SkillAnswer& a) { return !a.ended && a.outcome == "never"; });
+    const auto found =
+        std::ranges::find_if(answers, [](const SkillAnswer& a) { return !a.ended && a.outcome == "never"; });
     return found == answers.end() ? nullptr : &*found;
   }
 };

@@ -32,7 +32,9 @@ namespace fs = std::filesystem;
 
 using Clock = std::chrono::steady_clock;
 
-double wall_seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double wall_seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 /// Files that are mapped into this process to be executed: program and libraries.
 std::set<std::string> libraries() {

@@ -1,5 +1,5 @@
 #pragma once
-// A bus with the project's own interfaces, and participants that write down what they take.
+// Participants on a bus that write down what they take.
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "cx/bus/bus.h"
-#include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::bus {
-
-inline void add_interfaces(Registry& registry) {
-  const Status status = registry.add_packages_in(interfaces_dir());
-  ASSERT_TRUE(status.ok()) << status.error().text();
-}
 
 /// A folder of packages.
 class TempPackages {
@@ -33,20 +26,15 @@ class TempPackages {
   TempFolder folder_;
 };
 
-class BusTest : public ::testing::Test {
+class BusTest : public ::testing::Test, protected TestBus {
  protected:
   void SetUp() override {
-    add_interfaces(registry_);
     string_ = *registry_.message("std_msgs/msg/String");
     number_ = *registry_.message("std_msgs/msg/Int32");
     set_bool_ = *registry_.service("std_srvs/srv/SetBool");
     fibonacci_ = *registry_.action("example_interfaces/action/Fibonacci");
   }
 
-  ParticipantId join(ParticipantKind kind, const std::string& name, NodeName node = {}) {
-    if (node.name.empty()) node.name = name;
-    return bus_.join(kind, node, sink_.open_stream(name));
-  }
   ParticipantId environment(const std::string& name) { return join(ParticipantKind::kEnvironment, name); }
   ParticipantId node(const std::string& name) { return join(ParticipantKind::kNode, name); }
 
@@ -73,9 +61,6 @@ class BusTest : public ::testing::Test {
     return taken();
   }
 
-  Registry registry_;
-  KeptRecords sink_;
-  Bus bus_{registry_, sink_};
   SimTime now_{};
   const MessageType* string_ = nullptr;
   const MessageType* number_ = nullptr;

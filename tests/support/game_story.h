@@ -9,13 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "cx/bus/bus.h"
 #include "cx/run/loop.h"
 #include "scenarios/rcll/game/factory.h"
 #include "scenarios/rcll/game/floor_plan.h"
 #include "sim/ledger/ledger_world.h"
-#include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::rcll {
 
@@ -28,16 +26,13 @@ struct Outcome {
   double at = 0;
 };
 
-class GameStory {
+class GameStory : private bus::TestBus {
  public:
   explicit GameStory(WorldConfig config = quiet_game(), std::uint64_t seed = 1,
                      SimTime tick = std::chrono::milliseconds(20), std::span<const sim::Fault> faults = {})
-      : tick_(tick), world_(floor_plan_of(config, game_of(config, seed)->layout)), bus_(registry_, sink_) {
-    EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
+      : tick_(tick), world_(floor_plan_of(config, game_of(config, seed)->layout)) {
     factory_ = std::move(*Factory::make(config, *game_of(config, seed), seed, world_, bus_, sink_, faults));
-    bus::NodeName name;
-    name.name = "agent";
-    agent_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/agent"));
+    agent_ = join(bus::ParticipantKind::kEnvironment, "env/agent", {"agent", "/", {}});
     action_ = *registry_.action("rcll_interfaces/action/InstructMachine");
     client_ = *bus_.create_action_client(
         agent_, "/factory/instruct_machine", *action_,
@@ -172,10 +167,7 @@ class GameStory {
   }
 
   SimTime tick_;
-  bus::Registry registry_;
-  KeptRecords sink_;
   sim::LedgerWorld world_;
-  bus::Bus bus_;
   std::unique_ptr<Factory> factory_;
   bus::ParticipantId agent_{};
   const bus::ActionType* action_ = nullptr;

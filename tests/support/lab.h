@@ -11,12 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "cx/bus/bus.h"
 #include "cx/executive/environment_manager.h"
 #include "cx/plugins/builtin.h"
 #include "cx/run/loop.h"
-#include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::cx {
 
@@ -39,11 +37,9 @@ class KeptLines final : public LogSink {
   std::vector<std::string> lines;
 };
 
-class Lab {
+class Lab : private bus::TestBus {
  public:
   Lab() {
-    const Status added = registry.add_packages_in(interfaces_dir());
-    EXPECT_TRUE(added.ok()) << added.error().text();
     options.packages["agent"] = {folder / "agent", {}};
     options.plugin_types = builtin_plugins();
     options.log = &log;
@@ -125,9 +121,9 @@ files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["rules.c
   TempFolder temp;
   const std::filesystem::path folder = temp.path();
   KeptLines log;
-  KeptRecords records;
-  bus::Registry registry;
-  bus::Bus bus{registry, records};
+  KeptRecords& records = sink_;
+  bus::Registry& registry = registry_;
+  bus::Bus& bus = bus_;
   ManagerOptions options;
   std::unique_ptr<EnvironmentManager> manager;
   SimTime now{};

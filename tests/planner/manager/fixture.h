@@ -14,7 +14,7 @@
 
 #include "planner/manager/manager.h"
 #include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::planner {
 
@@ -26,13 +26,9 @@ struct Answer {
   std::vector<std::string> actions;  ///< "0 pick-up(c) @0+2 class 0"
 };
 
-class ManagerTest : public ::testing::Test {
+class ManagerTest : public ::testing::Test, protected bus::TestBus {
  protected:
-  ManagerTest() {
-    const Status added = registry_.add_packages_in(interfaces_dir());
-    EXPECT_TRUE(added.ok()) << added.error().text();
-    client_ = bus_.join(bus::ParticipantKind::kEnvironment, {"agent", "/", {}}, sink_.open_stream("agent"));
-  }
+  ManagerTest() { client_ = join(bus::ParticipantKind::kEnvironment, "agent"); }
 
   static std::string blocks_folder() { return (source_dir() / "docs/examples/blocksworld/pddl").string(); }
 
@@ -181,9 +177,6 @@ class ManagerTest : public ::testing::Test {
     return received;
   }
 
-  bus::Registry registry_;
-  KeptRecords sink_;
-  bus::Bus bus_{registry_, sink_};
   bus::ParticipantId client_{};
   std::unique_ptr<PddlManager> manager_;
   TempFolder temp_;

@@ -13,8 +13,7 @@
 #include "scenarios/rcll/game/floor_plan.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/skills/fleet.h"
-#include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::rcll {
 namespace {
@@ -30,16 +29,13 @@ std::vector<std::string> two_paid_rings(std::uint64_t seed) {
   return rings;
 }
 
-class Builder final : public Agent {
+class Builder final : public Agent, private bus::TestBus {
  public:
-  Builder(const WorldConfig& config, std::uint64_t seed) : game_(*game_of(config, seed)), bus_(registry_, sink_) {
-    EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
+  Builder(const WorldConfig& config, std::uint64_t seed) : game_(*game_of(config, seed)) {
     world_ = *sim::MujocoWorld::create(floor_plan_of(config, game_.layout), {models_dir(), 0.01, 60});
     fleet_ = *sim::Fleet::create(*world_, *world_, {}, bus_, sink_);
     factory_ = *Factory::make(config, game_, seed, *world_, bus_, sink_);
-    bus::NodeName name;
-    name.name = "builder";
-    node_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/builder"));
+    node_ = join(bus::ParticipantKind::kEnvironment, "env/builder", {"builder", "/", {}});
     loop_.emplace(bus_, kTick, Parts{{world_.get()}, {fleet_.get(), factory_.get()}, factory_.get(), {this}});
     tick();
   }
@@ -93,9 +89,6 @@ class Builder final : public Agent {
   }
 
   Game game_;
-  bus::Registry registry_;
-  KeptRecords sink_;
-  bus::Bus bus_;
   std::unique_ptr<sim::MujocoWorld> world_;
   std::unique_ptr<sim::Fleet> fleet_;
   std::unique_ptr<Factory> factory_;

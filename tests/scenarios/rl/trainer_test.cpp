@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "cx/base/number_text.h"
-#include "tests/support/bus_test.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::rl {
 namespace {
@@ -34,10 +34,9 @@ class Said final : public cx::LogSink {
   std::vector<std::string> lines;
 };
 
-class TrainerTest : public testing::Test {
+class TrainerTest : public testing::Test, protected bus::TestBus {
  protected:
   TrainerTest() {
-    bus::add_interfaces(registry_);
     options_.log = &said_;
     options_.max_episodes = 1;
     options_.write = [this](const std::string& file, const std::string& text) {
@@ -65,7 +64,7 @@ class TrainerTest : public testing::Test {
 
   /// An agent that has no robot to do anything with, and whose episode ends at once.
   void let_agent_come() {
-    agent_ = bus_.join(bus::ParticipantKind::kNode, {"agent", "/", {}}, sink_.open_stream("agent"));
+    agent_ = join(bus::ParticipantKind::kNode, "agent");
     for (const char* name : {"get_predefined_observables", "get_observable_predicates", "get_predefined_actions",
                              "get_observable_actions", "get_current_observations", "get_episode_end", "end_training"})
       serve(name);
@@ -77,9 +76,6 @@ class TrainerTest : public testing::Test {
     agent_.reset();
   }
 
-  KeptRecords sink_;
-  bus::Registry registry_;
-  bus::Bus bus_{registry_, sink_};
   Said said_;
   TrainerOptions options_;
   std::unique_ptr<Trainer> trainer_;

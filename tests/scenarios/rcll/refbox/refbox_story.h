@@ -19,8 +19,7 @@
 #include "scenarios/rcll/refbox/node.h"
 #include "scenarios/rcll/world.h"
 #include "scenarios/stage.h"
-#include "tests/support/files.h"
-#include "tests/support/records.h"
+#include "tests/support/test_bus.h"
 
 namespace cxlab::rcll {
 
@@ -31,7 +30,7 @@ struct Way {
 inline constexpr Way kPublicWay{4445, 4444}, kCyanWay{4446, 4441}, kMagentaWay{4447, 4442}, kRobot1{2126, 2116};
 inline constexpr const char* kLeagueKey = "randomkey";
 
-class RefboxStory {
+class RefboxStory : private bus::TestBus {
  public:
   /// What came to a program: when, and the message as text.
   struct Heard {
@@ -65,7 +64,6 @@ class RefboxStory {
 
   /// `client`: with a league_client whose topics and actions begin with /outside.
   explicit RefboxStory(const WorldConfig& config = game(), bool client = false) {
-    EXPECT_TRUE(registry_.add_packages_in(interfaces_dir()));
     scenario_.set_world({&kWorld, config, {}});
     scenario_.tier = Tier::kTimed;
     const StageSetup setup{.scenario = scenario_, .bus = bus_, .sink = sink_, .network = &network_, .log = &log_};
@@ -77,9 +75,7 @@ class RefboxStory {
       EXPECT_TRUE(kLeagueClient.add(outside, setup, *stage_));
     }
     types_ = *load_types();
-    bus::NodeName name;
-    name.name = "agent";
-    agent_ = bus_.join(bus::ParticipantKind::kEnvironment, name, sink_.open_stream("env/agent"));
+    agent_ = join(bus::ParticipantKind::kEnvironment, "env/agent", {"agent", "/", {}});
     host_ = *net::Host::create(network_, agent_, [this](const net::Event& event) { take(event); });
     Parts parts{.referee = stage_->referee, .agents = {&player_}};
     for (auto& world : stage_->worlds) parts.worlds.push_back(world.get());
@@ -164,9 +160,6 @@ class RefboxStory {
   void take(const net::Event& event);
   void keep(Program& program, const Expected<pb::MessagePtr>& message);
 
-  bus::Registry registry_;
-  KeptRecords sink_;
-  bus::Bus bus_{registry_, sink_};
   net::Network network_{bus_, sink_};
   Log log_;
   Scenario scenario_;
