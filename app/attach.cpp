@@ -225,7 +225,8 @@ int attach(const AttachOptions& options) {
   std::string token = options.token;
   if (const char* set = std::getenv("CXLAB_CONTROL_TOKEN"); token.empty() && set != nullptr) token = set;
   auto client = ControlClient::connect(*address, token);
-  if (!client && folder) return travel(options);
+  if (!client && std::filesystem::exists(std::filesystem::path(options.where) / "manifest.json", ignored))
+    return travel(options);
   if (!client) return fail(client.error());
   return talk(**client, options);
 }

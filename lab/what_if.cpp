@@ -28,7 +28,7 @@ bool is_global(const std::string& name) { return name.starts_with("?*") && name.
 std::string without_marks(const std::string& global) { return global.substr(2, global.size() - 3); }
 
 /// "NAME=VALUE" as (NAME, VALUE).
-std::pair<std::string, std::string> split(const std::string& assignment) {
+std::pair<std::string, std::string> name_and_value(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   return {assignment.substr(0, equals), equals == assignment.npos ? std::string() : assignment.substr(equals + 1)};
 }
@@ -79,7 +79,7 @@ Error not_to_set(const std::string& name, const std::string& value, const Run& r
 }
 
 Status check_set(const std::string& assignment, const Run& run, const Scenario& scenario) {
-  const auto [name, value] = split(assignment);
+  const auto [name, value] = name_and_value(assignment);
   if (name.empty() || name.size() == assignment.size())
     return usage_error("--set: found '" + assignment + "', expected NODE.NAME=VALUE or ?*GLOBAL*=VALUE");
   const std::string option = "--set " + assignment;
@@ -225,7 +225,7 @@ Status WhatIfControl::carry_out(Change& change, cx::Environment& environment) {
 
 Status WhatIfControl::set_parameters(Change& change, cx::Environment& environment) {
   for (const std::string& assignment : change.what_if.set) {
-    const auto [name, value] = split(assignment);
+    const auto [name, value] = name_and_value(assignment);
     const auto parameter = is_global(name) ? std::nullopt : parameter_of(environment.node(), name);
     // Environments share the parameters of their node.
     if (!parameter || !change.set.insert(assignment).second) continue;
@@ -267,7 +267,7 @@ Status WhatIfControl::load(const WhatIf& what_if, cx::Environment& environment) 
 
 Status WhatIfControl::set_globals(Change& change, cx::Environment& environment) {
   for (const std::string& assignment : change.what_if.set) {
-    const auto [name, value] = split(assignment);
+    const auto [name, value] = name_and_value(assignment);
     if (!is_global(name) || !environment.engine().has("defglobal", without_marks(name))) continue;
     change.set.insert(assignment);
     const auto globals = environment.engine().globals();
@@ -301,7 +301,7 @@ Status WhatIfControl::assert_facts(const WhatIf& what_if, cx::Environment& envir
 Status WhatIfControl::end(const Change& change) const {
   for (const std::string& assignment : change.what_if.set) {
     if (change.set.contains(assignment)) continue;
-    const std::string name = split(assignment).first;
+    const std::string name = name_and_value(assignment).first;
     if (!is_global(name)) return input_error("the node has no environment that could be asked", "--set " + assignment);
     std::vector<std::string> known;
     for (const cx::Environment* environment : environments_())

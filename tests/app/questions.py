@@ -430,7 +430,6 @@ class TwoRuns(Lab):
         self.assertIn("inputs.bin: expected an input log", self.cxlab("diff", a, a, expect=3).stderr)
         (self.folder / "run/inputs.bin").unlink()
         self.assertIn("inputs.bin: there is no such file", self.cxlab("facts", a, expect=3).stderr)
-        self.assertIn("is not the folder of a run", self.cxlab("attach", self.folder, "-c", "where", expect=3).stderr)
 
     def test_a_run_that_failed_says_so_first(self):
         run = self.agent("(defrule loop (time ?) => (while TRUE do (bind ?x 1)))", expect=4, more=["--steps", 10000])

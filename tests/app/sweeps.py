@@ -163,7 +163,7 @@ class Sweeps(Lab):
                    .replace("strategies: {short: {set: [duration_s=1], tags: [quick]}}\ngrid: {duration_s: [2, 3]}\n", "strategies: {plain: []}\n"))
 
     def test_an_episode_that_takes_too_long_is_a_row_and_the_others_go_on(self):
-        self.endless("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))\n")
+        self.endless("(defrule note (time ?) => )\n")
         done = self.bench("-j", 2, "--time-limit", 1, "--out", "r", code=1)
         self.assertIn("endless plain seed 1: crashed, exit 137; ended after 1 s of wall time, its limit", done.stderr)
         self.assertEqual(self.query(self.home / "r", "SELECT scenario, seed, status, completed, exit FROM runs"),
@@ -184,7 +184,7 @@ class Sweeps(Lab):
         self.fail("no episode is played")
 
     def test_a_killed_episode_is_a_row_with_its_reason(self):
-        self.endless("(defrule count ?n <- (n ?i) (time ?) => (retract ?n) (assert (n (+ ?i 1))))\n(deffacts n (n 0))\n")
+        self.endless("(defrule note (time ?) => )\n")
         process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--cell", "3..4", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         for number in (signal.SIGKILL, signal.SIGSEGV):
             child = self.children(process)[0]

@@ -196,7 +196,7 @@ TEST_F(OwnWorld, PlaysWithARow) {
 }
 
 TEST_F(OwnWorld, ItsKeysAreCheckedAsThoseOfTheShippedWorlds) {
-  EXPECT_THAT(error_of("world: {kind: bel}\n"), HasSubstr("expected one of: none, rcll, turtlesim, bell"));
+  EXPECT_THAT(error_of("world: {kind: bel}\n"), HasSubstr("expected one of: none, rcll, turtlesim, story, bell"));
   EXPECT_THAT(error_of("world: {kind: bell, perod_s: 1}\n"), HasSubstr("did you mean 'period_s'?"));
   EXPECT_EQ(error_of("world: {kind: bell, period_s: 0}\n"), "world.period_s: expected more than 0");
   EXPECT_THAT(error_of("world: {kind: bell}\nexpect: [{path: bell.rang, min: 1}]\n"),
@@ -206,7 +206,7 @@ TEST_F(OwnWorld, ItsKeysAreCheckedAsThoseOfTheShippedWorlds) {
   EXPECT_EQ(error_of("world: {kind: bell}\nfaults: [{kind: machine_breaks, at: 1, machine: C-BS}]\n"),
             "faults: this world has neither robots nor machines: expected world.kind rcll");
   EXPECT_EQ(Scenario::parse("schema: 1\nworld: {kind: bell}\n", "s.yaml", shipped()).error().message,
-            "world.kind: found 'bell', expected one of: none, rcll, turtlesim")
+            "world.kind: found 'bell', expected one of: none, rcll, turtlesim, story")
       << "a catalogue of one's own changes no other";
 }
 

@@ -16,7 +16,7 @@ std::optional<std::uint16_t> port_of(std::int64_t number) {
 }
 
 /// As CLIPS reads the word: a symbol, but for numbers.
-Value word(std::string_view text) {
+Value host_word(std::string_view text) {
   if (const auto integer = read_number<std::int64_t>(text)) return Value::integer(*integer);
   if (const auto real = read_number<double>(text)) return Value::number(*real);
   return Value::symbol(std::string(text));
@@ -156,7 +156,7 @@ void ProtobufPeers::take(const net::Event& event) {
       stream.port = event.port;
       note("client connected", stream.host + ':' + std::to_string(stream.port), event.cause);
       return assert_ordered("protobuf-server-client-connected",
-                            {Value::integer(last_id_), word(stream.host), Value::integer(stream.port)});
+                            {Value::integer(last_id_), host_word(stream.host), Value::integer(stream.port)});
     }
     case net::EventKind::kConnected: {
       const auto stream = find(event.link);
@@ -231,7 +231,7 @@ Value via(std::string_view client_type) { return Value::symbol(client_type == "P
 
 Value ProtobufPeers::address(const Source& source) const {
   return Value::multifield(
-      {next_ ? Value::string(std::string(source.host)) : word(source.host), Value::integer(source.port)});
+      {next_ ? Value::string(std::string(source.host)) : host_word(source.host), Value::integer(source.port)});
 }
 
 void ProtobufPeers::assert_received(const pb::Frame& frame, pb::MessagePtr message, const Source& source,
