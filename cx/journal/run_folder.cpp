@@ -29,20 +29,27 @@ bool holds_a_run(const fs::path& folder) {
 
 }  // namespace
 
-Status replace_file(const fs::path& path, std::string_view text) {
-  const fs::path unfinished = path.string() + ".part";
-  auto file = AppendFile::create(unfinished);
-  if (!file) return file.error();
-  Status status = file->append(text);
-  if (status) status = file->close();
+Status put_in_place(Status written, const fs::path& unfinished, const fs::path& path) {
   std::error_code error;
-  if (status) {
+  if (written) {
     fs::rename(unfinished, path, error);
     if (!error) return {};
-    status = resource_error("cannot be written: " + error.message(), path.string());
+    written = resource_error("cannot be written: " + error.message(), path.string());
   }
   fs::remove(unfinished, error);
-  return status;
+  return written;
+}
+
+Status replace_file(const fs::path& path, std::string_view text, const fs::path& unfinished) {
+  auto file = AppendFile::create(unfinished);
+  if (!file) return file.error();
+  Status written = file->append(text);
+  if (written) written = file->close();
+  return put_in_place(std::move(written), unfinished, path);
+}
+
+Status replace_file(const fs::path& path, std::string_view text) {
+  return replace_file(path, text, path.string() + ".part");
 }
 
 Status make_folder(const fs::path& folder) {

@@ -15,6 +15,10 @@ Status make_folder(const std::filesystem::path& folder);
 /// Replaces `path` by `text`: a reader sees the old file or the whole new one. kResource if that fails; the old file
 /// then stays.
 Status replace_file(const std::filesystem::path& path, std::string_view text);
+/// The same by way of a file that is named, for processes that may write the same one.
+Status replace_file(const std::filesystem::path& path, std::string_view text, const std::filesystem::path& unfinished);
+/// The end of it: the file that was written takes the other's place; one that could not be written is removed.
+Status put_in_place(Status written, const std::filesystem::path& unfinished, const std::filesystem::path& path);
 
 /// Makes `parent/name`, or with the first number appended (`name-2`, ...) that is not there yet. Two processes never
 /// get the same one. kResource if it cannot be made.

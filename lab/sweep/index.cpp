@@ -9,6 +9,7 @@
 #include <set>
 #include <variant>
 
+#include "cx/journal/run_folder.h"
 #include "scenarios/metric.h"
 
 namespace cxlab::lab {
@@ -176,14 +177,7 @@ Status write_index(const std::vector<Row>& rows, const Suite& suite, const fs::p
                     std::string(metric->unit), std::int64_t{metric->more_is_better}, std::int64_t{metric->of_machine},
                     std::int64_t{!world->metrics.empty() && metric == &world->metrics.front()}});
   for (const Row& row : rows) insert_row(row, metrics, out);
-  Status written = out.close();
-  if (written) {
-    fs::rename(part, file, error);
-    if (!error) return {};
-    written = resource_error("cannot be written: " + error.message(), file.string());
-  }
-  fs::remove(part, error);
-  return written;
+  return put_in_place(out.close(), part, file);
 }
 
 }  // namespace cxlab::lab

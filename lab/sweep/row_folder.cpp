@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "cx/base/append_file.h"
 #include "cx/base/file.h"
 #include "cx/journal/run_folder.h"
 #include "lab/git_commit.h"
@@ -137,18 +136,8 @@ std::optional<Row> RowFolder::find(const Cell& cell, RowMatcher& matcher) {
 }
 
 Status RowFolder::write(const Row& row) const {
-  const fs::path file = file_of(row.cell), part = unfinished(file);
-  auto out = AppendFile::create(part);
-  Status written = out ? out->append(row.to_json()) : Status(out.error());
-  if (written) written = out->close();
-  std::error_code error;
-  if (written) {
-    fs::rename(part, file, error);
-    if (!error) return {};
-    written = resource_error("cannot be written: " + error.message(), file.string());
-  }
-  fs::remove(part, error);
-  return written;
+  const fs::path file = file_of(row.cell);
+  return replace_file(file, row.to_json(), unfinished(file));
 }
 
 Status RowFolder::write_tables(const std::vector<Row>& rows, const Suite& suite) const {
