@@ -20,8 +20,8 @@ namespace cxlab::app {
 
 namespace {
 
-int make(const std::string& kind, const std::string& variant, const std::string& folder, const std::string& next) {
-  if (Status s = lab::make_package(kind, variant, folder); !s) return fail(s.error());
+int make(const lab::NewPackage& package, const std::string& folder, const std::string& next) {
+  if (Status s = lab::make_package(package, folder); !s) return fail(s.error());
   std::printf("%s\n", folder.c_str());
   std::fprintf(stderr, "next: cd %s; %s (README.md says more)\n", folder.c_str(), next.c_str());
   return 0;
@@ -150,15 +150,45 @@ struct Kind {
   std::string next;  ///< commands that a person may try in the folder
 };
 
-CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::shared_ptr<bool> league) {
+CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::shared_ptr<lab::NewPackage> package) {
   auto folder = std::make_shared<std::string>();
   CLI::App* sub = command.add_subcommand(kind.word, kind.what);
   sub->footer(std::string("Example:\n  cxlab new ") + kind.word + " my_" + kind.word);
   sub->add_option("folder", *folder, "Where; must be new or empty. Its last part is the name of the package")
       ->required()
       ->check([](const std::string& text) { return text.empty() ? "found '', expected a folder" : ""; });
-  sub->callback([=, &action] { action = [=] { return make(kind.word, *league ? "rcll" : "", *folder, kind.next); }; });
+  sub->callback([=, &action] { action = [=] { return make(*package, *folder, kind.next); }; });
   return sub;
+}
+
+void add_agent(CLI::App& command, Action& action) {
+  auto package = std::make_shared<lab::NewPackage>("agent");
+  CLI::App* sub = add_kind(
+      command, action,
+      {"agent", "An agent with configuration, rules, stories and scenario", "cxlab test; cxlab run scenario.yaml"},
+      package);
+  sub->footer(
+      "With --ci the folder has pipelines for GitHub Actions (.github/workflows/agent.yml) and GitLab "
+      "(.gitlab-ci.yml)\n"
+      "as well: they get cxlab from ci/cxlab.txt, check the rules, play the stories with coverage and the suite\n"
+      "suite.yaml with its requirements, and keep the pages (docs/tutorial-ci.md).\n"
+      "Examples:\n  cxlab new agent my_agent\n  cxlab new agent my_agent --rcll --ci\n"
+      "  cxlab new agent my_agent --ci --cxlab https://files.example.org/cxlab-0.1.0-debian12-x86_64.tar.gz \\\n"
+      "      --sha256 $(sha256sum cxlab-0.1.0-debian12-x86_64.tar.gz | cut -c 1-64)");
+  sub->add_flag_callback(
+      "--rcll", [package] { package->variant = "rcll"; }, "One that plays the Logistics League: one robot, C0 orders");
+  const auto tarball = [package]() -> lab::NewPackage::Tarball& {
+    return package->continuous ? *package->continuous : package->continuous.emplace();
+  };
+  CLI::Option* ci =
+      sub->add_flag_callback("--ci", tarball, "Pipelines for GitHub and GitLab, and a suite with requirements");
+  sub->add_option_function<std::string>(
+         "--cxlab", [=](const std::string& address) { tarball().address = address; },
+         "Where the pipelines get the tarball of cxlab (docs/install.md)")
+      ->needs(ci);
+  sub->add_option_function<std::string>(
+         "--sha256", [=](const std::string& hash) { tarball().sha256 = hash; }, "The SHA-256 of that tarball")
+      ->needs(ci);
 }
 
 }  // namespace
@@ -166,17 +196,13 @@ CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::sha
 void add_new(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("new", "Makes files to begin from");
   command->require_subcommand(1);
-  auto league = std::make_shared<bool>(false);
-  const Kind agent{"agent", "An agent with configuration, rules, stories and scenario",
-                   "cxlab test; cxlab run scenario.yaml"};
-  add_kind(*command, action, agent, league)
-      ->add_flag("--rcll", *league, "One that plays the Logistics League: one robot, C0 orders");
+  add_agent(*command, action);
   const std::filesystem::path installed = find_share().prefix;
   const std::string prefix = installed.empty() ? "PREFIX (docs/install.md)" : installed.string();
   const Kind plugin{"plugin",
                     "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
                     "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};
-  add_kind(*command, action, plugin, league);
+  add_kind(*command, action, plugin, std::make_shared<lab::NewPackage>("plugin"));
   add_game(*command, action);
   add_story(*command, action);
 }

@@ -17,11 +17,15 @@ set(share share/cxlab)
 set(doc share/doc/cxlab)
 
 # --- Program and libraries
-# The build folder has the layout of the prefix, and the same RUNPATH: CMake would end that of a build with an empty
+# The build folder has the layout of the prefix, and the same RPATH: CMake would end that of a build with an empty
 # element, which is the current directory.
 set_target_properties(cxlab PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../${libraries};$ORIGIN/${libraries}")
 set_target_properties(cxlab_shared PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN"
   LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")
+# DT_RPATH, not DT_RUNPATH: the libraries of Debian beside libcxlab.so need each other, and the latter holds for one step only.
+foreach(target cxlab cxlab_shared)
+  target_link_options(${target} PRIVATE -Wl,--disable-new-dtags)
+endforeach()
 get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)
 get_filename_component(name "${mujoco}" NAME)
 file(CREATE_LINK "${mujoco}" "${PROJECT_BINARY_DIR}/${libraries}/${name}" SYMBOLIC)

@@ -1,6 +1,8 @@
 #include "lab/new_package.h"
 
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "cx/base/file.h"
 #include "cx/plugins/bindings/names.h"
@@ -49,37 +51,64 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
-/// Copies a file of the template `my_<kind>`, which becomes `name`.
-Status copy_file(const fs::path& from, const fs::path& to, const std::string& kind, const std::string& name) {
-  auto text = read_file(from);
-  if (!text) return text.error();
-  replace_all(*text, "{scenarios}", find_share().scenarios.string());
-  replace_all(*text, "my_" + kind, name);
-  replace_all(*text, cx::camel_case("my_" + kind), cx::camel_case(name));
-  return write_file(to, *text);
+using Replacements = std::vector<std::pair<std::string, std::string>>;
+
+/// Copies the files of a template, with each of the replacements made.
+Status copy_template(const fs::path& origin, const fs::path& to, const Replacements& replacements) {
+  std::error_code error;
+  if (!fs::is_directory(origin, error)) return resource_error("the files to begin from are missing", origin.string());
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(origin)) {
+    const fs::path file = to / entry.path().lexically_relative(origin);
+    if (entry.is_directory()) {
+      fs::create_directories(file, error);
+      continue;
+    }
+    auto text = read_file(entry.path());
+    if (!text) return text.error();
+    for (const auto& [from, into] : replacements) replace_all(*text, from, into);
+    if (Status s = write_file(file, *text); !s) return s.error();
+  }
+  return {};
+}
+
+/// Why the pipelines cannot use this tarball; empty if they can.
+std::string objection(const NewPackage::Tarball& tarball) {
+  if (tarball.address.find_first_of(" \t\r\n") != std::string::npos)
+    return "the address of the tarball: found '" + tarball.address + "', expected one without blanks";
+  const bool is_hash =
+      tarball.sha256.size() == 64 && tarball.sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (!tarball.sha256.empty() && !is_hash)
+    return "the SHA-256 of the tarball: found '" + tarball.sha256 +
+           "', expected 64 hexadecimal digits, as sha256sum prints them";
+  return {};
 }
 
 }  // namespace
 
-Status make_package(const std::string& kind, const std::string& variant, const std::string& folder) {
+Status make_package(const NewPackage& package, const std::string& folder) {
   fs::path path = fs::absolute(folder).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // "DIR/"
   const std::string name = path.filename().string();
   if (const std::string why = objection(name); !why.empty()) return usage_error(why, folder);
+  if (package.continuous)
+    if (const std::string why = objection(*package.continuous); !why.empty()) return usage_error(why);
   std::error_code error;
   if (fs::exists(path, error) && !(fs::is_directory(path, error) && fs::is_empty(path, error)))
     return usage_error("is there already and not an empty folder", folder);
-  const fs::path origin = find_share().docs / "templates" / (variant.empty() ? kind : kind + '_' + variant);
-  if (!fs::is_directory(origin, error)) return resource_error("the files to begin from are missing", origin.string());
   fs::create_directories(path, error);
   if (error) return resource_error(error.message(), folder);
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(origin)) {
-    const fs::path to = path / entry.path().lexically_relative(origin);
-    if (entry.is_directory())
-      fs::create_directories(to, error);
-    else if (Status s = copy_file(entry.path(), to, kind, name); !s)
-      return s.error();
-  }
+
+  const NewPackage::Tarball tarball = package.continuous.value_or(NewPackage::Tarball{});
+  const Replacements replacements{{"{scenarios}", find_share().scenarios.string()},
+                                  {"{address}", tarball.address},
+                                  {"{sha256}", tarball.sha256},
+                                  {"my_" + package.kind, name},
+                                  {cx::camel_case("my_" + package.kind), cx::camel_case(name)}};
+  const std::string own = package.variant.empty() ? package.kind : package.kind + '_' + package.variant;
+  std::vector<std::string> origins{own};
+  if (package.continuous) origins.insert(origins.end(), {"ci", own + "_ci"});
+  for (const std::string& origin : origins)
+    if (Status s = copy_template(find_share().docs / "templates" / origin, path, replacements); !s) return s;
   return {};
 }
 

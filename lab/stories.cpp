@@ -31,9 +31,14 @@ Expected<Places> find_files(const std::vector<std::string>& paths) {
       continue;
     }
     std::error_code error;
-    for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error))
-      if (!it->is_directory(error) && it->path().filename().string().ends_with(".story.yaml"))
+    for (fs::recursive_directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
+      const std::string name = it->path().filename().string();
+      if (it->is_directory(error)) {
+        if (name.starts_with('.')) it.disable_recursion_pending();
+      } else if (name.ends_with(".story.yaml")) {
         whole.insert(it->path().lexically_normal());
+      }
+    }
     if (error) return resource_error(error.message(), path);
   }
   for (const fs::path& file : whole) out[file].clear();

@@ -40,6 +40,15 @@ class Testing(unittest.TestCase):
         self.assertEqual(suite.find("testcase").get("name"), "one <&")
         self.assertIn("FNDA:1,go\n", (self.folder / "c.info").read_text())
 
+    def test_folders_with_a_dot_are_left_out_unless_they_are_named(self):
+        for name in (".tools", "more"):
+            (self.folder / name).mkdir()
+            (self.folder / name / "a.story.yaml").write_text("- {story: fails, given: [(gone)], rules: ../a.clp, expect: [{fires: go, within_s: 1}]}\n")
+        self.story("fact: (gone), within_s: 1")
+        self.assertEqual(cxlab("test", cwd=self.folder).stdout.splitlines()[-1], "1 passed, 1 failed")
+        self.assertEqual(cxlab("test", ".tools", cwd=self.folder).stdout.splitlines()[-1], "0 passed, 1 failed")
+        self.assertEqual(cxlab("test", ".", ".tools", cwd=self.folder).stdout.splitlines()[-1], "1 passed, 2 failed")
+
     def test_coverage_has_a_state_for_each_rule(self):
         (self.folder / "b.clp").write_text("(defrule first (declare (salience 1)) ?s <- (start) => (retract ?s))\n"
                                            "(defrule late (start) => (assert (late)))\n(defrule deaf (nothing) => (assert (heard)))\n")

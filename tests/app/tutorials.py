@@ -36,11 +36,14 @@ class Tutorials(unittest.TestCase):
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             self.assertEqual(done.returncode, 0, command + "\n" + done.stderr)
             if shown:
-                self.assertRegex(done.stdout, re.compile(pattern_of(shown), re.DOTALL), command)
+                self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
         return played
 
     def test_find_a_bug(self):
         self.assertGreater(len(self.play("tutorial-find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+
+    def test_ci(self):
+        self.assertGreater(len(self.play("tutorial-ci.md", "/tmp/ci")), 10, "the page is read")
 
 
 if __name__ == "__main__":
