@@ -215,6 +215,17 @@ class Orders(unittest.TestCase):
                 if order["state"] == "never begun":
                     self.assertRegex(order["outcome"], "^never begun: .*the agent (decided|began)")
 
+    def test_a_run_that_was_stopped_before_a_window_leaves_its_order_to_come(self):
+        seen = set()
+        for until in 400, 800:
+            cxlab("run", "rcll/game", "--tier", "timed", "--until", until, "--quiet", "--force", "--out", folder / "stopped")
+            for order in ask("orders", "stopped")["orders"]:
+                if order["state"] in ("never begun", "not begun"):
+                    seen.add(order["state"])
+                    self.assertEqual(order["state"] == "not begun", order["window_s"][0] > until, order)
+                    self.assertRegex(order["outcome"], "^not begun yet: " if order["state"] == "not begun" else "^never begun: ")
+        self.assertIn("not begun", seen)
+
     def test_a_product_that_fell_is_named_with_the_robot_and_the_time(self):
         drops = {d["piece"]: (t, d["from_name"]) for t, d in referee("faults", "piece")
                  if d["from"] == "gripper" and d["to"] == "floor"}

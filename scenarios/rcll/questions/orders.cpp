@@ -64,6 +64,12 @@ std::string step_reached(const OrderWork& work, const Attempt& attempt) {
 /// Whether the story goes on after what is asked about.
 bool goes_on(const GameStory& story) { return !story.run_ended && story.clock.phase(story.end) != Phase::kPostGame; }
 
+/// Whether an order that has not been begun is still to come: the story goes on, or the run was stopped before its window.
+bool is_to_come(const GameStory& story, const OrderWork& work) {
+  return goes_on(story) || (story.clock.phase(story.end) != Phase::kPostGame &&
+                            story.end < story.clock.when(work.order.delivery_begin));
+}
+
 /// "begun 85.0 s after the end of its window".
 std::string begun_text(const GameStory& story, const OrderWork& work) {
   const auto begun = work.begun();
@@ -95,7 +101,7 @@ std::string never_begun(const GameStory& story, const OrderWork& work, const std
     if (decision.team == work.team && decision.names_order(work.order.id) &&
         !(decision.slots.size() > 1 && decision.slots.front().find("points for") != std::string::npos))
       last = &decision;
-  return std::string(goes_on(story) ? "not begun yet: " : "never begun: ") +
+  return std::string(is_to_come(story, work) ? "not begun yet: " : "never begun: ") +
          (last ? "the agent decided at " + time_text(last->t) + " " + last->text() + "; " : "") +
          others_begun(story, work, all);
 }
@@ -141,7 +147,7 @@ std::string outcome(const GameStory& story, const OrderWork& work, const std::ve
 std::string_view state_of(const GameStory& story, const OrderWork& work) {
   if (work.correct()) return is_in_time(work) ? "delivered" : "late";
   if (!story.published.contains(work.order.id)) return "not published";
-  if (work.attempts.empty()) return work.decided ? "begun" : goes_on(story) ? "not begun" : "never begun";
+  if (work.attempts.empty()) return work.decided ? "begun" : is_to_come(story, work) ? "not begun" : "never begun";
   return std::ranges::any_of(work.attempts, [](const Attempt& one) { return !one.fate.is_over(); }) ? "unfinished"
                                                                                                     : "lost";
 }
