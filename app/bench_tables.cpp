@@ -1,21 +1,28 @@
-// cxlab bench show, bench plot, bench compare: statistics of sweeps that were played before.
+// cxlab bench show, bench plot, bench page, bench compare: statistics of sweeps that were played before.
 
 #include <cstdio>
+#include <list>
 #include <memory>
+#include <optional>
 
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
 #include "cx/base/file.h"
 #include "cx/base/json.h"
+#include "cx/base/process.h"
+#include "cx/journal/run_folder.h"
+#include "lab/sweep/plots.h"
 #include "lab/sweep/read_rows.h"
-#include "lab/sweep/score_plot.h"
 #include "lab/sweep/score_tables.h"
+#include "lab/sweep/sweep_page.h"
 #include "lab/table_text.h"
 
 namespace cxlab::app {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 const std::vector<std::string> kFormats{"text", "markdown", "csv", "latex", "json"};
 const std::vector<std::string> kTables{"scores", "differences", "profile", "overview"};
@@ -35,8 +42,16 @@ struct CompareOptions : TableOptions {
   std::string before, now;
 };
 
+const std::vector<std::string> kPlots{"scores", "differences", "profile", "parts"};
+
 struct PlotOptions {
-  std::string sweep, file, metric, against;
+  std::string sweep, file, metric, against, kind = "scores";
+};
+
+struct PageOptions {
+  std::string sweep, before, out, metric, against;
+  bool play = false;
+  int jobs = 1;
 };
 
 std::string written(const Table& table, const std::string& format) {
@@ -107,15 +122,96 @@ int compare(const CompareOptions& options) {
   return code;
 }
 
+Expected<std::string> drawn(const std::vector<lab::Row>& rows, const PlotOptions& options) {
+  if (options.kind == "profile") return lab::profile_plot(rows, options.metric, catalogue());
+  if (options.kind == "parts") return lab::parts_plot(rows, options.metric, catalogue());
+  if (options.kind == "scores") return lab::score_plot(rows, options.metric, options.against, catalogue());
+  const auto answers = lab::compare_strategies(rows, options.against, options.metric, catalogue());
+  if (!answers) return answers.error();
+  return lab::difference_plot(*answers);
+}
+
 int plot(const PlotOptions& options) {
   if (std::filesystem::path(options.file).extension() != ".svg")
     return fail(usage_error(options.file + ": the drawing is an SVG, expected a name that ends in .svg"));
   const auto rows = lab::read_rows(options.sweep, catalogue());
   if (!rows) return fail(rows.error());
-  const auto drawing = lab::score_plot(*rows, options.metric, options.against, catalogue());
+  const auto drawing = drawn(*rows, options);
   if (!drawing) return fail(drawing.error());
   if (Status s = write_file(options.file, *drawing); !s) return fail(s.error());
   std::printf("%s\n", options.file.c_str());
+  return 0;
+}
+
+/// Plays the games again that the page shows, into SWEEP/games, unless they are there. Reports those whose run differs.
+Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& options) {
+  const auto games = lab::shown_games(sweep, options.metric, catalogue());
+  if (!games) return games.error();
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  struct Playing {
+    const lab::IndexedRow* game;
+    Process process;
+  };
+  std::list<Playing> playing;
+  const auto end_first = [&]() -> Status {
+    Playing one = std::move(playing.front());
+    playing.pop_front();
+    const int code = one.process.wait();
+    const fs::path folder = lab::folder_of_game(sweep.path, *one.game);
+    const auto result = read_file(folder / "result.json");
+    if (!result) return resource_error("the game was not played, exit code " + std::to_string(code), folder.string());
+    const Json json = parse_json(*result);
+    if (json.is_object() && json.value("journal_hash", std::string()) != one.game->row.journal_hash)
+      std::fprintf(stderr, "%s\n",
+                   printable(folder.string() +
+                             ": the game goes otherwise now, because its files or cxlab have changed since the sweep")
+                       .c_str());
+    return {};
+  };
+  for (const lab::IndexedRow* game : *games) {
+    const fs::path folder = lab::folder_of_game(sweep.path, *game);
+    if (is_file(folder / "index.html")) continue;
+    ProcessOptions process;
+    process.argv = lab::words_of_shell(game->command);
+    if (process.argv.size() < 3 || process.argv[0] != "cxlab" || process.argv[1] != "run")
+      return input_error("found the command '" + game->command + "', expected 'cxlab run ...'; --play needs runs.sqlite",
+                         sweep.path.string());
+    process.argv[0] = program.string();
+    for (const std::string& word : {std::string("--quiet"), std::string("--force"), std::string("--out"), folder.string()})
+      process.argv.push_back(word);
+    process.out = Stream::null();
+    if (playing.size() >= static_cast<std::size_t>(options.jobs))
+      if (Status s = end_first(); !s) return s;
+    auto started = Process::start(process);
+    if (!started) return started.error();
+    playing.push_back({game, *std::move(started)});
+  }
+  while (!playing.empty())
+    if (Status s = end_first(); !s) return s;
+  return {};
+}
+
+int page(const PageOptions& options) {
+  const bool folder = is_folder(options.sweep);
+  if (!folder && options.out.empty())
+    return fail(usage_error(options.sweep + " is not the folder of a sweep; expected --out FILE.html with it"));
+  const fs::path file = options.out.empty() ? fs::path(options.sweep) / "index.html" : fs::path(options.out);
+  const auto sweep = lab::read_sweep(options.sweep, catalogue());
+  if (!sweep) return fail(sweep.error());
+  std::optional<lab::SweepRecord> before;
+  if (!options.before.empty()) {
+    auto read = lab::read_sweep(options.before, catalogue());
+    if (!read) return fail(read.error());
+    before = *std::move(read);
+  }
+  if (options.play)
+    if (Status s = play_shown_games(*sweep, options); !s) return fail(s.error());
+  const auto text = lab::sweep_page(*sweep, before ? &*before : nullptr,
+                                    {.metric = options.metric, .against = options.against, .file = file}, catalogue());
+  if (!text) return fail(text.error());
+  if (Status s = replace_file(file, *text); !s) return fail(s.error());
+  std::printf("%s\n", file.c_str());
   return 0;
 }
 
@@ -146,14 +242,39 @@ void add_bench_tables(CLI::App& bench, Action& action) {
 
   auto plotted = std::make_shared<PlotOptions>();
   CLI::App* plot_command =
-      bench.add_subcommand("plot", "Draw the games of a sweep and their means with intervals, as SVG");
-  plot_command->footer("Example:\n  cxlab bench plot runs/strategies strategies.svg");
+      bench.add_subcommand("plot", "Draw scores, differences, profiles or parts of a figure of a sweep, as SVG");
+  plot_command->footer(
+      "Examples:\n  cxlab bench plot runs/strategies strategies.svg\n"
+      "  cxlab bench plot runs/strategies late.svg --kind differences --metric late_s");
   plot_command->add_option("sweep", plotted->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
   plot_command->add_option("file", plotted->file, "Where (NAME.svg)")->required();
   plot_command->add_option("--metric", plotted->metric,
                            "Which figure (default: the one that the world compares; cxlab list metrics)");
-  plot_command->add_option("--against", plotted->against, "The strategy with the dashed line (default: the first)");
+  plot_command->add_option("--against", plotted->against,
+                           "The strategy with the dashed line, from which differences are taken (default: the first)");
+  plot_command
+      ->add_option("--kind", plotted->kind,
+                   "What is drawn (default scores: games and means with intervals); parts: points by kind")
+      ->check(one_of(kPlots));
   plot_command->callback([plotted, &action] { action = [plotted] { return plot(*plotted); }; });
+
+  auto paged = std::make_shared<PageOptions>();
+  CLI::App* page_command = bench.add_subcommand(
+      "page", "Write the page of a sweep: all tables and plots, worst and best games, failures, in one file");
+  page_command->footer(
+      "Examples:\n  cxlab bench page runs/bench-rcll\n"
+      "  cxlab bench page runs/after runs/before --play -j 2");
+  page_command->add_option("sweep", paged->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
+  page_command->add_option("old", paged->before, "An earlier sweep, with which it is compared in the same games");
+  page_command->add_option("--out", paged->out, "Where (default SWEEP/index.html)")->type_name("FILE");
+  page_command->add_option("--metric", paged->metric,
+                           "Which figure (default: the one that the world compares; cxlab list metrics)");
+  page_command->add_option("--against", paged->against,
+                           "The strategy from which differences are taken (default: the first of each scenario)");
+  CLI::Option* play_games = page_command->add_flag(
+      "--play", paged->play, "Plays the games again that it shows, into SWEEP/games, and links to their pages");
+  whole_number(page_command->add_option("-j", paged->jobs, "Games at once"), 1, 256)->needs(play_games);
+  page_command->callback([paged, &action] { action = [paged] { return page(*paged); }; });
 
   auto compared = std::make_shared<CompareOptions>();
   CLI::App* compare_command = bench.add_subcommand(

@@ -9,11 +9,9 @@
 
 namespace cxlab::lab {
 
-namespace {
-
 using CellKind = Column::Kind;
 
-std::string shown(const TableCell& cell, CellKind kind) {
+std::string shown_text(const TableCell& cell, CellKind kind) {
   if (!cell.shown.empty()) return cell.shown;
   const auto number = [kind](double value) {
     switch (kind) {
@@ -30,6 +28,8 @@ std::string shown(const TableCell& cell, CellKind kind) {
     return number(stretch->first) + '-' + number(stretch->second);
   return "-";
 }
+
+namespace {
 
 Json json_of(const TableCell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell.value)) return *text;
@@ -73,7 +73,7 @@ std::vector<std::size_t> widths_of(const Table& table, std::size_t room) {
   }
   for (const auto& row : table.rows)
     for (std::size_t i = 0; i < columns; ++i) {
-      const std::string text = shown(row[i], table.columns[i].kind);
+      const std::string text = shown_text(row[i], table.columns[i].kind);
       widths[i] = std::max(widths[i], width_of(text));
       for (const std::string& word : broken_at(text, 0)) least[i] = std::max(least[i], width_of(word));
     }
@@ -122,7 +122,7 @@ std::string table_text(const Table& table, std::size_t width) {
   };
   if (!table.title.empty()) out += table.title + ":\n";
   add_row([&](std::size_t i) { return table.columns[i].title; });
-  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown(row[i], table.columns[i].kind); });
+  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown_text(row[i], table.columns[i].kind); });
   if (table.rows.empty()) out += "none\n";
   return out;
 }
@@ -201,7 +201,7 @@ std::string table_markdown(const Table& table) {
   add_row([&](std::size_t i) { return table.columns[i].title; });
   for (const Column& column : table.columns) rule += column.kind == CellKind::kText ? "---|" : "---:|";
   out += rule + '\n';
-  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown(row[i], table.columns[i].kind); });
+  for (const auto& row : table.rows) add_row([&](std::size_t i) { return shown_text(row[i], table.columns[i].kind); });
   return out;
 }
 
@@ -247,7 +247,7 @@ std::string table_latex(const Table& table) {
   out += "\\hline\n";
   for (const auto& row : table.rows)
     add_row([&](std::size_t i) {
-      const std::string text = shown(row[i], table.columns[i].kind);
+      const std::string text = shown_text(row[i], table.columns[i].kind);
       return table.columns[i].kind == CellKind::kText ? latex_text(text) : latex_number(text);
     });
   return out + "\\hline\n\\end{tabular}\n";

@@ -123,6 +123,10 @@ Status check_metrics(const Scenario& scenario) {
       if (std::vector<double> values; !path.empty() && (!collect(sample, path, values) || values.empty()))
         return bug_error(what + "from '" + std::string(path) + "', but its sample of result.json has no number there");
   }
+  for (const Metric& metric : world.metrics)
+    if (!metric.part_of.empty() && !names.contains(metric.part_of))
+      return bug_error("the world " + std::string(world.name) + " declares a metric '" + std::string(metric.name) +
+                       "' as a part of '" + std::string(metric.part_of) + "', which is none of its metrics");
   return {};
 }
 

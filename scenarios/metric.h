@@ -31,6 +31,8 @@ struct Metric {
   bool of_machine = false;  ///< depends on the machine and the hour: kept out of files that are compared byte for byte
   std::string_view title = {};  ///< of its column in the table of `bench`; empty: it is in the rows only
   int digits = 1;               ///< after the point, in that table
+  /// The metric whose value this one is a share of, by name: all parts of `points` add up to it. Empty: of none.
+  std::string_view part_of = {};
 };
 
 /// "sum of teams.*.points", "mean of robots.*.busy_s / sim_time_s".

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <variant>
 
+#include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/metric.h"
 
@@ -178,6 +181,117 @@ Status write_index(const std::vector<Row>& rows, const Suite& suite, const fs::p
                     std::int64_t{!world->metrics.empty() && metric == &world->metrics.front()}});
   for (const Row& row : rows) insert_row(row, metrics, out);
   return put_in_place(out.close(), part, file);
+}
+
+namespace {
+
+/// A database that is read. The first error stays, and later calls do nothing.
+class IndexReader {
+ public:
+  explicit IndexReader(const fs::path& file) : file_(file) {
+    note(sqlite3_open_v2(file.c_str(), &database_, SQLITE_OPEN_READONLY, nullptr));
+  }
+  ~IndexReader() { sqlite3_close_v2(database_); }
+  IndexReader(const IndexReader&) = delete;
+  IndexReader& operator=(const IndexReader&) = delete;
+
+  using Result = sqlite3_stmt*;
+  /// Calls `take` with each row of the answer.
+  void each(const std::string& sql, const std::function<void(Result)>& take) {
+    if (!status_) return;
+    Result statement = nullptr;
+    note(sqlite3_prepare_v2(database_, sql.c_str(), -1, &statement, nullptr));
+    int code = SQLITE_DONE;
+    while (status_ && (code = sqlite3_step(statement)) == SQLITE_ROW) take(statement);
+    if (status_ && code != SQLITE_DONE) note(code);
+    sqlite3_finalize(statement);
+  }
+  const Status& status() const { return status_; }
+
+  static std::string text(Result row, int column) {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
+    return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(row, column))) : std::string();
+  }
+
+ private:
+  void note(int code) {
+    if (code == SQLITE_OK) return;
+    const char* said = database_ ? sqlite3_errmsg(database_) : sqlite3_errstr(code);
+    status_ = input_error(std::string("is no index of a sweep: ") + said, file_.string());
+  }
+
+  fs::path file_;
+  sqlite3* database_ = nullptr;
+  Status status_;
+};
+
+}  // namespace
+
+Expected<std::vector<IndexedRow>> read_index(const fs::path& file) {
+  IndexReader in(file);
+  int version = 0;
+  in.each("PRAGMA user_version", [&version](auto row) { version = sqlite3_column_int(row, 0); });
+  if (in.status() && version != kIndexSchema)
+    return input_error("is an index of version " + std::to_string(version) + ", expected " +
+                           std::to_string(kIndexSchema) + "; cxlab bench SUITE --collect DIR --out DIR writes it anew",
+                       file.string());
+  std::map<std::string, std::string> compared;  // by world
+  std::set<std::string> of_machine;
+  in.each("SELECT world, name, of_machine, compared FROM metrics", [&](auto row) {
+    if (sqlite3_column_int(row, 2) != 0) of_machine.insert(IndexReader::text(row, 1));
+    if (sqlite3_column_int(row, 3) != 0) compared[IndexReader::text(row, 0)] = IndexReader::text(row, 1);
+  });
+  std::vector<IndexedRow> out;
+  std::map<std::int64_t, std::size_t> places;  // by cell
+  in.each(
+      "SELECT cell, key, scenario, strategy, game, seed, status, exit, world, journal_hash, cpu_s, peak_rss_mb, host, "
+      "agent_commit, program, command, row, * FROM runs ORDER BY cell",
+      [&](auto found) {
+        constexpr int kRow = 16;  // the column `row`
+        const auto text = [found](int column) { return IndexReader::text(found, column); };
+        places[sqlite3_column_int64(found, 0)] = out.size();
+        IndexedRow& one = out.emplace_back();
+        Row& row = one.row;
+        row.cell.number = static_cast<std::size_t>(sqlite3_column_int64(found, 0));
+        row.key = text(1);
+        row.cell.scenario = text(2);
+        row.cell.strategy = text(3);
+        row.cell.game = text(4);
+        row.cell.seed = read_number<std::uint64_t>(text(5)).value_or(0);
+        row.status = text(6);
+        row.exit_code = sqlite3_column_int(found, 7);
+        row.world = text(8);
+        if (const auto metric = compared.find(row.world); metric != compared.end()) row.compared = metric->second;
+        row.journal_hash = text(9);
+        row.circumstances = {sqlite3_column_double(found, 10), sqlite3_column_double(found, 11), text(12), text(13)};
+        row.program = text(14);
+        one.command = text(15);
+        one.file = text(kRow);
+        const int columns = sqlite3_column_count(found);
+        bool is_metric = false;
+        for (int i = kRow + 1; i < columns; ++i) {
+          const std::string name = sqlite3_column_name(found, i);
+          if (is_metric)
+            row.figures.push_back({name,
+                                   sqlite3_column_type(found, i) == SQLITE_NULL
+                                       ? std::nullopt
+                                       : std::optional(sqlite3_column_double(found, i)),
+                                   of_machine.contains(name)});
+          is_metric |= name == "row";  // the last one before those of metrics
+        }
+      });
+  in.each("SELECT cell, kind, text FROM messages ORDER BY cell, number", [&](auto found) {
+    if (const auto place = places.find(sqlite3_column_int64(found, 0)); place != places.end()) {
+      Row& row = out[place->second].row;
+      (IndexReader::text(found, 1) == "error" ? row.errors : row.warnings).push_back(IndexReader::text(found, 2));
+    }
+  });
+  in.each("SELECT cell, name, value FROM parameters ORDER BY cell", [&](auto found) {
+    if (const auto place = places.find(sqlite3_column_int64(found, 0)); place != places.end())
+      out[place->second].row.cell.parameters.push_back({IndexReader::text(found, 1), IndexReader::text(found, 2)});
+  });
+  if (!in.status()) return in.status().error();
+  return out;
 }
 
 }  // namespace cxlab::lab

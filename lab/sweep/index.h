@@ -1,6 +1,7 @@
 #pragma once
 // runs.sqlite: the rows of a sweep as an SQLite database, for pandas, DuckDB and Datasette. The schema is documented in
-// docs/bench.md. It is made from the rows anew each time, and replaced whole.
+// docs/bench.md. It is made from the rows anew each time, and replaced whole, so that it never has a journal of SQLite's
+// beside it, which who may only read it could not take back after a kill.
 
 #include <filesystem>
 #include <vector>
@@ -16,5 +17,14 @@ inline constexpr int kIndexSchema = 1;
 
 /// Rows whose cells are those of the suite. kResource if it cannot be written; the old file then stays.
 Status write_index(const std::vector<Row>& rows, const Suite& suite, const std::filesystem::path& file);
+
+/// A row of the index, and the command that plays its game again on the machine that wrote the index.
+struct IndexedRow {
+  Row row;              ///< without overrides and files
+  std::string command;  ///< of a shell
+  std::string file;     ///< its name in the folder of the sweep: "rows/game-fast-1-0a1b2c3d.json"
+};
+/// The rows by cell. kInput if the file is no index of this version.
+Expected<std::vector<IndexedRow>> read_index(const std::filesystem::path& file);
 
 }  // namespace cxlab::lab

@@ -245,10 +245,7 @@ Expected<std::vector<Answer>> Judge::judge(const std::vector<Row>& rows,
       const auto& [scenario, strategy] = contestant;
       if (!requirement.strategy.empty() && strategy != requirement.strategy) continue;
       if (!before && strategy == requirement.than) continue;
-      std::vector<Row> of_scenario;
-      std::ranges::copy_if(rows, std::back_inserter(of_scenario),
-                           [&](const Row& row) { return row.cell.scenario == scenario; });
-      const auto metric = metric_of(of_scenario, requirement.metric, *catalogue_);
+      const auto metric = metric_of(rows, requirement.metric, *catalogue_, &scenario);
       if (!metric)
         return at(requirement.origin,
                   input_error("'" + requirement.text + "', " + scenario + ": " + metric.error().message));
@@ -291,12 +288,8 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
       continue;
     }
     used.insert(other);
-    std::vector<Row> both;
-    for (const auto* rows : {&before, &now})
-      std::ranges::copy_if(*rows, std::back_inserter(both), [&](const Row& row) {
-        return row.cell.scenario == (rows == &before ? other.first : scenario);
-      });
-    const auto found = metric_of(both, metric, catalogue);
+    auto found = metric_of(now, metric, catalogue, &scenario);
+    if (!found) found = metric_of(before, metric, catalogue, &other.first);
     if (!found) return found.error();
     Answer answer;
     answer.scenario = scenario;
@@ -345,10 +338,7 @@ Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, c
     const auto& [scenario, strategy] = contestant;
     const std::string first = against.empty() ? sorted.strategies_in(scenario).front() : against;
     if (strategy == first || !sorted.of.contains({scenario, first})) continue;
-    std::vector<Row> of_scenario;
-    std::ranges::copy_if(rows, std::back_inserter(of_scenario),
-                         [&](const Row& row) { return row.cell.scenario == scenario; });
-    const auto found = metric_of(of_scenario, metric, catalogue);
+    const auto found = metric_of(rows, metric, catalogue, &scenario);
     if (!found) return found.error();
     Answer answer;
     answer.scenario = scenario;

@@ -189,10 +189,12 @@ Expected<std::vector<Row>> read_rows(const fs::path& sweep, const Catalogue& cat
   return rows;
 }
 
-Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name, const Catalogue& catalogue) {
+Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name, const Catalogue& catalogue,
+                                 const std::string* scenario) {
   std::vector<std::string> names;  // that have a value
   std::string wanted = name;
   for (const Row& row : rows) {
+    if (scenario && row.cell.scenario != *scenario) continue;
     if (wanted.empty()) wanted = row.compared;
     for (const Figure& figure : row.figures)
       if (figure.value && std::ranges::find(names, figure.metric) == names.end()) names.push_back(figure.metric);

@@ -25,8 +25,8 @@ struct MetricOfRows {
   int digits = 1;
 };
 /// The metric of that name in these rows; with an empty name the one that their world compares. Fails if no row has a
-/// value of it.
+/// value of it. With `scenario` only the rows of that one count.
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name,
-                                 const Catalogue& catalogue = shipped());
+                                 const Catalogue& catalogue = shipped(), const std::string* scenario = nullptr);
 
 }  // namespace cxlab::lab

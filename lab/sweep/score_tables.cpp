@@ -49,23 +49,22 @@ struct Scores {
 
 Expected<std::vector<Scores>> scores_of(const std::vector<Row>& rows, const std::string& metric,
                                         const Catalogue& catalogue) {
-  std::map<std::string, std::vector<Row>> by_scenario;
-  for (const Row& row : rows) by_scenario[row.cell.scenario].push_back(row);
   std::map<std::string, MetricOfRows> metrics;
-  for (const auto& [scenario, of_scenario] : by_scenario) {
-    const auto found = metric_of(of_scenario, metric, catalogue);
+  for (const Row& row : rows) {
+    const std::string& scenario = row.cell.scenario;
+    if (metrics.contains(scenario)) continue;
+    const auto found = metric_of(rows, metric, catalogue, &scenario);
     if (!found) return input_error(scenario + ": " + found.error().message);
     metrics[scenario] = *found;
   }
   std::vector<Scores> out;
+  std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const Row& row : rows) {
-    auto one = std::ranges::find_if(out, [&row](const Scores& scores) {
-      return scores.scenario == row.cell.scenario && scores.strategy == row.cell.strategy;
-    });
-    if (one == out.end())
-      one = out.insert(out.end(), Scores{row.cell.scenario, row.cell.strategy, metrics.at(row.cell.scenario), 0, {}});
-    ++one->episodes;
-    if (const auto value = row.counts() ? row.figure(one->metric.name) : std::nullopt) one->values.push_back(*value);
+    const auto [place, is_new] = places.try_emplace({row.cell.scenario, row.cell.strategy}, out.size());
+    if (is_new) out.push_back({row.cell.scenario, row.cell.strategy, metrics.at(row.cell.scenario), 0, {}});
+    Scores& one = out[place->second];
+    ++one.episodes;
+    if (const auto value = row.counts() ? row.figure(one.metric.name) : std::nullopt) one.values.push_back(*value);
   }
   return out;
 }
@@ -255,6 +254,40 @@ Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& m
     table.rows.push_back(std::move(row));
   }
   set_title(table, "share of games that reach a figure");
+  return table;
+}
+
+std::vector<const Metric*> parts_of(const std::vector<Row>& rows, const std::string& metric,
+                                    const Catalogue& catalogue) {
+  std::vector<const Metric*> out;
+  for (const Row& row : rows) {
+    const WorldKind* const world = catalogue.find_world(row.world);
+    if (!world) continue;
+    for (const Metric& one : world->metrics)
+      if (one.part_of == metric) out.push_back(&one);
+    break;
+  }
+  return out;
+}
+
+Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric, const Catalogue& catalogue) {
+  const auto whole = scores_of(rows, metric, catalogue);
+  if (!whole) return whole.error();
+  Table table{"parts", "", {{"scenario", "scenario"}, {"strategy", "strategy"}, {"metric", "metric"}}, {}};
+  for (const Scores& one : *whole) {
+    std::vector<TableCell> row{one.scenario, one.strategy, one.metric.title};
+    row.push_back(number_cell(statistics::mean(one.values), one.metric.digits));
+    table.rows.push_back(std::move(row));
+  }
+  table.columns.push_back({"mean", "mean", Kind::kNumber});
+  for (const Metric* part : parts_of(rows, whole->front().metric.name, catalogue)) {
+    const auto scores = scores_of(rows, std::string(part->name), catalogue);
+    if (!scores) continue;  // no game has any
+    table.columns.push_back({std::string(part->name), std::string(part->what), Kind::kNumber});
+    for (std::size_t i = 0; i < scores->size(); ++i)
+      table.rows[i].push_back(number_cell(statistics::mean((*scores)[i].values), part->digits));
+  }
+  set_title(table, "means by kind");
   return table;
 }
 

@@ -22,10 +22,16 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
 /// A line for each strategy and scenario: the share of games that reach each of some thresholds.
 Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& metric,
                               const Catalogue& catalogue = shipped());
+/// A line for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of).
+Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric,
+                           const Catalogue& catalogue = shipped());
 /// A line for each answer that is a difference.
 Table difference_table(const std::vector<Answer>& answers);
 /// A line for each answer to a requirement.
 Table requirement_table(const std::vector<Answer>& answers);
+/// The metrics that are parts of the one of that name in the world of the rows; none: it has no parts.
+std::vector<const Metric*> parts_of(const std::vector<Row>& rows, const std::string& metric,
+                                    const Catalogue& catalogue = shipped());
 /// What the tables do not show: games that were not completed.
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers);
 

@@ -291,6 +291,26 @@ std::string shell_word(const std::string& text) {
   return !text.empty() && text.find_first_not_of(kPlain) == text.npos ? text : in_quotes(text, kShellQuote);
 }
 
+std::vector<std::string> words_of_shell(const std::string& command) {
+  std::vector<std::string> out;
+  bool in_word = false, quoted = false;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    if (command[i] == ' ' && !quoted) {
+      in_word = false;
+      continue;
+    }
+    if (!in_word) out.emplace_back();
+    in_word = true;
+    if (command[i] == '\'')
+      quoted = !quoted;
+    else if (command[i] == '\\' && !quoted && i + 1 < command.size())
+      out.back() += command[++i];
+    else
+      out.back() += command[i];
+  }
+  return out;
+}
+
 std::vector<std::string> portable_overrides(const Cell& cell) {
   std::vector<std::string> out = cell.overrides;
   for (std::string& item : out)

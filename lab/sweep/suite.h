@@ -67,6 +67,8 @@ std::string command_of(const Cell& cell);
 
 /// The text as one word of a shell.
 std::string shell_word(const std::string& text);
+/// The words of a command that is made of `shell_word`s and blanks.
+std::vector<std::string> words_of_shell(const std::string& command);
 
 struct Suite {
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice

@@ -172,11 +172,14 @@ class CellPlayer {
         matcher_(*suite.catalogue, program_digest()),
         found_(cells.size()) {}
 
-  /// The rows of all cells, or those that there were before a stop.
-  Expected<std::vector<Row>> rows() {
+  /// The rows of all cells, or those that there were before a stop. `tables`: the tables grow with them.
+  Expected<std::vector<Row>> rows(bool tables) {
     keep();
     if (!open_.empty())
       if (const auto warning = warning_without_wall()) host_.note(*warning);
+    tables_grow_ = tables && !open_.empty();
+    if (progress_.done > 0)
+      if (Status s = grow_tables(); !s) return s.error();
     auto next = open_.begin();
     while ((next != open_.end() || !running_.empty()) && !host_.stopped()) {
       for (; next != open_.end() && running_.size() < static_cast<std::size_t>(options_.jobs); ++next)
@@ -235,6 +238,7 @@ class CellPlayer {
   }
 
   Status take_ended() {
+    bool has_new_rows = false;
     for (auto it = running_.begin(); it != running_.end();) {
       const double seconds = wall_seconds_since(it->begin);
       auto code = it->process.wait_for(0);
@@ -250,7 +254,25 @@ class CellPlayer {
       remaining_.ended(kind_of(cells_[it->cell]), seconds);
       if (Status s = take(*it, *code); !s) return s;
       it = running_.erase(it);
+      has_new_rows = true;
     }
+    return has_new_rows ? grow_tables() : Status();
+  }
+
+  /// Writes the tables of the rows so far, unless they were written a short while ago: a writing that takes a second
+  /// is followed by a hundred seconds without one, so all of them take at most a hundredth of the sweep. They are
+  /// replaced whole, so a reader, and whoever kills this process, leaves and finds a complete index.
+  Status grow_tables() {
+    constexpr double kShare = 0.01;
+    if (!tables_grow_ || progress_.done == progress_.total) return {};  // the whole tables come next
+    if (wall_seconds_since(tables_written_) * kShare < tables_take_s_) return {};
+    const Clock::time_point begin = Clock::now();
+    std::vector<Row> rows;
+    for (const std::optional<Row>& row : found_)
+      if (row) rows.push_back(*row);
+    if (Status s = folder_.write_tables(rows, suite_); !s) return s;
+    tables_written_ = Clock::now();
+    tables_take_s_ = wall_seconds_since(begin);
     return {};
   }
 
@@ -336,6 +358,9 @@ class CellPlayer {
   RemainingTime remaining_;
   std::set<std::string> warnings_;  // that were printed
   GamesProgress progress_;
+  bool tables_grow_ = false;
+  Clock::time_point tables_written_{};
+  double tables_take_s_ = 0;  // the last time
 };
 
 /// What a row says of its game, without where and when it was played and how the suite calls it.
@@ -363,7 +388,7 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
   if (!folder) return folder.error();
   folder->remove_unfinished();
   const std::vector<Cell> cells = suite.cells();
-  auto rows = CellPlayer(suite, cells, options, host, *folder).rows();
+  auto rows = CellPlayer(suite, cells, options, host, *folder).rows(true);
   if (!rows) return rows.error();
   if (Status s = folder->write_tables(*rows, suite); !s) return s.error();
   return rows;
@@ -373,7 +398,7 @@ Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell
                                       const Host& host) {
   auto folder = RowFolder::open(options.folder, FolderUse::kTogether);
   if (!folder) return folder.error();
-  return CellPlayer(suite, cells, options, host, *folder).rows();
+  return CellPlayer(suite, cells, options, host, *folder).rows(false);
 }
 
 Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& from, const fs::path& folder,
