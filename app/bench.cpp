@@ -13,10 +13,12 @@
 #include "app/console.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "cx/journal/run_folder.h"
 #include "lab/sweep/judged_sweep.h"
 #include "lab/sweep/score_tables.h"
 #include "lab/sweep/slurm.h"
 #include "lab/sweep/sweep.h"
+#include "lab/sweep/sweep_page.h"
 #include "lab/sweep/table.h"
 #include "lab/table_text.h"
 
@@ -33,7 +35,8 @@ struct BenchOptions {
   int jobs = 1;
   double time_limit_s = 0;
   std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
-  bool json = false, quiet = false, verbose = false, cells = false, slurm = false, all = false;
+  bool json = false, quiet = false, verbose = false, cells = false, missing = false, slurm = false,
+       all = false;
 
   fs::path folder() const {
     return out.empty() ? fs::path("runs") / ("bench-" + fs::path(suite).stem().string()) : fs::path(out);
@@ -42,6 +45,15 @@ struct BenchOptions {
 
 bool all_count(const std::vector<lab::Row>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const lab::Row& row) { return row.counts(); });
+}
+
+/// Writes the page of the sweep. The table is the answer, so a page that cannot be made is only reported.
+void write_page(const BenchOptions& options, const lab::Host& host) {
+  const fs::path file = options.folder() / "index.html";
+  const auto sweep = lab::read_sweep(options.folder(), catalogue());
+  const auto page = sweep ? lab::sweep_page(*sweep, nullptr, {.file = file}, catalogue()) : sweep.error();
+  const Status written = page ? replace_file(file, *page) : page.error();
+  if (!written) host.note("no page is written: " + written.error().text());
 }
 
 /// The table, and where `judged` is given what the requirements of the suite have come to. Returns the exit code.
@@ -79,26 +91,33 @@ int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
 int list_cells(const lab::Suite& suite, const BenchOptions& options) {
   constexpr std::size_t kAtOnce = 1000;  // a suite may have a million
   Json list = Json::array();
-  for (std::size_t first = 1; first <= suite.size(); first += kAtOnce)
-    for (const lab::Cell& cell : suite.cells(first, std::min(first + kAtOnce - 1, suite.size()))) {
-      if (!options.json) {
-        std::string title = lab::title_of(cell);
-        std::ranges::replace(title, '\n', ' ');
-        std::printf("%zu\t%s\n", cell.number, title.c_str());
-        continue;
-      }
-      Json parameters = Json::object();
-      for (const lab::Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
-      list.push_back({{"cell", cell.number},
-                      {"scenario", cell.scenario},
-                      {"strategy", cell.strategy},
-                      {"game", cell.game},
-                      {"seed", cell.seed},
-                      {"parameters", std::move(parameters)},
-                      {"tags", cell.tags},
-                      {"row", "rows/" + lab::row_name(cell) + ".json"},
-                      {"command", lab::command_of(cell)}});
+  const auto add = [&list, &options](const lab::Cell& cell) {
+    if (!options.json) {
+      std::string title = lab::title_of(cell);
+      std::ranges::replace(title, '\n', ' ');
+      std::printf("%zu\t%s\n", cell.number, title.c_str());
+      return;
     }
+    Json parameters = Json::object();
+    for (const lab::Parameter& parameter : cell.parameters) parameters[parameter.name] = parameter.value;
+    list.push_back({{"cell", cell.number},
+                    {"scenario", cell.scenario},
+                    {"strategy", cell.strategy},
+                    {"game", cell.game},
+                    {"seed", cell.seed},
+                    {"parameters", std::move(parameters)},
+                    {"tags", cell.tags},
+                    {"row", "rows/" + lab::row_name(cell) + ".json"},
+                    {"command", lab::command_of(cell)}});
+  };
+  if (options.missing) {
+    const auto cells = lab::missing_cells(suite, options.folder());
+    if (!cells) return fail(cells.error());
+    for (const lab::Cell& cell : *cells) add(cell);
+  } else {
+    for (std::size_t first = 1; first <= suite.size(); first += kAtOnce)
+      for (const lab::Cell& cell : suite.cells(first, std::min(first + kAtOnce - 1, suite.size()))) add(cell);
+  }
   if (options.json) std::printf("%s\n", json_text(list, 2).c_str());
   return 0;
 }
@@ -174,6 +193,7 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
                           ? std::nullopt
                           : std::optional(lab::judged_rows(suite, found->rows));
   if (judged && !*judged) return fail(judged->error());
+  if (!found->rows.empty()) write_page(options, host);
   const int code = print_table(found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
     return fail(
@@ -227,12 +247,14 @@ int bench(const BenchOptions& options) {
     console.clear();
     if (!judged) return fail(judged.error());
     if (const int code = interrupted(finished_text(judged->rows.size(), suite->size()))) return code;
+    write_page(options, host);
     return print_table(judged->rows, options, &*judged);
   }
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);
   console.clear();
   if (!rows) return fail(rows.error());
   if (const int code = interrupted(finished_text(rows->size(), suite->size()))) return code;
+  write_page(options, host);
   return print_table(*rows, options);
 }
 
@@ -247,6 +269,7 @@ void add_bench(CLI::App& app, Action& action) {
       "  cxlab bench benchmarks/rcll.yaml --cell 17 --out rows-of-this-machine\n"
       "  cxlab bench benchmarks/rcll.yaml --collect rows-of-* --out runs/bench-rcll\n"
       "  cxlab bench show runs/bench-rcll --format markdown\n"
+      "  cxlab bench page runs/bench-rcll --play -j 2\n"
       "  cxlab bench compare runs/before runs/after");
   add_limit_options(*command);
   CLI::Option* suite = command->add_option("suite", options->suite, "Suite file (YAML)");
@@ -258,6 +281,10 @@ void add_bench(CLI::App& app, Action& action) {
       ->type_name("S");
   CLI::Option* cells =
       command->add_flag("--cells", options->cells, "Lists the cells of the suite by number, and plays nothing");
+  command
+      ->add_flag("--missing", options->missing,
+                 "With --cells: only those without a current row in the folder of --out, which a sweep would play")
+      ->needs(cells);
   CLI::Option* cell =
       command->add_option("--cell", options->cell, "Plays only this cell, or those of a range: writes their rows")
           ->type_name("N[..M]");

@@ -60,7 +60,10 @@ class IndexWriter {
   explicit IndexWriter(const fs::path& file) : file_(file) {
     note(sqlite3_open_v2(file.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr));
   }
-  ~IndexWriter() { sqlite3_close_v2(database_); }
+  ~IndexWriter() {
+    finalize();
+    sqlite3_close_v2(database_);
+  }
   IndexWriter(const IndexWriter&) = delete;
   IndexWriter& operator=(const IndexWriter&) = delete;
 
@@ -69,16 +72,20 @@ class IndexWriter {
   }
   void insert(const std::string& table, const std::vector<Value>& values) {
     if (!status_) return;
-    std::string sql = "INSERT INTO " + table + " VALUES (";
-    for (std::size_t i = 0; i < values.size(); ++i) sql += i == 0 ? "?" : ", ?";
-    sqlite3_stmt* statement = nullptr;
-    note(sqlite3_prepare_v2(database_, (sql + ')').c_str(), -1, &statement, nullptr));
+    sqlite3_stmt*& statement = inserts_[table];
+    if (!statement) {
+      std::string sql = "INSERT INTO " + table + " VALUES (";
+      for (std::size_t i = 0; i < values.size(); ++i) sql += i == 0 ? "?" : ", ?";
+      note(sqlite3_prepare_v2(database_, (sql + ')').c_str(), -1, &statement, nullptr));
+    }
     for (std::size_t i = 0; status_ && i < values.size(); ++i) bind(statement, static_cast<int>(i) + 1, values[i]);
     if (status_ && sqlite3_step(statement) != SQLITE_DONE) note(sqlite3_errcode(database_));
-    sqlite3_finalize(statement);
+    sqlite3_reset(statement);
+    sqlite3_clear_bindings(statement);
   }
   Status close() {
     run("COMMIT; PRAGMA user_version = " + std::to_string(kIndexSchema));
+    finalize();
     const int code = sqlite3_close(database_);
     database_ = nullptr;
     if (status_) note(code);
@@ -86,6 +93,10 @@ class IndexWriter {
   }
 
  private:
+  void finalize() {
+    for (const auto& [table, statement] : inserts_) sqlite3_finalize(statement);
+    inserts_.clear();
+  }
   void note(int code) {
     if (code == SQLITE_OK) return;
     const char* said = database_ ? sqlite3_errmsg(database_) : sqlite3_errstr(code);
@@ -102,6 +113,7 @@ class IndexWriter {
 
   fs::path file_;
   sqlite3* database_ = nullptr;
+  std::map<std::string, sqlite3_stmt*> inserts_;  // by table
   Status status_;
 };
 

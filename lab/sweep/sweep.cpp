@@ -401,6 +401,16 @@ Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell
   return CellPlayer(suite, cells, options, host, *folder).rows(false);
 }
 
+Expected<std::vector<Cell>> missing_cells(const Suite& suite, const fs::path& folder) {
+  auto rows = RowFolder::open(folder, FolderUse::kTogether);
+  if (!rows) return rows.error();
+  RowMatcher matcher(*suite.catalogue, program_digest());
+  std::vector<Cell> out;
+  for (const Cell& cell : suite.cells())
+    if (!rows->find(cell, matcher)) out.push_back(cell);
+  return out;
+}
+
 Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& from, const fs::path& folder,
                             const Host& host) {
   for (const fs::path& source : from)

@@ -21,9 +21,9 @@ struct SweepRecord {
 Expected<SweepRecord> read_sweep(const std::filesystem::path& path, const Catalogue& catalogue = shipped());
 
 struct SweepPageOptions {
-  std::string metric;   ///< empty: the one that the world compares
-  std::string against;  ///< the strategy from which differences are taken; empty: the first of each scenario
-  std::filesystem::path file;  ///< of the page: links are relative to its folder
+  std::string metric{};   ///< empty: the one that the world compares
+  std::string against{};  ///< the strategy from which differences are taken; empty: the first of each scenario
+  std::filesystem::path file{};  ///< of the page: links are relative to its folder
 };
 
 /// Scores, differences, profiles and parts of the metric; the worst and the best games, with the commands that play them

@@ -1,6 +1,7 @@
 """cxlab bench: grids, single cells, collected rows, the index, crashes and kills. python3 -m unittest sweeps"""
 
 import csv
+import html
 import json
 import os
 import pathlib
@@ -12,8 +13,9 @@ import signal
 import sqlite3
 import subprocess
 import time
+import xml.etree.ElementTree
 
-from lab import CONFIG, CXLAB, Lab
+from lab import CONFIG, CXLAB, SOURCE, Lab
 
 RULES = """(defrule draw (time ?) => (assert (drawn (random))))
 """
@@ -271,6 +273,112 @@ class Sweeps(Lab):
         self.assertRegex(said[2], r"^\[3/6\] game duration_s=2 seed 1: completed, exit 0 \(\d+:\d\d left\)$")
         self.assertEqual(len(self.bench("--out", "t").stderr.splitlines()), 1, "the last game")
         self.assertEqual(self.bench("--quiet", "--out", "u").stderr, "")
+
+    def test_the_index_grows_and_a_kill_leaves_a_complete_one(self):
+        self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..200"'))
+        process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--quiet", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        sizes = []
+        for _ in range(3000):
+            if (self.home / "r/runs.sqlite").exists():
+                ((size,),) = self.query(self.home / "r", "SELECT count(*) FROM runs")
+                if not sizes or size != sizes[-1]:
+                    sizes.append(size)
+                if len(sizes) == 4:
+                    break
+            time.sleep(0.01)
+        process.kill()
+        process.wait(30)
+        self.assertEqual(len(sizes), 4)
+        self.assertEqual(sizes, sorted(sizes))
+        self.assertLess(sizes[-1], 600)
+        self.assertEqual(list((self.home / "r").glob("runs.sqlite-*")), [], "no journal of SQLite's")
+        with open(self.home / "r/rows.csv", newline="") as table:
+            self.assertGreaterEqual(len(list(csv.DictReader(table))), sizes[-1])
+        # The next start has the rows that came after it, too, before it has played anything.
+        kept = len(self.rows(self.home / "r"))
+        self.write("home/suite.yaml", SUITE.replace("[1, 2]", f'"1..200"').replace("duration_s: [2, 3]", "duration_s: [2, 1000000]"))
+        for _ in range(200):
+            process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            said = process.stderr.readline()
+            if "are current and kept" in said:
+                break
+            process.wait(30)  # the last child of the killed sweep has not gone
+            process.stderr.close()
+            time.sleep(0.05)
+        self.assertTrue(said.startswith(f"{kept} rows"), said)
+        for _ in range(500):
+            ((size,),) = self.query(self.home / "r", "SELECT count(*) FROM runs")
+            if size >= kept:
+                break
+            time.sleep(0.02)
+        process.kill()
+        process.wait(30)
+        process.stderr.close()
+        self.assertGreaterEqual(size, kept)
+
+    def test_cells_that_are_missing_are_listed(self):
+        missing = lambda *arguments: [line.split("\t")[0] for line in self.bench("--cells", "--missing", "--out", "r", *arguments).stdout.splitlines()]
+        self.assertEqual(missing(), ["1", "2", "3", "4", "5", "6"])
+        self.bench("--cell", "2..4", "--out", "r")
+        self.assertEqual(missing(), ["1", "5", "6"])
+        self.assertEqual([cell["cell"] for cell in json.loads(self.bench("--cells", "--missing", "--json", "--out", "r").stdout)], [1, 5, 6])
+        self.bench("--out", "r")
+        self.assertEqual(missing(), [])
+        self.write("home/rules/rules.clp", RULES + "; changed\n")
+        self.assertEqual(len(missing()), 6)
+        self.assertIn("--missing requires --cells", self.bench("--missing", code=2).stderr)
+
+    def test_the_page_has_the_games_with_the_commands_that_play_them_again(self):
+        self.bench("--out", "r")
+        page = self.home / "r/index.html"
+        self.assertNotIn("its run", page.read_text())
+        show = lambda *arguments, code=0: subprocess.run([CXLAB, "bench", "page", *arguments], cwd=self.home, text=True, capture_output=True, timeout=120)
+        done = show("r", "--play", "-j", "2")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "r/index.html\n", ""))
+        links = re.findall(r'<a href="(games/[^"]*)">its run', page.read_text())
+        self.assertEqual(len(links), 6)
+        for link, journal in zip(sorted(links), [journal for (journal,) in self.query(self.home / "r", "SELECT journal_hash FROM runs ORDER BY row")], strict=True):
+            self.assertTrue((page.parent / link).is_file())
+            self.assertEqual(json.loads((page.parent / link).with_name("result.json").read_text())["journal_hash"], journal)
+        # A command of the page plays its game, from any folder.
+        command = html.unescape(re.search(r"<code>(cxlab run [^<]*)</code>", page.read_text())[1])
+        words = shlex.split(command)
+        shutil.rmtree(words[-1])
+        subprocess.run([CXLAB, *words[1:], "--quiet"], cwd="/", check=True, stdout=subprocess.DEVNULL, timeout=60)
+        self.assertTrue(os.path.exists(f"{words[-1]}/index.html"))
+        # Elsewhere the links still lead there; a game that goes otherwise now is reported.
+        self.assertEqual(show("r", "--out", "elsewhere.html").returncode, 0)
+        for link in re.findall(r'<a href="([^"]*)">its run', (self.home / "elsewhere.html").read_text()):
+            self.assertTrue((self.home / link).is_file(), link)
+        shutil.rmtree(self.home / "r/games")
+        self.write("home/rules/rules.clp", RULES.replace("(random)", "(random) 1"))
+        self.assertEqual(len(re.findall("goes otherwise now", show("r", "--play").stderr)), 6)
+        # Two sweeps; and what cannot be used.
+        self.bench("--out", "s")
+        self.assertEqual(show("s", "r").returncode, 0)
+        self.assertIn("Compared with r: ", (self.home / "s/index.html").read_text())
+        for arguments, code, said in ((["r/rows.csv"], 2, "expected --out FILE.html"), (["nowhere", "--out", "x.html"], 3, "there is no such sweep"),
+                                      (["r", "--metric", "pints"], 3, "no row has a metric 'pints'"), (["r", "-j", "2"], 2, "--play")):
+            with self.subTest(arguments=arguments):
+                done = show(*arguments)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertIn(said, done.stderr)
+        self.assertEqual(show("r/rows.csv", "--out", "table.html").returncode, 0)
+
+    def test_four_commands_lead_from_a_suite_to_a_figure(self):
+        section = (SOURCE / "docs/bench.md").read_text().split("### From a suite to a figure for a paper\n")[1]
+        commands = section.split("```")[1].strip().splitlines()
+        self.assertEqual(len(commands), 4)
+        self.write("bin/cxlab", f'#!/bin/sh\nexec "{CXLAB}" "$@"\n').chmod(0o755)
+        self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..12"'))
+        for command in commands:
+            done = subprocess.run(["bash", "-c", command], cwd=self.home, text=True, capture_output=True, timeout=120, env={**os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}"})
+            self.assertEqual(done.returncode, 0, (command, done.stderr))
+        figure = xml.etree.ElementTree.parse(self.home / "scores.svg").getroot()
+        self.assertEqual(figure.tag, "{http://www.w3.org/2000/svg}svg")
+        self.assertEqual(len(figure.findall("{*}circle[@class='game']")), 36)
+        self.assertIn("\\begin{tabular}", (self.home / "differences.tex").read_text())
+        self.assertTrue((self.home / "runs/paper/index.html").is_file())
 
     def test_wrong_uses_are_reported(self):
         for arguments, code, said in ((["--cell", "0"], 2, "--cell: found '0', expected the number of a cell, 1 to 6, or a range of them, as 1..6"),

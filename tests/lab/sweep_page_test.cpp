@@ -1,0 +1,249 @@
+// Plots and pages of sweeps, from rows made by hand; the index that they are read from.
+
+#include "lab/sweep/sweep_page.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <regex>
+
+#include "folder.h"
+#include "lab/statistics/statistics.h"
+#include "lab/sweep/plots.h"
+#include "lab/sweep/score_tables.h"
+#include "scenarios/catalogue.h"
+
+namespace cxlab::lab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr Metric kMetrics[]{{.name = "apples", .what = "apples picked", .from = "a", .title = "apples"},
+                            {.name = "red", .what = "red ones", .from = "r", .part_of = "apples"},
+                            {.name = "rotten", .what = "rotten ones", .from = "b", .part_of = "apples"}};
+constexpr WorldKind kOrchard{.name = "orchard", .what = "trees", .metrics = kMetrics};
+
+const Catalogue& catalogue() {
+  static const Catalogue made{{&kOrchard}, {}};
+  return made;
+}
+
+Row row(const std::string& strategy, std::uint64_t seed, double red, double rotten) {
+  Row out;
+  out.cell.scenario = "field";
+  out.cell.strategy = strategy;
+  out.cell.seed = seed;
+  out.cell.file = "/where/field.yaml";
+  out.cell.overrides = {"a=it's", "seed=" + std::to_string(seed)};
+  out.status = "completed";
+  out.world = "orchard";
+  out.compared = "apples";
+  out.journal_hash = "00";
+  out.figures = {{"apples", red + rotten}, {"red", red}, {"rotten", rotten}};
+  return out;
+}
+
+/// Ten games of two strategies; `second` makes 10 more in each but the last, which was not completed.
+std::vector<Row> orchard() {
+  std::vector<Row> out;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) out.push_back(row("first", seed, 50.0 + static_cast<double>(seed), -10));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) out.push_back(row("second", seed, 60.0 + static_cast<double>(seed % 3) + static_cast<double>(seed), -10));
+  out.back().status = "failed";
+  out.back().exit_code = 4;
+  out.back().errors = {"the <ladder> broke"};
+  out.front().warnings = {"rain & wind"};
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].cell.number = i + 1;
+  return out;
+}
+
+class SweepPageTest : public FolderTest {
+ protected:
+  Suite suite() const {
+    Suite out;
+    out.catalogue = &catalogue();
+    return out;
+  }
+  SweepRecord record(const std::vector<Row>& rows) const {
+    std::filesystem::create_directories(path("sweep"));
+    EXPECT_TRUE(write_index(rows, suite(), path("sweep/runs.sqlite")));
+    auto read = read_sweep(path("sweep"), catalogue());
+    EXPECT_TRUE(read) << read.error().text();
+    return *std::move(read);
+  }
+  std::string page(const SweepRecord& sweep, const SweepRecord* before = nullptr) const {
+    const auto made = sweep_page(sweep, before, {.file = path("sweep/index.html")}, catalogue());
+    return made ? *made : "error " + made.error().text();
+  }
+};
+
+std::vector<std::string> found(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::vector<std::string> out;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) out.push_back((*it)[1]);
+  return out;
+}
+
+TEST_F(SweepPageTest, TheIndexGivesBackItsRows) {
+  const std::vector<Row> rows = orchard();
+  const SweepRecord read = record(rows);
+  ASSERT_EQ(read.rows.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row &was = rows[i], &is = read.rows[i].row;
+    EXPECT_EQ(is.cell.number, was.cell.number);
+    EXPECT_EQ(is.cell.strategy, was.cell.strategy);
+    EXPECT_EQ(is.cell.seed, was.cell.seed);
+    EXPECT_EQ(is.counts(), was.counts());
+    EXPECT_EQ(is.compared, was.compared);
+    EXPECT_EQ(is.errors, was.errors);
+    EXPECT_EQ(is.warnings, was.warnings);
+    for (const Figure& figure : was.figures) EXPECT_EQ(is.figure(figure.metric), figure.value);
+  }
+  EXPECT_THAT(words_of_shell(read.rows.front().command),
+              ElementsAre("cxlab", "run", "/where/field.yaml", "--set", "a=it's", "--seed", "1"));
+}
+
+TEST_F(SweepPageTest, WhatIsNoIndexIsAnError) {
+  write("sweep/runs.sqlite", "no database, but long enough to be looked at as one, which has a head of 100 bytes ......");
+  EXPECT_THAT(read_index(path("sweep/runs.sqlite")).error().text(), HasSubstr("is no index of a sweep"));
+  write("empty/runs.sqlite", "");
+  EXPECT_THAT(read_index(path("empty/runs.sqlite")).error().text(), HasSubstr("version 0, expected 1"));
+}
+
+TEST_F(SweepPageTest, WordsOfAShellAreTakenApartAsTheyWerePutTogether) {
+  std::string command;
+  const std::vector<std::string> words{"plain", "two words", "it's", "", "a\\b", "\"q\" $x `y`", "''"};
+  for (const std::string& word : words) command += (command.empty() ? "" : " ") + shell_word(word);
+  EXPECT_EQ(words_of_shell(command), words);
+}
+
+TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
+  const SweepRecord sweep = record(orchard());
+  std::filesystem::create_directories(path("sweep/games/" + std::filesystem::path(sweep.rows[0].file).stem().string()));
+  write("sweep/games/" + std::filesystem::path(sweep.rows[0].file).stem().string() + "/index.html", "");
+  const std::string text = page(sweep);
+  EXPECT_THAT(text, HasSubstr("40, of which 39 were completed"));
+  EXPECT_THAT(found(text, "<h3>([^<]*)"), ElementsAre("Scores", "Differences in the same games", "How many games reach a figure", "What it is made of",
+                                                     "Several figures side by side", "Worst and best games"));
+  EXPECT_THAT(found(text, "data-name=\"([^\"]*)"), ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
+  // The mean difference of the 19 pairs: 10 and 1, 2 or 0.
+  EXPECT_THAT(text, HasSubstr("data-order=\"11\">+11.0<"));
+  // 3 worst and 3 best games of each strategy, the worst first; one has a page. No game that was not completed.
+  EXPECT_THAT(found(text, "<td>(?:worst|best)<td data-order=\"(\\d+)\""), ElementsAre("1", "2", "3", "20", "19", "18", "1", "2", "3", "19", "18", "17"));
+  EXPECT_THAT(found(text, "<a href=\"(games/[^\"]*)"), ElementsAre("games/" + std::filesystem::path(sweep.rows[0].file).stem().string() + "/index.html"));
+  EXPECT_THAT(text, HasSubstr("failed, exit 4: the &lt;ladder&gt; broke"));
+  EXPECT_THAT(text, HasSubstr("rain &amp; wind"));
+  EXPECT_THAT(text, HasSubstr("games were not completed, which it is compared with completed"));
+}
+
+TEST_F(SweepPageTest, ThePageLoadsNothing) {
+  const std::string text = page(record(orchard()));
+  EXPECT_THAT(text, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(found(text, "((?:src|href)=\"(?!#)[^\"]*)"), ElementsAre());
+  const auto addresses = found(text, "(https?://[^\"< ]*)");
+  for (const std::string& address : addresses) EXPECT_EQ(address, "http://www.w3.org/2000/svg");
+}
+
+TEST_F(SweepPageTest, TwoSweepsAreComparedInTheSameGames) {
+  std::vector<Row> before = orchard(), now = orchard();
+  for (Row& one : now) one.figures[0].value = *one.figures[0].value - 5;
+  const SweepRecord sweep = record(now);
+  const SweepRecord earlier{"runs/before", record(before).rows};
+  const std::string text = page(sweep, &earlier);
+  EXPECT_THAT(text, HasSubstr("Compared with runs/before: <span class=\"worse\">worse</span>"));
+  EXPECT_THAT(text, HasSubstr("data-order=\"-5\">-5.0<"));
+  EXPECT_THAT(page(sweep), Not(HasSubstr("Compared with")));
+}
+
+TEST_F(SweepPageTest, ASweepWithoutACompletedGameHasAPage) {
+  std::vector<Row> rows = orchard();
+  for (Row& one : rows) {
+    one.status = "crashed";
+    one.exit_code = 139;
+    one.errors = {"killed by SIGSEGV"};
+  }
+  const std::string text = page(record(rows));
+  EXPECT_THAT(text, HasSubstr("No completed game"));
+  EXPECT_THAT(text, HasSubstr("<td class=\"number\" data-order=\"20\">20<td class=\"long\">crashed, exit 139: killed by SIGSEGV"));
+}
+
+TEST_F(SweepPageTest, WrongNamesAreErrors) {
+  const SweepRecord sweep = record(orchard());
+  const auto error = [&](const SweepPageOptions& options) {
+    const auto made = sweep_page(sweep, nullptr, options, catalogue());
+    return made ? "none" : made.error().text();
+  };
+  EXPECT_THAT(error({.metric = "appels"}), HasSubstr("no row has a metric 'appels'; did you mean 'apples'?"));
+  EXPECT_THAT(error({.against = "thrid"}), HasSubstr("there is no strategy 'thrid'"));
+}
+
+TEST(Plots, PartsAddUpToTheMean) {
+  const auto table = part_table(orchard(), "", catalogue());
+  ASSERT_TRUE(table) << table.error().text();
+  for (const auto& line : table->rows) {
+    std::vector<double> numbers;
+    for (const TableCell& cell : line)
+      if (const auto* value = std::get_if<double>(&cell.value)) numbers.push_back(*value);
+    ASSERT_EQ(numbers.size(), 3u);
+    EXPECT_NEAR(numbers[0], numbers[1] + numbers[2], 1e-9);
+  }
+  const auto plot = parts_plot(orchard(), "", catalogue());
+  ASSERT_TRUE(plot);
+  EXPECT_THAT(found(*plot, "<title>([^<]*)"), ElementsAre("first, red ones: 60.5", "first, rotten ones: -10.0", "second, red ones: 71.0", "second, rotten ones: -10.0"));
+  EXPECT_THAT(parts_plot(orchard(), "red", catalogue()).error().message, HasSubstr("declares no parts of red"));
+}
+
+TEST(Plots, ProfilesEndAtNoGame) {
+  const auto plot = profile_plot(orchard(), "", catalogue());
+  ASSERT_TRUE(plot);
+  // Each of the 20 (19) games is a step down, from all games to none, which is the line below.
+  for (const std::string& steps : found(*plot, "d=\"([^\"]*)")) {
+    const auto heights = found(steps, "V([0-9.]+)");
+    EXPECT_TRUE(heights.size() == 20 || heights.size() == 19) << steps;
+    EXPECT_EQ(std::stod(heights.back()), 264);
+    EXPECT_TRUE(std::ranges::is_sorted(heights, {}, [](const std::string& y) { return std::stod(y); }));
+  }
+}
+
+TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
+  std::vector<Row> rows = orchard();
+  rows.pop_back();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) rows.push_back(row("worst", seed, 1, -10));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) rows.push_back(row("same", seed, 50.0 + static_cast<double>(seed) + (seed % 2 ? 1 : -1), -10));
+  const auto answers = compare_strategies(rows, "", "", catalogue());
+  ASSERT_TRUE(answers);
+  const auto plot = difference_plot(*answers);
+  ASSERT_TRUE(plot);
+  EXPECT_THAT(found(*plot, "<circle class=\"([a-z]*)"), ElementsAre("better", "worse", "undecided"));
+}
+
+TEST(Plots, DoNotGrowWithTheSweep) {
+  std::vector<Row> rows;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) rows.push_back(row("a", seed, static_cast<double>(seed * 7919 % 1000), 0));
+  const auto plot = score_plot(rows, "", "", catalogue());
+  ASSERT_TRUE(plot);
+  EXPECT_EQ(found(*plot, "<circle class=\"(game)").size(), 300u);
+  EXPECT_THAT(*plot, HasSubstr("300 quantiles"));
+  EXPECT_EQ(found(*plot, "<circle class=\"(mean|reference)").size(), 1u);
+}
+
+TEST(Statistics, TheIntervalOfManyValuesIsNearThatOfTheNormalDistribution) {
+  std::vector<double> values;
+  for (int i = 0; i < 4000; ++i) values.push_back(static_cast<double>(i * 7919 % 4001));
+  const auto interval = statistics::interval_95(values, statistics::mean);
+  const double half = 1.96 * statistics::standard_deviation(values) / std::sqrt(4000.0);
+  EXPECT_NEAR(interval.low, statistics::mean(values) - half, half / 10);
+  EXPECT_NEAR(interval.high, statistics::mean(values) + half, half / 10);
+}
+
+TEST(Statistics, ProbabilityOfImprovementCountsPairs) {
+  const std::vector<double> first{3, 1, 2, 2, 5}, second{2, 4, 2};
+  double pairs = 0;
+  for (const double a : first)
+    for (const double b : second) pairs += b > a ? 1 : b == a ? 0.5 : 0;
+  EXPECT_EQ(statistics::probability_of_improvement(first, second), pairs / 15);
+}
+
+}  // namespace
+}  // namespace cxlab::lab
