@@ -35,8 +35,7 @@ struct BenchOptions {
   int jobs = 1;
   double time_limit_s = 0;
   std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
-  bool json = false, quiet = false, verbose = false, cells = false, missing = false, slurm = false,
-       all = false;
+  bool json = false, quiet = false, verbose = false, cells = false, missing = false, slurm = false, all = false;
 
   fs::path folder() const {
     return out.empty() ? fs::path("runs") / ("bench-" + fs::path(suite).stem().string()) : fs::path(out);

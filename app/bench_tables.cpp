@@ -175,10 +175,12 @@ Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& option
     ProcessOptions process;
     process.argv = lab::words_of_shell(game->command);
     if (process.argv.size() < 3 || process.argv[0] != "cxlab" || process.argv[1] != "run")
-      return input_error("found the command '" + game->command + "', expected 'cxlab run ...'; --play needs runs.sqlite",
-                         sweep.path.string());
+      return input_error(
+          "found the command '" + game->command + "', expected 'cxlab run ...'; --play needs runs.sqlite",
+          sweep.path.string());
     process.argv[0] = program.string();
-    for (const std::string& word : {std::string("--quiet"), std::string("--force"), std::string("--out"), folder.string()})
+    for (const std::string& word :
+         {std::string("--quiet"), std::string("--force"), std::string("--out"), folder.string()})
       process.argv.push_back(word);
     process.out = Stream::null();
     if (playing.size() >= static_cast<std::size_t>(options.jobs))

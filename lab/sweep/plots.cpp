@@ -16,7 +16,7 @@ namespace cxlab::lab {
 
 namespace {
 
-constexpr std::size_t kMostDots = 300;   ///< games of a strategy that are drawn one by one
+constexpr std::size_t kMostDots = 300;  ///< games of a strategy that are drawn one by one
 constexpr double kRowHeight = 20, kTop = 24, kCharacter = 7, kWidth = 520;
 
 /// Of series, readable on white and on black.
@@ -138,7 +138,9 @@ class Drawing {
     out_ += "<text class=\"" + kind + "\" x=\"" + place(x) + "\" y=\"" + place(y) + "\" text-anchor=\"" + anchor +
             "\" fill=\"" + colour + "\">" + xml_text(words) + "</text>\n";
   }
-  void name(std::size_t row, const std::string& words) { text("name", left_ - 10, y_of(row) + 4, "end", "#111", words); }
+  void name(std::size_t row, const std::string& words) {
+    text("name", left_ - 10, y_of(row) + 4, "end", "#111", words);
+  }
   void dot(const std::string& kind, double x, double y, double radius, const std::string& colour) {
     out_ += "<circle class=\"" + kind + "\" cx=\"" + place(x) + "\" cy=\"" + place(y) + "\" r=\"" + number(radius) +
             "\" fill=\"" + colour + "\"/>\n";
@@ -321,11 +323,12 @@ Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string
   if (!all) return all.error();
   const std::vector<const Metric*> parts = parts_of(rows, all->metric.name, catalogue);
   if (parts.empty())
-    return input_error("the world declares no parts of " + all->metric.name + ", as points by kind are (Metric::part_of)");
+    return input_error("the world declares no parts of " + all->metric.name +
+                       ", as points by kind are (Metric::part_of)");
   std::map<std::pair<std::string, std::string>, std::size_t> places;
-  for (std::size_t i = 0; i < all->lines.size(); ++i)
-    places[{all->lines[i].scenario, all->lines[i].strategy}] = i;
-  std::vector<std::vector<std::vector<double>>> values(all->lines.size(), std::vector<std::vector<double>>(parts.size()));
+  for (std::size_t i = 0; i < all->lines.size(); ++i) places[{all->lines[i].scenario, all->lines[i].strategy}] = i;
+  std::vector<std::vector<std::vector<double>>> values(all->lines.size(),
+                                                       std::vector<std::vector<double>>(parts.size()));
   for (const Row& row : rows) {
     if (!row.counts()) continue;
     auto& of_line = values[places.at({row.cell.scenario, row.cell.strategy})];
@@ -353,7 +356,8 @@ Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string
       const double mean = means[i][k];
       if (mean == 0) continue;
       double& from = mean < 0 ? below : above;
-      out.bar(Drawing::series_class(k), out.x(from), out.x(from + mean), Drawing::y_of(i) - 7, 14, Drawing::colour_of(k),
+      out.bar(Drawing::series_class(k), out.x(from), out.x(from + mean), Drawing::y_of(i) - 7, 14,
+              Drawing::colour_of(k),
               all->lines[i].name + ", " + std::string(parts[k]->what) + ": " + fixed_text(mean, parts[k]->digits));
       from += mean;
     }

@@ -1,7 +1,7 @@
 #pragma once
-// Drawings of sweeps, as SVG for a page or a paper. Colours stand in attributes, which every program reads; each element
-// has a class as well, by which a page gives it other colours. Of more games than a drawing can show it has quantiles, so
-// its size does not grow with the sweep.
+// Drawings of sweeps, as SVG for a page or a paper. Colours stand in attributes, which every program reads; each
+// element has a class as well, by which a page gives it other colours. Of more games than a drawing can show it has
+// quantiles, so its size does not grow with the sweep.
 
 #include <string>
 #include <vector>
@@ -17,14 +17,14 @@ namespace cxlab::lab {
 /// world compares. Scenarios with different metrics are an error.
 Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string& metric, const std::string& against,
                                  const Catalogue& catalogue = shipped());
-/// A line for each difference: its mean with the 95 % interval, in the colour of its answer; 0 is no difference. All are
-/// of one metric, else an error.
+/// A line for each difference: its mean with the 95 % interval, in the colour of its answer; 0 is no difference. All
+/// are of one metric, else an error.
 Expected<std::string> difference_plot(const std::vector<Answer>& answers);
 /// A curve for each strategy and scenario: the share of games (upwards) that reach a figure (to the right).
 Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::string& metric,
                                    const Catalogue& catalogue = shipped());
-/// A bar for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of). An error
-/// if there are none.
+/// A bar for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of). An
+/// error if there are none.
 Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string& metric,
                                  const Catalogue& catalogue = shipped());
 

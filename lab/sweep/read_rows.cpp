@@ -191,15 +191,18 @@ Expected<std::vector<Row>> read_rows(const fs::path& sweep, const Catalogue& cat
 
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name, const Catalogue& catalogue,
                                  const std::string* scenario) {
-  std::vector<std::string> names;  // that have a value
-  std::string wanted = name;
+  std::vector<std::string> names;    // that have a value
+  std::string wanted = name, first;  // the first that is not of the machine
   for (const Row& row : rows) {
     if (scenario && row.cell.scenario != *scenario) continue;
     if (wanted.empty()) wanted = row.compared;
     for (const Figure& figure : row.figures)
-      if (figure.value && std::ranges::find(names, figure.metric) == names.end()) names.push_back(figure.metric);
+      if (figure.value && std::ranges::find(names, figure.metric) == names.end()) {
+        names.push_back(figure.metric);
+        if (first.empty() && !figure.of_machine) first = figure.metric;
+      }
   }
-  if (wanted.empty() && !names.empty()) wanted = names.front();
+  if (wanted.empty()) wanted = first;
   if (names.empty()) return input_error("no row has a figure that could be compared");
   if (std::ranges::find(names, wanted) == names.end())
     return input_error("no row has a metric '" + wanted + "'" + did_you_mean(wanted, names) + "; there are " +

@@ -31,8 +31,8 @@ Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options
 Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell>& cells, const SweepOptions& options,
                                       const Host& host = {});
 
-/// The cells that `sweep` would play in this folder: those without a row that is there and current. Fails if a sweep works
-/// in the folder.
+/// The cells that `sweep` would play in this folder: those without a row that is there and current. Fails if a sweep
+/// works in the folder.
 Expected<std::vector<Cell>> missing_cells(const Suite& suite, const std::filesystem::path& folder);
 
 struct Collected {

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShownGames = 3;    ///< of each strategy, at each end
+constexpr std::size_t kShownGames = 3;     ///< of each strategy, at each end
 constexpr std::size_t kMostReasons = 100;  ///< lines of the table of failures and of that of warnings
 
 std::vector<Row> rows_alone(const std::vector<IndexedRow>& rows) {
@@ -90,11 +90,9 @@ std::vector<ShownGame> ends_of(const std::vector<const IndexedRow*>& rows, const
   }
   std::vector<ShownGame> out;
   for (auto& [strategy, games] : by_strategy) {
-    std::ranges::stable_sort(games, {}, [&](const ShownGame& game) {
-      return metric.more_is_better ? game.value : -game.value;
-    });
-    const std::size_t worst = std::min(kShownGames, games.size()),
-                      best = std::min(kShownGames, games.size() - worst);
+    std::ranges::stable_sort(games, {},
+                             [&](const ShownGame& game) { return metric.more_is_better ? game.value : -game.value; });
+    const std::size_t worst = std::min(kShownGames, games.size()), best = std::min(kShownGames, games.size() - worst);
     out.insert(out.end(), games.begin(), games.begin() + static_cast<std::ptrdiff_t>(worst));
     for (std::size_t i = 0; i < best; ++i) {
       out.push_back(games[games.size() - 1 - i]);
@@ -123,8 +121,9 @@ Json json_of_game(const ShownGame& shown, const MetricOfRows& metric, const Swee
   const fs::path folder = fs::absolute(folder_of_game(sweep.path, one)).lexically_normal();
   out["command"] = one.command + " --out " + shell_word(folder.string());
   if (is_file(folder / "index.html"))
-    out["page"] =
-        (folder / "index.html").lexically_proximate(fs::absolute(options.file).parent_path().lexically_normal()).generic_string();
+    out["page"] = (folder / "index.html")
+                      .lexically_proximate(fs::absolute(options.file).parent_path().lexically_normal())
+                      .generic_string();
   return out;
 }
 
@@ -142,8 +141,7 @@ std::vector<Reason> reasons_of(const std::vector<IndexedRow>& rows, Texts texts)
   std::map<std::tuple<std::string, std::string, std::string>, std::size_t> places;
   for (const IndexedRow& one : rows)
     for (const std::string& text : texts(one.row)) {
-      const auto [place, is_new] =
-          places.try_emplace({one.row.cell.scenario, one.row.cell.strategy, text}, out.size());
+      const auto [place, is_new] = places.try_emplace({one.row.cell.scenario, one.row.cell.strategy, text}, out.size());
       if (is_new) out.push_back({&one, text, 0});
       ++out[place->second].games;
     }
@@ -197,7 +195,8 @@ Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<An
     if (one.contains("table") || !one["plots"].empty()) out["parts"].push_back(std::move(one));
   };
   Json plots = Json::array();
-  add_plot(plots, prefix + "scores", "", score_plot(rows, options.metric, answers.empty() ? "" : answers.front().asked, catalogue));
+  add_plot(plots, prefix + "scores", "",
+           score_plot(rows, options.metric, answers.empty() ? "" : answers.front().asked, catalogue));
   add_part("scores", score_table(rows, options.metric, catalogue), std::move(plots));
   if (!answers.empty()) {
     plots = Json::array();
@@ -212,7 +211,8 @@ Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<An
     add_plot(plots, prefix + "parts", "", parts_plot(rows, options.metric, catalogue));
     add_part("parts", part_table(rows, options.metric, catalogue), std::move(plots));
   }
-  if (options.metric.empty()) add_part("overview", overview_table(rows, answers.empty() ? "" : answers.front().asked, catalogue), Json::array());
+  if (options.metric.empty())
+    add_part("overview", overview_table(rows, answers.empty() ? "" : answers.front().asked, catalogue), Json::array());
   for (const ShownGame& game : ends_of(scenario.rows, *metric))
     out["games"].push_back(json_of_game(game, *metric, sweep, options));
   return out;
@@ -323,7 +323,9 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
     Json plots = Json::array();
     add_plot(plots, "comparison", "", difference_plot(*compared));
     data["comparison"] = {{"with", before->path.string()},
-                          {"answer", code == 0 ? "better" : code == kUndecidedExit ? "undecided" : "worse"},
+                          {"answer", code == 0                ? "better"
+                                     : code == kUndecidedExit ? "undecided"
+                                                              : "worse"},
                           {"table", json_of_table(difference_table(*compared))},
                           {"plots", std::move(plots)},
                           {"notes", notes}};

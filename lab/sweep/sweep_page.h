@@ -1,6 +1,6 @@
 #pragma once
-// The page of a sweep, `index.html` in its folder: one file that loads nothing from elsewhere. It is made from the index
-// (index.h), so whoever has the folder can make it.
+// The page of a sweep, `index.html` in its folder: one file that loads nothing from elsewhere. It is made from the
+// index (index.h), so whoever has the folder can make it.
 
 #include <filesystem>
 #include <string>
@@ -21,14 +21,14 @@ struct SweepRecord {
 Expected<SweepRecord> read_sweep(const std::filesystem::path& path, const Catalogue& catalogue = shipped());
 
 struct SweepPageOptions {
-  std::string metric{};   ///< empty: the one that the world compares
-  std::string against{};  ///< the strategy from which differences are taken; empty: the first of each scenario
+  std::string metric{};          ///< empty: the one that the world compares
+  std::string against{};         ///< the strategy from which differences are taken; empty: the first of each scenario
   std::filesystem::path file{};  ///< of the page: links are relative to its folder
 };
 
-/// Scores, differences, profiles and parts of the metric; the worst and the best games, with the commands that play them
-/// again and links to their pages where these are there (`folder_of_game`); failures and warnings; with `before` the same
-/// strategies in both sweeps. Fails where --metric or --against name nothing, not where no game was completed.
+/// Scores, differences, profiles and parts of the metric; the worst and the best games, with the commands that play
+/// them again and links to their pages where these are there (`folder_of_game`); failures and warnings; with `before`
+/// the same strategies in both sweeps. Fails where --metric or --against name nothing, not where no game was completed.
 Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* before, const SweepPageOptions& options,
                                  const Catalogue& catalogue = shipped());
 

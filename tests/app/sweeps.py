@@ -300,7 +300,7 @@ class Sweeps(Lab):
         for _ in range(200):
             process = subprocess.Popen([CXLAB, "bench", "suite.yaml", "--out", "r"], cwd=self.home, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             said = process.stderr.readline()
-            if "are current and kept" in said:
+            if "another sweep works in this folder" not in said:
                 break
             process.wait(30)  # the last child of the killed sweep has not gone
             process.stderr.close()
@@ -331,24 +331,25 @@ class Sweeps(Lab):
     def test_the_page_has_the_games_with_the_commands_that_play_them_again(self):
         self.bench("--out", "r")
         page = self.home / "r/index.html"
-        self.assertNotIn("its run", page.read_text())
+        text = lambda file=page: html.unescape(file.read_text())
+        self.assertNotIn("its run", text())
         show = lambda *arguments, code=0: subprocess.run([CXLAB, "bench", "page", *arguments], cwd=self.home, text=True, capture_output=True, timeout=120)
         done = show("r", "--play", "-j", "2")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "r/index.html\n", ""))
-        links = re.findall(r'<a href="(games/[^"]*)">its run', page.read_text())
+        links = re.findall(r'<a href="(games/[^"]*)">its run', text())
         self.assertEqual(len(links), 6)
         for link, journal in zip(sorted(links), [journal for (journal,) in self.query(self.home / "r", "SELECT journal_hash FROM runs ORDER BY row")], strict=True):
             self.assertTrue((page.parent / link).is_file())
             self.assertEqual(json.loads((page.parent / link).with_name("result.json").read_text())["journal_hash"], journal)
         # A command of the page plays its game, from any folder.
-        command = html.unescape(re.search(r"<code>(cxlab run [^<]*)</code>", page.read_text())[1])
+        command = re.search(r"<code>(cxlab run [^<]*)</code>", text())[1]
         words = shlex.split(command)
         shutil.rmtree(words[-1])
         subprocess.run([CXLAB, *words[1:], "--quiet"], cwd="/", check=True, stdout=subprocess.DEVNULL, timeout=60)
         self.assertTrue(os.path.exists(f"{words[-1]}/index.html"))
         # Elsewhere the links still lead there; a game that goes otherwise now is reported.
         self.assertEqual(show("r", "--out", "elsewhere.html").returncode, 0)
-        for link in re.findall(r'<a href="([^"]*)">its run', (self.home / "elsewhere.html").read_text()):
+        for link in re.findall(r'<a href="([^"]*)">its run', text(self.home / "elsewhere.html")):
             self.assertTrue((self.home / link).is_file(), link)
         shutil.rmtree(self.home / "r/games")
         self.write("home/rules/rules.clp", RULES.replace("(random)", "(random) 1"))

@@ -48,8 +48,10 @@ Row row(const std::string& strategy, std::uint64_t seed, double red, double rott
 /// Ten games of two strategies; `second` makes 10 more in each but the last, which was not completed.
 std::vector<Row> orchard() {
   std::vector<Row> out;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) out.push_back(row("first", seed, 50.0 + static_cast<double>(seed), -10));
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) out.push_back(row("second", seed, 60.0 + static_cast<double>(seed % 3) + static_cast<double>(seed), -10));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    out.push_back(row("first", seed, 50.0 + static_cast<double>(seed), -10));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    out.push_back(row("second", seed, 60.0 + static_cast<double>(seed % 3) + static_cast<double>(seed), -10));
   out.back().status = "failed";
   out.back().exit_code = 4;
   out.back().errors = {"the <ladder> broke"};
@@ -105,7 +107,8 @@ TEST_F(SweepPageTest, TheIndexGivesBackItsRows) {
 }
 
 TEST_F(SweepPageTest, WhatIsNoIndexIsAnError) {
-  write("sweep/runs.sqlite", "no database, but long enough to be looked at as one, which has a head of 100 bytes ......");
+  write("sweep/runs.sqlite",
+        "no database, but long enough to be looked at as one, which has a head of 100 bytes ......");
   EXPECT_THAT(read_index(path("sweep/runs.sqlite")).error().text(), HasSubstr("is no index of a sweep"));
   write("empty/runs.sqlite", "");
   EXPECT_THAT(read_index(path("empty/runs.sqlite")).error().text(), HasSubstr("version 0, expected 1"));
@@ -124,14 +127,19 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
   write("sweep/games/" + std::filesystem::path(sweep.rows[0].file).stem().string() + "/index.html", "");
   const std::string text = page(sweep);
   EXPECT_THAT(text, HasSubstr("40, of which 39 were completed"));
-  EXPECT_THAT(found(text, "<h3>([^<]*)"), ElementsAre("Scores", "Differences in the same games", "How many games reach a figure", "What it is made of",
-                                                     "Several figures side by side", "Worst and best games"));
-  EXPECT_THAT(found(text, "data-name=\"([^\"]*)"), ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
+  EXPECT_THAT(found(text, "<h3>([^<]*)"),
+              ElementsAre("Scores", "Differences in the same games", "How many games reach a figure",
+                          "What it is made of", "Several figures side by side", "Worst and best games"));
+  EXPECT_THAT(found(text, "data-name=\"([^\"]*)"),
+              ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
   // The mean difference of the 19 pairs: 10 and 1, 2 or 0.
   EXPECT_THAT(text, HasSubstr("data-order=\"11\">+11.0<"));
   // 3 worst and 3 best games of each strategy, the worst first; one has a page. No game that was not completed.
-  EXPECT_THAT(found(text, "<td>(?:worst|best)<td data-order=\"(\\d+)\""), ElementsAre("1", "2", "3", "20", "19", "18", "1", "2", "3", "19", "18", "17"));
-  EXPECT_THAT(found(text, "<a href=\"(games/[^\"]*)"), ElementsAre("games/" + std::filesystem::path(sweep.rows[0].file).stem().string() + "/index.html"));
+  EXPECT_THAT(found(text, "<td>(?:worst|best)<td data-order=\"(\\d+)\""),
+              ElementsAre("1", "2", "3", "20", "19", "18", "1", "2", "3", "19", "18", "17"));
+  EXPECT_THAT(
+      found(text, "<a href=\"(games&#x2f;[^\"]*)"),
+      ElementsAre("games&#x2f;" + std::filesystem::path(sweep.rows[0].file).stem().string() + "&#x2f;index.html"));
   EXPECT_THAT(text, HasSubstr("failed, exit 4: the &lt;ladder&gt; broke"));
   EXPECT_THAT(text, HasSubstr("rain &amp; wind"));
   EXPECT_THAT(text, HasSubstr("games were not completed, which it is compared with completed"));
@@ -151,7 +159,7 @@ TEST_F(SweepPageTest, TwoSweepsAreComparedInTheSameGames) {
   const SweepRecord sweep = record(now);
   const SweepRecord earlier{"runs/before", record(before).rows};
   const std::string text = page(sweep, &earlier);
-  EXPECT_THAT(text, HasSubstr("Compared with runs/before: <span class=\"worse\">worse</span>"));
+  EXPECT_THAT(text, HasSubstr("Compared with runs&#x2f;before: <span class=\"worse\">worse</span>"));
   EXPECT_THAT(text, HasSubstr("data-order=\"-5\">-5.0<"));
   EXPECT_THAT(page(sweep), Not(HasSubstr("Compared with")));
 }
@@ -165,7 +173,9 @@ TEST_F(SweepPageTest, ASweepWithoutACompletedGameHasAPage) {
   }
   const std::string text = page(record(rows));
   EXPECT_THAT(text, HasSubstr("No completed game"));
-  EXPECT_THAT(text, HasSubstr("<td class=\"number\" data-order=\"20\">20<td class=\"long\">crashed, exit 139: killed by SIGSEGV"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("<td class=\"number\" data-order=\"20\">20<td class=\"long\">crashed, exit 139: killed by SIGSEGV"));
 }
 
 TEST_F(SweepPageTest, WrongNamesAreErrors) {
@@ -190,7 +200,8 @@ TEST(Plots, PartsAddUpToTheMean) {
   }
   const auto plot = parts_plot(orchard(), "", catalogue());
   ASSERT_TRUE(plot);
-  EXPECT_THAT(found(*plot, "<title>([^<]*)"), ElementsAre("first, red ones: 60.5", "first, rotten ones: -10.0", "second, red ones: 71.0", "second, rotten ones: -10.0"));
+  EXPECT_THAT(found(*plot, "<title>([^<]*)"), ElementsAre("first, red ones: 60.5", "first, rotten ones: -10.0",
+                                                          "second, red ones: 71.0", "second, rotten ones: -10.0"));
   EXPECT_THAT(parts_plot(orchard(), "red", catalogue()).error().message, HasSubstr("declares no parts of red"));
 }
 
@@ -210,7 +221,8 @@ TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
   std::vector<Row> rows = orchard();
   rows.pop_back();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) rows.push_back(row("worst", seed, 1, -10));
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) rows.push_back(row("same", seed, 50.0 + static_cast<double>(seed) + (seed % 2 ? 1 : -1), -10));
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    rows.push_back(row("same", seed, 50.0 + static_cast<double>(seed) + (seed % 2 ? 1 : -1), -10));
   const auto answers = compare_strategies(rows, "", "", catalogue());
   ASSERT_TRUE(answers);
   const auto plot = difference_plot(*answers);
@@ -220,7 +232,8 @@ TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
 
 TEST(Plots, DoNotGrowWithTheSweep) {
   std::vector<Row> rows;
-  for (std::uint64_t seed = 1; seed <= 3000; ++seed) rows.push_back(row("a", seed, static_cast<double>(seed * 7919 % 1000), 0));
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed)
+    rows.push_back(row("a", seed, static_cast<double>(seed * 7919 % 1000), 0));
   const auto plot = score_plot(rows, "", "", catalogue());
   ASSERT_TRUE(plot);
   EXPECT_EQ(found(*plot, "<circle class=\"(game)").size(), 300u);
