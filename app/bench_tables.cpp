@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kFormats{"text", "markdown", "csv", "latex", "json"};
-const std::vector<std::string> kTables{"scores", "differences", "profile", "overview"};
+const std::vector<std::string> kTables{"scores", "differences", "profile", "overview", "shares"};
 
 struct TableOptions {
   std::string metric, format = "text";
@@ -70,7 +70,7 @@ int show(const ShowOptions& options) {
   if (!rows) return fail(rows.error());
   std::vector<Table> tables;
   for (const std::string& name : kTables) {
-    if (options.table.empty() ? name == "overview" : name != options.table) continue;
+    if (options.table.empty() ? name == "overview" || name == "shares" : name != options.table) continue;
     auto table = Expected<Table>(Table());
     if (name == "differences") {
       const auto answers = lab::compare_strategies(*rows, options.against, options.metric, catalogue());
@@ -79,6 +79,8 @@ int show(const ShowOptions& options) {
       table = lab::difference_table(*answers);
     } else if (name == "overview") {
       table = lab::overview_table(*rows, options.against, catalogue());
+    } else if (name == "shares") {
+      table = lab::share_table(*rows, options.against, options.metric, catalogue());
     } else {
       table = name == "scores" ? lab::score_table(*rows, options.metric, catalogue())
                                : lab::profile_table(*rows, options.metric, catalogue());
@@ -236,8 +238,8 @@ void add_bench_tables(CLI::App& bench, Action& action) {
       "  cxlab bench show runs/strategies --against greedy --table differences --format latex");
   show_command->add_option("sweep", shown->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
   show_command->add_option("--against", shown->against,
-                           "The strategy from which differences are taken (default: the first of each scenario)");
-  show_command->add_option("--table", shown->table, "Only this table; overview: several figures side by side")
+                           "The strategy from which differences or of which shares are taken (default: the first of each scenario)");
+  show_command->add_option("--table", shown->table, "Only this table; overview: several figures side by side; shares: of the figure of --against in the same game")
       ->check(one_of(kTables));
   add_table_options(*show_command, *shown);
   show_command->callback([shown, &action] { action = [shown] { return show(*shown); }; });

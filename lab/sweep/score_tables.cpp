@@ -291,6 +291,49 @@ Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metr
   return table;
 }
 
+Expected<Table> share_table(const std::vector<Row>& rows, const std::string& against, const std::string& metric,
+                            const Catalogue& catalogue) {
+  const auto answers = compare_strategies(rows, against, metric, catalogue);
+  if (!answers) return answers.error();
+  Table table{"shares",
+              "",
+              {{"scenario", "scenario"},
+               {"strategy", "strategy"},
+               {"against", "of"},
+               {"metric", "metric"},
+               {"games", "pairs", Kind::kNumber},
+               {"share", "share", Kind::kShare},
+               {"share_95", "95 %"},
+               {"min", "least", Kind::kShare},
+               {"max", "most", Kind::kShare}},
+              {}};
+  const auto percent = [](double share) {
+    if (std::isnan(share)) return TableCell();
+    TableCell out(share);
+    out.shown = fixed_text(100 * share, 1) + " %";
+    return out;
+  };
+  for (const Answer& one : *answers) {
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < one.first.size(); ++i)
+      if (one.first[i] > 0) shares.push_back(one.second[i] / one.first[i]);
+    const statistics::Interval within = statistics::interval_95(shares, statistics::mean);
+    TableCell shown;
+    if (!std::isnan(within.low)) {
+      shown = TableCell(TableCell::Stretch{within.low, within.high});
+      shown.shown = '[' + fixed_text(100 * within.low, 1) + ", " + fixed_text(100 * within.high, 1) + "] %";
+    }
+    std::vector<TableCell> row{one.scenario, one.strategy, one.asked, one.metric.title, count_cell(shares.size())};
+    row.push_back(percent(statistics::mean(shares)));
+    row.push_back(shown);
+    row.push_back(shares.empty() ? TableCell() : percent(std::ranges::min(shares)));
+    row.push_back(shares.empty() ? TableCell() : percent(std::ranges::max(shares)));
+    table.rows.push_back(std::move(row));
+  }
+  set_title(table, "share in the same game");
+  return table;
+}
+
 Table difference_table(const std::vector<Answer>& answers) {
   Table table{"differences",
               "",

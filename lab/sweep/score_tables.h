@@ -25,6 +25,11 @@ Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& m
 /// A line for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of).
 Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric,
                            const Catalogue& catalogue = shipped());
+
+/// A line for each strategy and scenario: its share of the figure of the first strategy, or of `against`, in the same
+/// game. Games in which that one has no figure above 0 are left out.
+Expected<Table> share_table(const std::vector<Row>& rows, const std::string& against, const std::string& metric,
+                            const Catalogue& catalogue = shipped());
 /// A line for each answer that is a difference.
 Table difference_table(const std::vector<Answer>& answers);
 /// A line for each answer to a requirement.

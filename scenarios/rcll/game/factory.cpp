@@ -20,6 +20,21 @@ Schedule all_orders(const Game& game) {
   return schedule;
 }
 
+/// Fills an Order.
+void put_order(const bus::MessageView& entry, const OrderState& state) {
+  const Order& order = state.order;
+  entry.set("id", order.id).set("complexity", to_string(order.complexity));
+  entry.set("base_color", to_string(order.product.base)).set("cap_color", to_string(order.product.cap));
+  std::vector<std::string_view> rings;
+  for (const RingColor ring : order.product.rings) rings.push_back(to_string(ring));
+  put_texts(entry, "ring_colors", rings);
+  entry.set("quantity_requested", order.quantity);
+  entry.set("quantity_delivered_cyan", state.delivered[0]).set("quantity_delivered_magenta", state.delivered[1]);
+  entry.set("delivery_period_begin", static_cast<std::int64_t>(order.delivery_begin));
+  entry.set("delivery_period_end", static_cast<std::int64_t>(order.delivery_end));
+  entry.set("delivery_gate", order.delivery_gate).set("competitive", order.competitive);
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, const Game& game, std::uint64_t seed,
@@ -55,7 +70,9 @@ Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed
       maintenance_(world, referee_, from_seconds(config.repair_s), events_, records_),
       pauses_(config.pauses, referee_, world, events_),
       machines_(make_machines(world.plan(), context_)),
-      down_(game.down) {
+      down_(game.down),
+      foreseen_down_(game.down) {
+  if (config.foresight) foresight_.emplace();
   if (config.refbox.confirm_deliveries) referee_.wait_for_confirmation();
   const GameParts parts{world, machines_, referee_, maintenance_, faults_};
   for (const Team team : teams_of(config))
@@ -72,6 +89,8 @@ Status Factory::join() {
   if (Status s = order_info_.open(bus_, node_, "/order_info", "OrderInfo", kInfoPeriod); !s) return s;
   if (Status s = ring_info_.open(bus_, node_, "/ring_info", "RingInfo", kInfoPeriod); !s) return s;
   if (Status s = robot_info_.open(bus_, node_, "/robot_info", "RobotInfo", kRobotInfoPeriod); !s) return s;
+  if (foresight_)
+    if (Status s = foresight_->open(bus_, node_, "/foresight", "Foresight", kInfoPeriod); !s) return s;
   return serve_state();
 }
 
@@ -121,6 +140,7 @@ Status Factory::sense(SimTime now) {
   const bool explored = std::exchange(published_explored_, referee_.exploration().changes()) != published_explored_;
   for (auto& channel : channels_) channel->sense(now, explored || !context_.events.empty());
   if (ring_info_.due(now, false)) publish_rings();
+  if (foresight_ && foresight_->due(now, false)) publish_foresight();
   if (transforms_) {
     for (std::size_t i = 0; i < world_.plan().robots.size(); ++i) {
       const sim::Pose2 at = world_.robot(static_cast<sim::RobotId>(i)).pose_in_world;
@@ -176,6 +196,7 @@ Status Factory::act(SimTime) {
 SimTime Factory::next_due() const {
   if (!context_.events.empty() || maintenance_.changes() != published_duties_) return world_.now();
   SimTime due = pauses_.next_due();
+  if (foresight_) due = std::min(due, foresight_->next());
   for (const PeriodicTopic* topic : {&game_state_, &order_info_, &ring_info_, &robot_info_})
     due = std::min(due, topic->next());
   for (const auto& channel : channels_) due = std::min(due, channel->next_due());
@@ -210,6 +231,7 @@ void Factory::publish_game_state() {
   bus::Message message = game_state_.message();
   message->set("game_time", context_.clock.game_time(now)).set("state", to_string(state()));
   message->set("phase", to_string(context_.clock.phase(now)));
+  message->set("production_s", to_seconds(context_.clock.production_end - context_.clock.production_begin));
   message->set("points_cyan", referee_.score(Team::kCyan).published());
   message->set("points_magenta", referee_.score(Team::kMagenta).published());
   for (const auto& channel : channels_)
@@ -220,22 +242,21 @@ void Factory::publish_game_state() {
 
 void Factory::publish_orders() {
   bus::Message message = order_info_.message();
-  for (const OrderState& state : referee_.orders()) {
-    if (!state.released) continue;
-    const Order& order = state.order;
-    const bus::MessageView entry = message->append("orders");
-    entry.set("id", order.id).set("complexity", to_string(order.complexity));
-    entry.set("base_color", to_string(order.product.base)).set("cap_color", to_string(order.product.cap));
-    std::vector<std::string_view> rings;
-    for (const RingColor ring : order.product.rings) rings.push_back(to_string(ring));
-    put_texts(entry, "ring_colors", rings);
-    entry.set("quantity_requested", order.quantity);
-    entry.set("quantity_delivered_cyan", state.delivered[0]).set("quantity_delivered_magenta", state.delivered[1]);
-    entry.set("delivery_period_begin", static_cast<std::int64_t>(order.delivery_begin));
-    entry.set("delivery_period_end", static_cast<std::int64_t>(order.delivery_end));
-    entry.set("delivery_gate", order.delivery_gate).set("competitive", order.competitive);
-  }
+  for (const OrderState& state : referee_.orders())
+    if (state.released) put_order(message->append("orders"), state);
   order_info_.publish(bus_, std::move(message));
+}
+
+void Factory::publish_foresight() {
+  bus::Message message = foresight_->message();
+  for (const OrderState& state : referee_.orders())
+    if (!state.order.overtime) put_order(message->append("orders"), state);
+  for (const DownPeriodConfig& period : foreseen_down_)
+    message->append("down")
+        .set("machine", period.machine)
+        .set("begin_s", period.begin_s)
+        .set("end_s", period.end_s);
+  foresight_->publish(bus_, std::move(message));
 }
 
 void Factory::publish_rings() {

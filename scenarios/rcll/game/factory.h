@@ -92,6 +92,7 @@ class Factory final : public Server, public Referee {
 
   void publish_game_state();
   void publish_orders();
+  void publish_foresight();
   void publish_rings();
   void publish_robots();
 
@@ -112,6 +113,8 @@ class Factory final : public Server, public Referee {
   bus::ParticipantId node_{}, referee_node_{};
   std::vector<std::unique_ptr<TeamChannel>> channels_;  ///< of the teams that play
   PeriodicTopic game_state_, order_info_, ring_info_, robot_info_;
+  std::optional<PeriodicTopic> foresight_;               ///< where it is wanted
+  std::vector<DownPeriodConfig> foreseen_down_;          ///< all of the game
   std::optional<bus::TransformBroadcaster> transforms_;  ///< where they are wanted
   std::uint64_t published_order_changes_ = 0, published_explored_ = 0, published_duties_ = 0;
   std::array<std::int64_t, 2> published_points_{-1, -1};

@@ -192,6 +192,7 @@ struct WorldConfig {
   double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
   bool down = true;                       ///< machines are out of order: as drawn or as the file of the game says
   std::vector<PauseConfig> pauses;        ///< when the game is paused, and how long
+  bool foresight = false;                 ///< /foresight tells what the game will be
   bool transforms = false;                ///< /tf has where robots are in "map", /tf_static where machines are
   double shelf_refill_s = 20;             ///< s after which a completely empty shelf is filled again
   double repair_s = 30;                   ///< s that people need at least for a robot in maintenance
@@ -213,6 +214,7 @@ struct WorldConfig {
     keys("overtime_s", overtime_s);
     keys("down", down);
     keys("pauses", pauses);
+    keys("foresight", foresight);
     keys("transforms", transforms);
     keys("shelf_refill_s", shelf_refill_s);
     keys("repair_s", repair_s);

@@ -1,5 +1,7 @@
 ; What the agent knows. One template a thing; states are enumerated, so that order never hangs on salience.
 
+(defglobal ?*GAME* = 1200.0)  ; s of production, if nobody tells it
+
 (deftemplate robot
   "One of our robots; x and y are those of the machine or zone at which it last was. ROAMING: it drives without a job."
   (slot name (type STRING))

@@ -24,6 +24,8 @@
   (bind ?phase (sym-cat (ros-msgs-get-field ?m "phase")))
   (bind ?state (sym-cat (ros-msgs-get-field ?m "state")))
   (bind ?begin (- (now) (ros-msgs-get-field ?m "game_time")))
+  (bind ?production (ros-msgs-get-field ?m "production_s"))
+  (if (> ?production 0) then (bind ?*GAME* ?production))
   (ros-msgs-destroy-message ?m)
   (retract ?message)
   (do-for-all-facts ((?g game)) (neq ?g:phase ?phase) (retract ?g))

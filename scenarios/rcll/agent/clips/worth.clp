@@ -1,6 +1,5 @@
 ; What an order earns, and what it costs.
 
-(defglobal ?*GAME* = 1200.0)        ; s of production
 (defglobal ?*C0-TIME* = 120.0)      ; from the start to the delivery, s
 (defglobal ?*RING-TIME* = 80.0)     ; longer for each ring, s
 (defglobal ?*EARLY* = 60.0)         ; so long a product may lie about before its window, s

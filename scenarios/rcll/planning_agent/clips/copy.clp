@@ -38,7 +38,7 @@
   (planning (state COPY))
   (out-of-order ?machine ?since ?mean)
   =>
-  (number planning down-for (out-of-order-for ?since ?mean) (pddl-name ?machine)))
+  (number planning down-for (out-of-order-for ?machine ?since ?mean) (pddl-name ?machine)))
 
 (defrule copy-output-not-ready
   "What a machine that is down has in work comes out when it works again."

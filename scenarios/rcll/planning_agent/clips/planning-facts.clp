@@ -24,6 +24,7 @@
   (bind ?*ORDER* (one-of "strategy.order" ?*ORDER* "plan" "delivery" "slack"))
   (choose-base-side-by (one-of "strategy.base_side" ?*BASE-SIDE* "nearest" "output" "planned"))
   (bind ?*IN-ADVANCE* (ros-param-get-value "strategy.in_advance" ?*IN-ADVANCE*))
+  (if (ros-param-get-value "strategy.clairvoyant" FALSE) then (assert (clairvoyant)))
   (bind ?*PRODUCTS* (at-least 1 "strategy.products" ?*PRODUCTS*))
   (bind ?*ALTERNATIVES* (at-least 1 "strategy.alternatives" ?*ALTERNATIVES*))
   (assert (pddl-manager (node (ros-param-get-value "planner.node" "/pddl_manager")))))

@@ -141,8 +141,11 @@
   (if ?change then (fluent production working ?name) else (no-fluent production working ?name))
   (look-again))
 
-(deffunction out-of-order-for (?since ?mean)
-  "s that are still expected: until the league's mean is over; a machine that is down for longer than can be is not counted on any more."
+(deffunction out-of-order-for (?machine ?since ?mean)
+  "s that are still expected: as foreseen; else until the league's mean is over; a machine that is down for longer than can be is not
+   counted on any more."
+  (bind ?end (known-end ?machine (game-time)))
+  (if ?end then (return (max 1.0 (- ?end (game-time)))))
   (bind ?already (- (game-time) ?since))
   (max 5.0 (- (if (> ?already ?*LONGEST-DOWN*) then (- ?*GAME* ?since) else ?mean) ?already)))
 

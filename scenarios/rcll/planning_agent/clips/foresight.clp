@@ -1,0 +1,32 @@
+; Where strategy.clairvoyant is set: what the game will be is known from the beginning (world.foresight of the scenario). So all orders
+; can be planned for, and how long a machine is down is known.
+
+(deftemplate will-be-down
+  (slot machine (type STRING))
+  (slot begin (type FLOAT))    ; s of the game
+  (slot end (type FLOAT)))
+
+(defrule foresight-subscribe
+  (clairvoyant)
+  =>
+  (assert (topic (name "/foresight") (type "rcll_interfaces/msg/Foresight"))))
+
+(defrule foresight-of-game
+  "Once we know which team we are; it is told again and again."
+  ?message <- (ros-msgs-message (topic "/foresight") (msg-ptr ?m))
+  (we-are ?letter)
+  =>
+  (foreach ?o (ros-msgs-get-field ?m "orders")
+    (learn-order ?o ?letter)
+    (ros-msgs-destroy-message ?o))
+  (foreach ?d (ros-msgs-get-field ?m "down")
+    (assert (will-be-down (machine (str-cat ?letter "-" (ros-msgs-get-field ?d "machine")))
+                          (begin (ros-msgs-get-field ?d "begin_s")) (end (ros-msgs-get-field ?d "end_s"))))
+    (ros-msgs-destroy-message ?d))
+  (ros-msgs-destroy-message ?m)
+  (retract ?message))
+
+(deffunction known-end (?machine ?time)
+  "When a machine that is down at that time of the game works again; FALSE: nobody has said."
+  (do-for-fact ((?d will-be-down)) (and (eq ?d:machine ?machine) (<= ?d:begin ?time) (< ?time ?d:end)) (return ?d:end))
+  FALSE)
