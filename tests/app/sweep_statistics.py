@@ -99,6 +99,18 @@ class SweepStatistics(Lab):
         self.assertEqual((first["strategy"], first["mean"], first["min"], first["deliveries"], first["difference"]), ("first", 605.5, 600, 2.75, None))
         self.assertEqual((second["difference"], second["difference_95"]), (-100, [-100, -100]))
 
+    def test_shares_are_those_of_the_same_game(self):
+        rows = [("first", 1, 500), ("first", 2, 200), ("first", 3, 0), ("second", 1, 250), ("second", 2, 180), ("second", 3, 70)]
+        self.sweep("s", rows)
+        (second,) = json.loads(self.cxlab("bench", "show", "s", "--table", "shares", "--json").stdout)["shares"]
+        self.assertEqual((second["strategy"], second["against"], second["games"]), ("second", "first", 2), "0 points are no measure")
+        self.assertEqual((second["min"], second["max"]), (0.5, 0.9))
+        self.assertAlmostEqual(second["share"], 0.7)
+        self.assertLess(second["share_95"][0], 0.7)
+        (first,) = json.loads(self.cxlab("bench", "show", "s", "--table", "shares", "--against", "second", "--json").stdout)["shares"]
+        self.assertEqual((first["games"], first["min"], first["max"]), (3, 0, 2))
+        self.assertNotIn("share", self.cxlab("bench", "show", "s").stdout.replace("share of games", ""), "only where it is asked for")
+
     def test_a_plot_shows_games_means_and_intervals(self):
         rows = [(name, seed, points) for name, mean in (("first", 600), ("<b> & c", 500)) for seed, points in enumerate(self.points(mean, mean))]
         self.sweep("s", rows)
@@ -173,7 +185,7 @@ class SweepStatistics(Lab):
                 ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
                 ("no row has a metric 'point', did you mean 'points'?; there are points, late_s", 3, "bench", "show", "s", "--metric", "point"),
                 ("there is no strategy 'c'", 3, "bench", "show", "s", "--against", "c"),
-                ("expected --table with one of: scores, differences, profile, overview", 2, "bench", "show", "s", "--format", "csv"),
+                ("expected --table with one of: scores, differences, profile, overview, shares", 2, "bench", "show", "s", "--format", "csv"),
                 ("expected one of", 2, "bench", "show", "s", "--format", "html"),
                 ("out.png: the drawing is an SVG, expected a name that ends in .svg", 2, "bench", "plot", "s", "out.png"),
                 ("there is no strategy 'c'", 3, "bench", "plot", "s", "out.svg", "--against", "c"),
