@@ -133,7 +133,7 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
   EXPECT_THAT(found(text, "data-name=\"([^\"]*)"),
               ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
   // The mean difference of the 19 pairs: 10 and 1, 2 or 0.
-  EXPECT_THAT(text, HasSubstr("data-order=\"11\">+11.0<"));
+  EXPECT_THAT(text, HasSubstr("data-order=\"11.0\">+11.0<"));
   // 3 worst and 3 best games of each strategy, the worst first; one has a page. No game that was not completed.
   EXPECT_THAT(found(text, "<td>(?:worst|best)<td data-order=\"(\\d+)\""),
               ElementsAre("1", "2", "3", "20", "19", "18", "1", "2", "3", "19", "18", "17"));
@@ -160,7 +160,7 @@ TEST_F(SweepPageTest, TwoSweepsAreComparedInTheSameGames) {
   const SweepRecord earlier{"runs/before", record(before).rows};
   const std::string text = page(sweep, &earlier);
   EXPECT_THAT(text, HasSubstr("Compared with runs&#x2f;before: <span class=\"worse\">worse</span>"));
-  EXPECT_THAT(text, HasSubstr("data-order=\"-5\">-5.0<"));
+  EXPECT_THAT(text, HasSubstr("data-order=\"-5.0\">-5.0<"));
   EXPECT_THAT(page(sweep), Not(HasSubstr("Compared with")));
 }
 
@@ -184,7 +184,7 @@ TEST_F(SweepPageTest, WrongNamesAreErrors) {
     const auto made = sweep_page(sweep, nullptr, options, catalogue());
     return made ? "none" : made.error().text();
   };
-  EXPECT_THAT(error({.metric = "appels"}), HasSubstr("no row has a metric 'appels'; did you mean 'apples'?"));
+  EXPECT_THAT(error({.metric = "appels"}), HasSubstr("no row has a metric 'appels', did you mean 'apples'?"));
   EXPECT_THAT(error({.against = "thrid"}), HasSubstr("there is no strategy 'thrid'"));
 }
 
