@@ -154,7 +154,7 @@ TEST(Topics, PublishTheStateOfTheGame) {
 
 TEST(Topics, TellTheGameToThoseWhoAreToKnowIt) {
   WorldConfig config = placed_game();
-  config.orders = {{.complexity = "C0", .base_color = "BASE_RED", .cap_color = "CAP_GREY", .delivery_end = 100},
+  config.orders = {{.complexity = "C0", .base_color = "BASE_RED", .ring_colors = {}, .cap_color = "CAP_GREY", .delivery_end = 100},
                    {.complexity = "C1",
                     .base_color = "BASE_BLACK",
                     .ring_colors = {"RING_BLUE"},

@@ -16,10 +16,6 @@
   (want-plan ?step)
   (modify ?step (state FAILED)))
 
-(deffunction tell-new-plan (?step)
-  "A plan that is made just now takes the step for done: it is followed by another one."
-  (if (any-factp ((?p planning)) (neq ?p:state IDLE)) then (want-plan ?step)))
-
 ; --- Machines
 
 (defrule failure-of-machine
@@ -265,7 +261,7 @@
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
   (fail-part ?step (if (any-factp ((?p picked)) (eq ?p:implied (create$ ?id))) then lose else return))
-  (tell-new-plan ?step)
+  (want-plan ?step)
   (modify ?step (state OPEN) (seen -1)))
 
 (defrule failure-pay-otherwise
@@ -277,7 +273,7 @@
   =>
   (fail-part ?step lose)
   (insert-instead ?step "the bare base is gone" pay-with-new-base (pddl-name ?bs) ?rs)
-  (tell-new-plan ?step)
+  (want-plan ?step)
   (modify ?step (state DONE)))
 
 (defrule failure-no-base
