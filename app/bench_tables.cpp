@@ -237,9 +237,13 @@ void add_bench_tables(CLI::App& bench, Action& action) {
       "Examples:\n  cxlab bench show runs/bench-rcll\n"
       "  cxlab bench show runs/strategies --against greedy --table differences --format latex");
   show_command->add_option("sweep", shown->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
-  show_command->add_option("--against", shown->against,
-                           "The strategy from which differences or of which shares are taken (default: the first of each scenario)");
-  show_command->add_option("--table", shown->table, "Only this table; overview: several figures side by side; shares: of the figure of --against in the same game")
+  show_command->add_option(
+      "--against", shown->against,
+      "The strategy from which differences or of which shares are taken (default: the first of each scenario)");
+  show_command
+      ->add_option("--table", shown->table,
+                   "Only this table; overview: several figures side by side; shares: of the figure of --against in the "
+                   "same game")
       ->check(one_of(kTables));
   add_table_options(*show_command, *shown);
   show_command->callback([shown, &action] { action = [shown] { return show(*shown); }; });

@@ -252,10 +252,7 @@ void Factory::publish_foresight() {
   for (const OrderState& state : referee_.orders())
     if (!state.order.overtime) put_order(message->append("orders"), state);
   for (const DownPeriodConfig& period : foreseen_down_)
-    message->append("down")
-        .set("machine", period.machine)
-        .set("begin_s", period.begin_s)
-        .set("end_s", period.end_s);
+    message->append("down").set("machine", period.machine).set("begin_s", period.begin_s).set("end_s", period.end_s);
   foresight_->publish(bus_, std::move(message));
 }
 

@@ -145,7 +145,8 @@ TEST(Topics, PublishTheStateOfTheGame) {
     WorldConfig config = placed_game();
     config.team = team;
     GameStory story(config);
-    Json wanted = Json::parse(R"({"game_time": 3.0, "state": "RUNNING", "phase": "PRODUCTION", "production_s": 1200.0, "points_cyan": 0,
+    Json wanted = Json::parse(
+        R"({"game_time": 3.0, "state": "RUNNING", "phase": "PRODUCTION", "production_s": 1200.0, "points_cyan": 0,
       "points_magenta": 0, "team_cyan": "", "team_magenta": "", "field_height": 8, "field_width": 7, "field_mirrored": true})");
     wanted[team == "CYAN" ? "team_cyan" : "team_magenta"] = team;
     EXPECT_EQ(last_message(story, "/game_state", "GameState"), wanted);
@@ -154,14 +155,15 @@ TEST(Topics, PublishTheStateOfTheGame) {
 
 TEST(Topics, TellTheGameToThoseWhoAreToKnowIt) {
   WorldConfig config = placed_game();
-  config.orders = {{.complexity = "C0", .base_color = "BASE_RED", .ring_colors = {}, .cap_color = "CAP_GREY", .delivery_end = 100},
-                   {.complexity = "C1",
-                    .base_color = "BASE_BLACK",
-                    .ring_colors = {"RING_BLUE"},
-                    .cap_color = "CAP_BLACK",
-                    .activate_at = 500,
-                    .delivery_begin = 600,
-                    .delivery_end = 700}};
+  config.orders = {
+      {.complexity = "C0", .base_color = "BASE_RED", .ring_colors = {}, .cap_color = "CAP_GREY", .delivery_end = 100},
+      {.complexity = "C1",
+       .base_color = "BASE_BLACK",
+       .ring_colors = {"RING_BLUE"},
+       .cap_color = "CAP_BLACK",
+       .activate_at = 500,
+       .delivery_begin = 600,
+       .delivery_end = 700}};
   config.down = true;
   GameStory closed(config);
   EXPECT_TRUE(last_message(closed, "/foresight", "Foresight").is_null());
@@ -179,9 +181,9 @@ TEST(Topics, TellTheGameToThoseWhoAreToKnowIt) {
   ASSERT_EQ(told.at("down").size(), game.down.size());
   ASSERT_EQ(game.down.size(), 2u);
   for (std::size_t i = 0; i < game.down.size(); ++i)
-    EXPECT_EQ(told.at("down")[i], Json({{"machine", game.down[i].machine},
-                                        {"begin_s", game.down[i].begin_s},
-                                        {"end_s", game.down[i].end_s}}));
+    EXPECT_EQ(
+        told.at("down")[i],
+        Json({{"machine", game.down[i].machine}, {"begin_s", game.down[i].begin_s}, {"end_s", game.down[i].end_s}}));
 }
 
 TEST(Topics, ComeWithTheirPeriods) {
