@@ -71,7 +71,7 @@ function(fetch_python_packages)
   if(made)
     return()
   endif()
-  message(STATUS "downloading what tests/readers/requirements.txt lists (80 MB)")
+  message(STATUS "downloading what tests/readers/requirements.txt lists (150 MB)")
   call("Debian: apt-get install python3-venv" "${PYTHON3}" -m venv "${folder}/venv")
   call("These packages are on PyPI; pip needs a network." "${folder}/venv/bin/python" -m pip install --quiet --disable-pip-version-check
        --only-binary=:all: -r "${CMAKE_CURRENT_LIST_DIR}/requirements.txt")
