@@ -171,7 +171,7 @@ int rules(const RulesOptions& options) {
                for (const inspect::RuleUse& use : uses) list.push_back(json_of(use));
                return Answer{inspect::text_of(uses), {{"rules", std::move(list)}}};
              },
-             {.count_activations = true});
+             {.counting = Counting::kUse});
 }
 
 // --- why

@@ -22,7 +22,7 @@ RulesReplay::Options Moment::replay_options() const {
   return {.end = run_.finished ? run_.sim_time : kLongestRun,
           .log = host_.log,
           .control = options_.control,
-          .count_activations = options_.count_activations};
+          .counting = options_.counting};
 }
 
 void Moment::listen() {

@@ -28,7 +28,7 @@ class Moment {
  public:
   struct Options {
     bool timelines = true;              ///< keeps the records of all environments
-    bool count_activations = false;     ///< for `RuleUse::activated`
+    Counting counting = Counting::kNothing;  ///< kUse for `RuleUse::activated`
     cx::RunControl* control = nullptr;  ///< stops it on the way; may be none
   };
   /// Reads the run; nothing is played yet. The run outlives it.

@@ -55,7 +55,8 @@ Status RulesReplay::load_again(const Run& run, const Host& host, const Options& 
   options.run_folder = folder;
   options.log = given.log;
   options.control = given.control;
-  options.count_activations = given.count_activations;
+  options.counting = given.counting;
+  options.on_environment_end = given.on_environment_end;
   options.replay =
       ReplaySource{run.folder / "inputs.bin", scratch->path() / "copies", run.manifest.shares(), run.manifest.out};
   auto loaded = Episode::load(*std::move(scenario), std::move(options));

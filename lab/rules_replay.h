@@ -25,7 +25,8 @@ struct RulesReplay {
     JournalLevel level = JournalLevel::kNone;
     cx::LogSink* log = nullptr;
     cx::RunControl* control = nullptr;
-    bool count_activations = false;
+    Counting counting = Counting::kNothing;
+    std::function<void(const cx::Environment&)> on_environment_end = {};
   };
   static Expected<RulesReplay> load(const Run& run, const Host& host, const Options& options);
   /// Makes the episode anew, to be played from its start.

@@ -68,7 +68,8 @@ struct EpisodeOptions {
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts
   std::optional<ReplaySource> replay;
-  bool count_activations = false;  ///< engines count how often each rule is put on the agenda
+  Counting counting = Counting::kNothing;  ///< what engines count
+  std::function<void(const cx::Environment&)> on_environment_end = {};  ///< `cx::RunSettings::on_environment_end`
   std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
 };
 

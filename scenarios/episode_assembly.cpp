@@ -223,7 +223,8 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.stop_on_rule_error = scenario_.stop_on_rule_error;
   manager.limits = &limits_;
   static_cast<cx::Conduct&>(manager) = options_.spec;
-  manager.count_activations = options_.count_activations;
+  manager.counting = options_.counting;
+  manager.on_environment_end = options_.on_environment_end;
   manager.trust_rules = scenario_.trust_rules;
   for (const Stimulus& stimulus : scenario_.stimuli)
     if (stimulus.verb == Stimulus::Verb::kSetParam && stimulus.target.ends_with(".plugin"))

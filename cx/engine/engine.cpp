@@ -11,6 +11,7 @@
 #include "cx/base/remedy.h"
 #include "cx/engine/version.h"
 #include "internal/builtins.h"
+#include "internal/rule_counter.h"
 
 namespace cxlab {
 
@@ -114,6 +115,7 @@ Expected<std::unique_ptr<RuleEngine>> RuleEngine::create(EngineOptions options) 
 
 RuleEngine::~RuleEngine() {
   if (environment_ == nullptr) return;
+  impl_->counter.reset();
   RemoveAssertFunction(environment_, "cxlab");
   RemoveRetractFunction(environment_, "cxlab");
   RemoveModifyFunction(environment_, "cxlab");
@@ -291,8 +293,6 @@ bool RuleEngine::watch(const std::string& item) {
   SetWatchItem(environment_, kStatistics, false, nullptr);  // they have the machine's time
   return known;
 }
-void RuleEngine::count_activations() { agenda_data(environment_)->ActivationMade = Impl::on_activation; }
-const std::map<std::string, std::int64_t>& RuleEngine::activations() const { return impl_->activations; }
 
 bool RuleEngine::unwatch(const std::string& item) { return SetWatchItem(environment_, item.c_str(), false, nullptr); }
 

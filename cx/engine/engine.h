@@ -15,9 +15,11 @@
 #include "cx/base/random.h"
 #include "cx/base/record_sink.h"
 #include "cx/base/time.h"
+#include "cx/engine/construct_info.h"
 #include "cx/engine/function.h"
 #include "cx/engine/limits.h"
 #include "cx/engine/outside.h"
+#include "cx/engine/rule_counts.h"
 #include "cx/engine/value.h"
 
 namespace clips {
@@ -28,6 +30,7 @@ using Environment = environmentData;
 namespace cxlab {
 
 struct Form;
+class RuleCounter;
 
 /// Where in a rule base an error was raised.
 enum class ErrorSide : std::uint8_t {
@@ -107,16 +110,6 @@ struct RunReport {
   bool loop = false;              ///< the limit was reached with rules left on the agenda
   bool halted = false;            ///< a rule called (halt)
   LoopReport loop_report;
-};
-
-/// Where a construct was defined. `line` is that of its opening parenthesis; forms built without a file have none.
-struct ConstructInfo {
-  std::string kind;  ///< "defrule", "deftemplate", ...
-  std::string module;
-  std::string name;
-  std::string file;
-  int line = 0;
-  std::string text;  ///< as written
 };
 
 /// A copy of a fact, or of an instance of a class. An ordered fact has the one slot "implied"; an instance has the
@@ -258,9 +251,12 @@ class RuleEngine {
   bool watch(const std::string& item);
   bool unwatch(const std::string& item);
 
-  /// From now on `activations` counts how often each rule is put on the agenda, by name with module: "MAIN::go".
-  void count_activations();
-  const std::map<std::string, std::int64_t>& activations() const;
+  /// From now on: counts what rules do. It changes nothing that they do. Asked again, it counts more, or goes on.
+  void count(Counting what);
+  /// What has been counted, also of rules that have been removed.
+  EngineCounts counts() const;
+  /// How often each rule that was counted has been put on the agenda, by name with module: "MAIN::go".
+  std::map<std::string, std::int64_t> activations() const;
 
   // --- Functions -------------------------------------------------------------------------------------------------
 
@@ -318,7 +314,9 @@ class RuleEngine {
   /// The cause of what happens now: the record of the rule that fires, else what `set_cause` said.
   std::span<const RecordRef> cause() const;
 
-  struct Impl;  ///< for the sources of the engine
+  // For the sources of the engine
+  struct Impl;
+  RuleCounter* counter() const;  ///< null unless it counts
 
  private:
   explicit RuleEngine(EngineOptions options);

@@ -217,16 +217,26 @@ std::vector<Token> tokens_of(const Form& form) {
 
 namespace {
 
-Term take_term(std::span<const Token>& rest) {
+/// `text` is that of the form, which the tokens borrow.
+Term take_term(std::span<const Token>& rest, const char* text) {
+  const auto end_of = [text](const Token& token) {
+    return static_cast<std::size_t>(token.text.data() - text) + token.text.size();
+  };
   const Token first = rest.front();
   rest = rest.subspan(1);
-  Term term{first.kind, {}, {}, first.line};
+  Term term{first.kind, {}, {}, first.line, static_cast<std::size_t>(first.text.data() - text), end_of(first)};
   if (!term.is_list()) {
     term.text = first.text;
     return term;
   }
-  while (!rest.empty() && rest.front().kind != Token::Kind::kClose) term.items.push_back(take_term(rest));
-  if (!rest.empty()) rest = rest.subspan(1);
+  while (!rest.empty() && rest.front().kind != Token::Kind::kClose) {
+    term.items.push_back(take_term(rest, text));
+    term.end = term.items.back().end;
+  }
+  if (!rest.empty()) {
+    term.end = end_of(rest.front());
+    rest = rest.subspan(1);
+  }
   return term;
 }
 
@@ -252,7 +262,7 @@ std::string Term::print() const {
 Term tree_of(const Form& form) {
   const std::vector<Token> tokens = tokens_of(form);
   std::span<const Token> rest(tokens);
-  return rest.empty() ? Term() : take_term(rest);
+  return rest.empty() ? Term() : take_term(rest, form.text.data());
 }
 
 }  // namespace cxlab

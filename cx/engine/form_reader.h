@@ -58,6 +58,7 @@ struct Term {
   std::string text;                       ///< empty for a list; strings keep their quotes
   std::vector<Term> items;                ///< of a list
   int line = 0;                           ///< within the file
+  std::size_t begin = 0, end = 0;         ///< of its characters in the text of the form
 
   bool is_list() const { return kind == Token::Kind::kOpen; }
   bool is(std::string_view word) const { return kind != Token::Kind::kString && text == word; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "internal/impl.h"
+#include "internal/rule_counter.h"
 
 namespace cxlab {
 
@@ -173,6 +174,7 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.note_firing(*activation);
   impl.glance_at_limits();
   impl.fire_recorded = false;
+  if (impl.counter) impl.counter->fires(*activation->theRule);
   RecordSink* journal = impl.engine.options_.journal;
   if (journal == nullptr) return;
 
@@ -196,14 +198,11 @@ void RuleEngine::Impl::on_fire(Environment*, Activation* activation, void* self)
   impl.fire_recorded = true;
 }
 
-void RuleEngine::Impl::on_activation(Environment* env, Defrule* rule) noexcept {
-  ++RuleEngine::of(env)->impl_->activations[DefruleModule(rule) + ("::" + std::string(DefruleName(rule)))];
-}
-
 void RuleEngine::Impl::on_fired(Environment*, Activation* activation, void* self) noexcept {
   Impl& impl = *static_cast<Impl*>(self);
   if (activation == nullptr) return;
   impl.rule_acting = false;
+  if (impl.counter) impl.counter->has_fired();
   // A deffunction may have called `run`.
   if (evaluation_data(impl.env)->CurrentEvaluationDepth == 0) impl.release_kept();
   ++impl.fired;

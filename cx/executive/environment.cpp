@@ -43,7 +43,7 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
   auto made = RuleEngine::create(std::move(engine));
   if (!made) return made.error();
   self.engine_ = std::move(*made);
-  if (given.run->count_activations) self.engine_->count_activations();
+  self.engine_->count(given.run->counting);
   self.participant_ =
       bus.join(bus::ParticipantKind::kEnvironment, given.node, self.engine_->stream(), "environment " + given.name);
   return environment;
@@ -51,7 +51,9 @@ Expected<std::unique_ptr<Environment>> Environment::create(Options options, bus:
 
 Environment::~Environment() {
   for (const auto& gate : gates_) gate->close();
-  if (engine_) bus_.leave(participant_);
+  if (!engine_) return;
+  if (settings().on_environment_end) settings().on_environment_end(*this);
+  bus_.leave(participant_);
 }
 
 Expected<std::shared_ptr<ThreadGate>> Environment::open_gate(const std::string& plugin) {

@@ -304,7 +304,6 @@ Expected<std::unique_ptr<Environment>> EnvironmentManager::make_environment(cons
   if (options_.on_join) options_.on_join((*environment)->participant());
   RuleEngine& engine = (*environment)->engine();
   engine.unwatch("all");
-  if (options_.count_activations) engine.count_activations();
   std::vector<std::string> watch;
   if (Status s = parameters_.declare(name + ".watch", watch); !s) return s.error();
   for (const std::string& item : watch)

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
+
+#include "cx/engine/rule_counts.h"
 
 namespace cxlab {
 class LookOutside;
@@ -19,6 +22,7 @@ class Network;
 namespace cxlab::cx {
 
 class ControlLog;
+class Environment;
 class LogSink;
 class RunControl;
 
@@ -48,7 +52,9 @@ struct RunSettings : Conduct {
   std::int64_t max_firings = 100000;   ///< a run of an environment, or callbacks in a tick; 0 = no limit
   LimitsInUse* limits = nullptr;       ///< of all environments; may be none
   bool stop_on_rule_error = true;      ///< else errors are only noted, as CX does
-  bool count_activations = false;      ///< `RuleEngine::count_activations` of each environment
+  Counting counting = Counting::kNothing;  ///< `RuleEngine::count` of each environment
+  /// Called with each environment before it is destroyed; may be none.
+  std::function<void(const Environment&)> on_environment_end;
   bool trust_rules = false;            ///< rules read and write any file and call `system`
   bool next = false;                   ///< behaves as the next CX where that differs (parameter `compat: next`)
 };

@@ -22,16 +22,22 @@ std::optional<Kind> kind_of(std::string_view head) {
 Expected<std::vector<Condition>> read(std::span<const Term> terms, const std::string& file) {
   std::vector<Condition> conditions;
   std::string fact_variable;
+  std::size_t variable_begins = 0;
   for (std::size_t i = 0; i < terms.size() && !terms[i].is("=>"); ++i) {
     const Term& term = terms[i];
     if (!term.is_list()) {
-      if (i + 1 < terms.size() && terms[i + 1].is("<-") && term.text.starts_with('?'))
+      if (i + 1 < terms.size() && terms[i + 1].is("<-") && term.text.starts_with('?')) {
         fact_variable = term.text.substr(1);
+        variable_begins = term.begin;
+      }
       continue;  // the arrow, or the comment of the rule
     }
     if (term.head() == "declare") continue;
     Condition& condition = conditions.emplace_back();
     condition.text = (fact_variable.empty() ? "" : "?" + fact_variable + " <- ") + term.print();
+    condition.line = term.line;
+    condition.begin = fact_variable.empty() ? term.begin : variable_begins;
+    condition.end = term.end;
     condition.fact_variable = std::exchange(fact_variable, {});
     const auto kind = kind_of(term.head());
     condition.kind = kind.value_or(Kind::kPattern);

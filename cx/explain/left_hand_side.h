@@ -17,6 +17,8 @@ struct Condition {
   std::string fact_variable;  ///< of `?f <- (...)`; may be empty
   Term expression;            ///< of a test
   std::string text;           ///< in one line
+  int line = 0;
+  std::size_t begin = 0, end = 0;  ///< of its characters in the rule, from its fact variable on
 };
 
 /// The conditions of a `defrule` in order. Errors have lines within the rule's text, counted from `line`.

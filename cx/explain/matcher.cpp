@@ -134,11 +134,12 @@ void add(std::vector<Alternative>& alternatives, const Condition& condition, int
     return;
   }
   std::vector<Alternative> grown;
-  for (const Condition& part : condition.parts) {
-    std::vector<Alternative> with_part = alternatives;
-    add(with_part, part, number);
-    grown.insert(grown.end(), with_part.begin(), with_part.end());
-  }
+  for (const Alternative& alternative : alternatives)
+    for (const Condition& part : condition.parts) {
+      std::vector<Alternative> with_part{alternative};
+      add(with_part, part, number);
+      grown.insert(grown.end(), with_part.begin(), with_part.end());
+    }
   alternatives = std::move(grown);
 }
 

@@ -73,6 +73,7 @@ class Matcher {
 };
 
 /// The alternatives of a left-hand side: each `or` outside of other conditions taken apart, each `and` there flattened.
+/// In the order of CLIPS, which makes a rule of each.
 struct Alternative {
   Matcher::Conditions conditions;
   std::vector<int> numbers;  ///< of the conditions of the rule that they are or are part of, from 1

@@ -295,7 +295,7 @@ std::vector<RuleUse> Inspector::rules(bool explain) const {
     if (count.fired++ == 0) count.first = timeline_->time(n);
     count.last = timeline_->time(n);
   }
-  const auto& activations = engine_->activations();
+  const auto activations = engine_->activations();
   std::vector<RuleUse> uses;
   std::set<std::string> seen;
   const auto add = [&](const std::string& name, const std::string& module, const ConstructInfo* info) {

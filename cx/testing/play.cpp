@@ -61,7 +61,7 @@ Status Play::prepare() {
   };
   options.limits = &limits_;
   options.seed = spec_.seed;
-  options.count_activations = setup_.coverage;
+  options.counting = setup_.coverage ? Counting::kUse : Counting::kNothing;
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();
   manager_ = *std::move(manager);

@@ -20,9 +20,11 @@ inline defruleData* defrule_data(Environment* env) { return DefruleData(env); }
 inline engineData* engine_data(Environment* env) { return EngineData(env); }
 inline evaluationData* evaluation_data(Environment* env) { return EvaluationData(env); }
 inline externalFunctionData* external_function_data(Environment* env) { return ExternalFunctionData(env); }
+inline expressionData* expression_data(Environment* env) { return ExpressionData(env); }
 inline factsData* fact_data(Environment* env) { return FactData(env); }
 inline fileRouterData* file_router_data(Environment* env) { return FileRouterData(env); }
 inline memoryData* memory_data(Environment* env) { return MemoryData(env); }
+inline patternData* pattern_data(Environment* env) { return PatternData(env); }
 inline routerData* router_data(Environment* env) { return RouterData(env); }
 inline utilityData* utility_data(Environment* env) { return UtilityData(env); }
 #pragma GCC diagnostic pop

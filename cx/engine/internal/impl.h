@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 
@@ -211,7 +212,6 @@ struct RuleEngine::Impl {
   static void on_modify(clips::Environment*, clips::Fact* before, clips::Fact* after, void* self) noexcept;
   static void on_fire(clips::Environment*, clips::Activation* activation, void* self) noexcept;
   static void on_fired(clips::Environment*, clips::Activation* activation, void* self) noexcept;
-  static void on_activation(clips::Environment* env, clips::Defrule* rule) noexcept;
   static void on_clear(clips::Environment*, void* self) noexcept;
   /// CLIPS calls it at each turn of a loop and at the end of each deffunction; ends a loop without end.
   static void on_turn(clips::Environment*, void* self) noexcept;
@@ -237,6 +237,9 @@ struct RuleEngine::Impl {
   bool anything_left() const;
   void count_firings(std::int64_t most);  ///< anew; from here on a loop ends there, with `limit_reached`
 
+  /// Of what rules do, where somebody asked for it.
+  std::unique_ptr<RuleCounter> counter;
+
   // --- Loops and limits (limits.cpp) -----------------------------------------------------------------------------
 
   FiringChain chain;  ///< of this tick
@@ -248,7 +251,6 @@ struct RuleEngine::Impl {
   std::size_t round_seen_at = 0;                    ///< firing
   std::uint64_t look_for_round_at = 0;              ///< work
   std::map<std::string, std::int64_t> fired_rules;  ///< while `counting`
-  std::map<std::string, std::int64_t> activations;
   std::map<std::string, std::int64_t> changed_templates;
   bool near_limit = false;  ///< the steps of this tick are nearly used up
   bool counting() const { return round || near_limit || (limit > 0 && fired + 5000 >= limit); }

@@ -496,7 +496,7 @@ TEST_F(Engine, ActivationsAreCountedForEachRuleOfEachModule) {
   given("(defrule NAV::either (or (p (n 1)) (p (n 2)) (not (p (n 2)))) =>)");
   ASSERT_TRUE(engine().assert_string("(p (n 0))"));
   EXPECT_THAT(engine().activations(), IsEmpty()) << "nobody asked";
-  engine().count_activations();
+  engine().count(Counting::kUse);
   ASSERT_TRUE(engine().assert_string("(p (n 1))"));
   engine().run();
   ASSERT_TRUE(engine().assert_string("(p (n 2))"));
