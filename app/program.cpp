@@ -95,9 +95,9 @@ Error error_of(const std::exception& e) {
 
 /// Says what is going on, for commands that may take a while without output.
 void report_silence_of(const CLI::App& app) {
-  static constexpr std::string_view kLong[] = {"run",     "env",     "test",    "bench",    "plan",  "replay",
-                                               "rerun",   "render",  "why-not", "validate", "facts", "agenda",
-                                               "globals", "firings", "why",     "rules",    "diff",  "check"};
+  static constexpr std::string_view kLong[] = {
+      "run",   "env",    "test",    "bench",   "plan", "replay", "rerun", "render", "why-not",  "validate",
+      "facts", "agenda", "globals", "firings", "why",  "rules",  "diff",  "check",  "coverage", "profile"};
   for (const CLI::App* command : app.get_subcommands())
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }
@@ -141,6 +141,8 @@ int run(int argc, char** argv) {
   add_scene(app, action);
   add_diff(app, action);
   add_check(app, action);
+  add_coverage(app, action);
+  add_profile(app, action);
   add_validate(app, action);
   add_list(app, action);
   add_doc(app, action);

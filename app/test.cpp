@@ -12,9 +12,11 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/coverage.h"
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "lab/confine.h"
+#include "lab/coverage.h"
 #include "lab/failed_stories.h"
 #include "lab/file_watch.h"
 #include "lab/stories.h"
@@ -25,12 +27,12 @@ namespace cxlab::app {
 
 namespace {
 
-using lab::Coverage;
 using lab::PlayedStory;
 
 struct TestOptions {
   std::vector<std::string> paths;
-  std::string filter, junit, coverage, runs;
+  std::string filter, junit, runs;
+  lab::CoverageOptions coverage;
   std::optional<std::uint64_t> seed;
   lab::PackageOptions packages;
   double patience_s = 60;
@@ -39,18 +41,6 @@ struct TestOptions {
 };
 
 // --- What a person reads
-
-void print(const Coverage& files) {
-  std::map<std::string, int> counts;
-  for (const auto& [file, rules] : files)
-    for (const auto& [rule, covered] : rules) {
-      ++counts[covered.state()];
-      if (covered.fired == 0)
-        std::printf("%s:%d: %s: %s\n", file.c_str(), rule.first, rule.second.c_str(), covered.state());
-    }
-  std::printf("rules: %d fired, %d activated but never fired, %d never matched\n", counts["fired"],
-              counts["activated but never fired"], counts["never matched"]);
-}
 
 /// As a shell reads it back as one word.
 std::string shell_word(const std::string& text) {
@@ -135,8 +125,7 @@ Expected<lab::StoryPlan> plan_of(const TestOptions& options, const lab::Host& ho
   auto packages = lab::find_packages(options.packages);
   if (!packages) return packages.error();
   lab::StoryPlan plan;
-  plan.setup = {find_share().interfaces, !options.coverage.empty(), *std::move(packages), host.limits(),
-                own_packages()};
+  plan.setup = {find_share().interfaces, options.coverage.asked(), *std::move(packages), host.limits(), own_packages()};
   plan.jobs = options.jobs;
   plan.stop_at_failure = options.stop;
   plan.patience_s = options.patience_s;
@@ -177,15 +166,16 @@ Status play(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const
   return {};
 }
 
-Status write_reports(const std::vector<PlayedStory>& stories, const Coverage& coverage, const TestOptions& options) {
+Status write_reports(const std::vector<PlayedStory>& stories, const explain::Coverage& coverage,
+                     const TestOptions& options) {
   if (!options.junit.empty()) {
     const auto junit = lab::to_junit(stories, options.verbose);
     if (!junit) return junit.error();
     if (Status s = write_file(options.junit, *junit); !s) return s;
   }
-  if (options.coverage.empty()) return {};
-  const auto lcov = lab::to_lcov(coverage);
-  return lcov ? write_file(options.coverage, *lcov) : lcov.error();
+  return lab::write_reports(
+      coverage, options.coverage, {},
+      stories.size() == 1 ? "Coverage of a story" : "Coverage of " + std::to_string(stories.size()) + " stories");
 }
 
 int play_once(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host,
@@ -193,20 +183,22 @@ int play_once(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, con
   if (Status s = play(stories, plan, host); !s) return fail(s.error());
   if (signal_that_came() != 0) return interrupted("not all stories were played");
   const Counts counts(stories);
-  const Coverage coverage = lab::coverage_of(stories);
+  const explain::Coverage coverage = lab::coverage_of(stories);
   if (options.json) {
     Json report{{"passed", counts.passed}, {"failed", counts.failed}, {"stories", Json::array()}};
     if (counts.not_played > 0) report["not_played"] = counts.not_played;
     for (const PlayedStory& p : stories)
       if (p.played) report["stories"].push_back(json_of(p, options));
-    if (plan.setup.coverage) report["rules"] = parse_json(lab::to_json(coverage));
+    if (plan.setup.coverage) report.update(lab::json_of(coverage));
     std::printf("%s\n", json_text(report, 2).c_str());
   } else {
-    if (plan.setup.coverage) print(coverage);
+    if (plan.setup.coverage) std::fputs(explain::text_of(coverage).c_str(), stdout);
     std::printf("%s\n", counts.text().c_str());
   }
   if (Status s = write_reports(stories, coverage, options); !s) return fail(s.error());
-  return counts.exit_code();
+  if (const int code = counts.exit_code(); code != 0) return code;
+  const Status enough = lab::check_share(coverage, options.coverage);
+  return enough ? 0 : fail(enough.error());
 }
 
 // --- Playing again what a change affects
@@ -349,7 +341,8 @@ void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/testing.md)");
   command->footer(
-      "Exit code 0: all passed; 1: a story failed; 2: no story is chosen; 3: a story file or a rule file cannot be\n"
+      "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is chosen; "
+      "3: a story file or a rule file cannot be\n"
       "used; 130: --watch was ended with Ctrl-C.\n"
       "EXPR is a word that the name of a story or of its file has in it, or several with `and`, `or`, `not` and\n"
       "parentheses. Which stories failed the last time is kept in $XDG_STATE_HOME/cxlab/failed_stories.json\n"
@@ -380,14 +373,17 @@ void add_test(CLI::App& app, Action& action) {
       ->type_name("DIR");
   seed_number(command->add_option("--seed", options->seed, "Plays the stories with this seed alone"));
   command->add_option("--junit", options->junit, "Writes a JUnit report");
-  command->add_option("--coverage", options->coverage,
-                      "Says which rules fired, were only activated, or never matched; writes the counts as lcov");
+  command->add_option("--coverage", options->coverage.lcov,
+                      "Says which rules fired, how far conditions got, and what was called; writes the counts as lcov");
+  add_coverage(*command, "--coverage-page", options->coverage);
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->add_flag("--watch", options->watch, "Plays again what a changed rule or story file affects, until Ctrl-C")
       ->excludes("--json")
       ->excludes("--junit")
-      ->excludes("--coverage");
+      ->excludes("--coverage")
+      ->excludes("--coverage-page")
+      ->excludes("--fail-under");
   command->callback([options, &action] { action = [options] { return test(*options); }; });
 }
 

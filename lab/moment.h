@@ -27,9 +27,9 @@ inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, 
 class Moment {
  public:
   struct Options {
-    bool timelines = true;              ///< keeps the records of all environments
+    bool timelines = true;                   ///< keeps the records of all environments
     Counting counting = Counting::kNothing;  ///< kUse for `RuleUse::activated`
-    cx::RunControl* control = nullptr;  ///< stops it on the way; may be none
+    cx::RunControl* control = nullptr;       ///< stops it on the way; may be none
   };
   /// Reads the run; nothing is played yet. The run outlives it.
   static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host, Options options);

@@ -97,19 +97,10 @@ Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& 
   return out;
 }
 
-const char* CoveredRule::state() const {
-  return fired > 0 ? "fired" : activated > 0 ? "activated but never fired" : "never matched";
-}
-
-Coverage coverage_of(const std::vector<PlayedStory>& stories) {
-  Coverage files;
-  for (const PlayedStory& p : stories)
-    for (const auto& r : p.result.rules) {
-      CoveredRule& covered = files[r.file][{r.line, r.rule}];
-      covered.fired += r.fired;
-      covered.activated += r.activated;
-    }
-  return files;
+explain::Coverage coverage_of(const std::vector<PlayedStory>& stories) {
+  explain::Coverage all;
+  for (const PlayedStory& story : stories) all.add(story.result.coverage);
+  return all;
 }
 
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed) {
@@ -135,23 +126,6 @@ Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool pri
   }
   const Json report = {{"stories", cases}, {"failures", failures}, {"errors", errors}, {"wall_s", total}};
   return render_page("junit.xml", json_text(report));
-}
-
-std::string to_json(const Coverage& coverage) {
-  Json rows = Json::array();
-  for (const auto& [file, rules] : coverage)
-    for (const auto& [rule, covered] : rules)
-      rows.push_back({{"file", file},
-                      {"line", rule.first},
-                      {"rule", rule.second},
-                      {"state", covered.state()},
-                      {"fired", covered.fired},
-                      {"activated", covered.activated}});
-  return json_text(rows);
-}
-
-Expected<std::string> to_lcov(const Coverage& coverage) {
-  return render_page("lcov.info", "{\"rules\": " + to_json(coverage) + '}');
 }
 
 }  // namespace cxlab::lab

@@ -57,22 +57,10 @@ struct StoryPlan {
 /// names (cx/wall/wall.h); a story whose copy ends early or takes too long has failed, and the others are played.
 Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host = {});
 
-/// What became of a rule in all stories.
-struct CoveredRule {
-  long fired = 0, activated = 0;
-  /// "fired", "activated but never fired" or "never matched".
-  const char* state() const;
-};
-/// By file, then by line and name.
-using Coverage = std::map<std::string, std::map<std::pair<int, std::string>, CoveredRule>>;
-Coverage coverage_of(const std::vector<PlayedStory>& stories);
-
-/// A JSON array of rules: file, line, rule, state, fired, activated.
-std::string to_json(const Coverage& coverage);
+/// Of all stories together.
+explain::Coverage coverage_of(const std::vector<PlayedStory>& stories);
 
 /// Of those that were played; `printed`: with what their agents printed.
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed = false);
-/// Rules as functions of lcov; its branches say whether each was activated and whether it fired.
-Expected<std::string> to_lcov(const Coverage& coverage);
 
 }  // namespace cxlab::lab

@@ -19,6 +19,7 @@
 #include "cx/base/process.h"
 #include "cx/base/servant.h"
 #include "lab/golden.h"
+#include "lab/json_fields.h"
 #include "lab/stories.h"
 #include "lab/story_run.h"
 
@@ -33,8 +34,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 /// From the process that played the story.
 std::string to_line(const testing::StoryResult& result) {
-  Json rules = Json::array(), bad;
-  for (const auto& r : result.rules) rules.push_back({r.file, r.rule, r.line, r.fired, r.activated});
+  Json bad;
+  explain::Coverage coverage = result.coverage;
   if (const auto& error = result.bad)
     bad = {{"kind", static_cast<int>(error->kind)},
            {"message", error->message},
@@ -43,7 +44,7 @@ std::string to_line(const testing::StoryResult& result) {
   const Json line{{"failures", result.failures},
                   {"notes", result.notes},
                   {"sim_time_s", result.sim_time_s},
-                  {"rules", rules},
+                  {"coverage", JsonWriter::json(coverage)},
                   {"bad", bad},
                   {"printed", result.printed},
                   {"files", result.files}};
@@ -58,7 +59,7 @@ std::optional<testing::StoryResult> read_line(const std::string& text) {
     result.failures = line.at("failures").get<std::vector<std::string>>();
     result.notes = line.at("notes").get<std::vector<std::string>>();
     result.sim_time_s = line.at("sim_time_s").get<double>();
-    for (const auto& r : line.at("rules")) result.rules.push_back({r.at(0), r.at(1), r.at(2), r.at(3), r.at(4)});
+    if (!read_fields(line.at("coverage"), result.coverage)) return std::nullopt;
     if (const auto& bad = line.at("bad"); !bad.is_null())
       result.bad = Error{
           static_cast<ErrorKind>(bad.at("kind").get<int>()), bad.at("message"), bad.at("file"), bad.at("line"), {}};
@@ -146,9 +147,9 @@ testing::StoryResult result_of(Player& player, const testing::StorySpec& spec, d
 /// Adds how a story went with one more seed. What remains is the result of the smallest seed that failed, else of the
 /// largest, with the rules and files of all.
 void add(PlayedStory& story, std::uint64_t seed, testing::StoryResult result) {
-  std::vector<testing::RuleCount> rules = std::move(story.result.rules);
+  explain::Coverage coverage = std::move(story.result.coverage);
   std::set<std::string> files(story.result.files.begin(), story.result.files.end());
-  rules.insert(rules.end(), result.rules.begin(), result.rules.end());
+  coverage.add(result.coverage);
   files.insert(result.files.begin(), result.files.end());
   const bool tells = story.seeds_played == 0 ||
                      (result.passed() ? story.passed() && seed > story.seed : story.passed() || seed < story.seed);
@@ -158,7 +159,7 @@ void add(PlayedStory& story, std::uint64_t seed, testing::StoryResult result) {
     story.seed = seed;
     story.result = std::move(result);
   }
-  story.result.rules = std::move(rules);
+  story.result.coverage = std::move(coverage);
   story.result.files.assign(files.begin(), files.end());
 }
 

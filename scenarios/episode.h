@@ -68,9 +68,9 @@ struct EpisodeOptions {
   std::filesystem::path interfaces;  ///< folder of the packages that come with cxlab
   std::filesystem::path models;      ///< MJCF parts
   std::optional<ReplaySource> replay;
-  Counting counting = Counting::kNothing;  ///< what engines count
+  Counting counting = Counting::kNothing;                               ///< what engines count
   std::function<void(const cx::Environment&)> on_environment_end = {};  ///< `cx::RunSettings::on_environment_end`
-  std::function<void(const std::filesystem::path&)> file_read = {};  ///< called with each file that is read
+  std::function<void(const std::filesystem::path&)> file_read = {};     ///< called with each file that is read
 };
 
 /// What a step was.

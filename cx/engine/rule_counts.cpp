@@ -233,7 +233,8 @@ bool RuleCounter::on_function(Environment* env, void* deffunction, UDFValue* res
 void* RuleCounter::on_work(Environment* env, void* node) noexcept {
   RuleCounter& self = *RuleEngine::of(env)->counter();
   const std::int64_t now = self.charge();
-  const bool was_matching = self.at_work_ != nullptr && (self.firing_.empty() || self.at_work_ != self.firing_.back().rule);
+  const bool was_matching =
+      self.at_work_ != nullptr && (self.firing_.empty() || self.at_work_ != self.firing_.back().rule);
   const void* before = std::exchange(self.at_work_, node);
   const bool is_matching = node != nullptr && (self.firing_.empty() || node != self.firing_.back().rule);
   if (is_matching && !was_matching) self.matching_since_ = now;
@@ -267,6 +268,7 @@ std::int64_t RuleCounter::charge() {
     functions_[active_.back().function].ns += ns;
     ++functions_[active_.back().function].reads;
   }
+  ++reads_;
   last_ = now;
   return now;
 }
@@ -340,6 +342,7 @@ EngineCounts RuleCounter::counts() const {
     if (info.kind == "deffunction" && called.insert(info.module + "::" + info.name).second)
       counts.functions.emplace_back().info = info;
   counts.elsewhere = {seconds_of(elsewhere_.ns), static_cast<double>(elsewhere_.reads)};
+  counts.clock_reads = static_cast<double>(reads_);
   counts.spans = spans_;
   counts.spans_left_out = spans_left_out_;
   return counts;
@@ -357,7 +360,9 @@ void RuleEngine::count(Counting what) {
     impl_->counter->count(what);
 }
 
-EngineCounts RuleEngine::counts() const { return impl_->counter == nullptr ? EngineCounts() : impl_->counter->counts(); }
+EngineCounts RuleEngine::counts() const {
+  return impl_->counter == nullptr ? EngineCounts() : impl_->counter->counts();
+}
 
 std::map<std::string, std::int64_t> RuleEngine::activations() const {
   std::map<std::string, std::int64_t> activations;

@@ -27,8 +27,8 @@ struct WorkTime {
   friend WorkTime operator/(WorkTime time, double by) { return {time.s / by, time.reads / by}; }
 };
 
-/// A join of CLIPS: one condition of a rule, to which CLIPS adds the `test` conditions that follow it. What is inside of
-/// a `not`, `exists` or `forall` of several conditions is one join, too.
+/// A join of CLIPS: one condition of a rule, to which CLIPS adds the `test` conditions that follow it. What is inside
+/// of a `not`, `exists` or `forall` of several conditions is one join, too.
 struct JoinCounts {
   std::int64_t passed = 0;    ///< partial matches that have got through since the join was made
   std::int64_t compared = 0;  ///< pairs of a partial match and a fact that were tried
@@ -67,7 +67,8 @@ struct EngineCounts {
   Counting counting = Counting::kNothing;
   std::vector<RuleCounts> rules;  ///< in order of definition; those that have been removed come first
   std::vector<FunctionCounts> functions;
-  WorkTime elsewhere;  ///< outside of rules
+  WorkTime elsewhere;      ///< outside of rules
+  double clock_reads = 0;  ///< in all
   std::vector<WorkSpan> spans;
   std::int64_t spans_left_out = 0;  ///< after the first `kMostSpans`
 };

@@ -39,24 +39,24 @@ struct Conduct {
 };
 
 struct RunSettings : Conduct {
-  LogSink* log = nullptr;              ///< may be none
-  LookOutside* outside = nullptr;      ///< may be none
-  bus::Feed* feed = nullptr;           ///< where its deliveries come from; none: the bus
-  net::Network* network = nullptr;     ///< of the episode; none: each manager has its own
-  RunControl* control = nullptr;       ///< stops environments; may be none
-  ControlLog* control_log = nullptr;   ///< of what was done there; may be none
-  std::filesystem::path run_folder;    ///< for `logs/<env>.log` and what rules write; empty = no logs
-  std::filesystem::path rules_folder;  ///< for what rules write where `run_folder` is empty; empty = they cannot
-  std::uint64_t seed = 0;              ///< each environment draws from a stream of its own
-  double epoch = 0;                    ///< s since 1970 at simulated time 0
-  std::int64_t max_firings = 100000;   ///< a run of an environment, or callbacks in a tick; 0 = no limit
-  LimitsInUse* limits = nullptr;       ///< of all environments; may be none
-  bool stop_on_rule_error = true;      ///< else errors are only noted, as CX does
+  LogSink* log = nullptr;                  ///< may be none
+  LookOutside* outside = nullptr;          ///< may be none
+  bus::Feed* feed = nullptr;               ///< where its deliveries come from; none: the bus
+  net::Network* network = nullptr;         ///< of the episode; none: each manager has its own
+  RunControl* control = nullptr;           ///< stops environments; may be none
+  ControlLog* control_log = nullptr;       ///< of what was done there; may be none
+  std::filesystem::path run_folder;        ///< for `logs/<env>.log` and what rules write; empty = no logs
+  std::filesystem::path rules_folder;      ///< for what rules write where `run_folder` is empty; empty = they cannot
+  std::uint64_t seed = 0;                  ///< each environment draws from a stream of its own
+  double epoch = 0;                        ///< s since 1970 at simulated time 0
+  std::int64_t max_firings = 100000;       ///< a run of an environment, or callbacks in a tick; 0 = no limit
+  LimitsInUse* limits = nullptr;           ///< of all environments; may be none
+  bool stop_on_rule_error = true;          ///< else errors are only noted, as CX does
   Counting counting = Counting::kNothing;  ///< `RuleEngine::count` of each environment
   /// Called with each environment before it is destroyed; may be none.
   std::function<void(const Environment&)> on_environment_end;
-  bool trust_rules = false;            ///< rules read and write any file and call `system`
-  bool next = false;                   ///< behaves as the next CX where that differs (parameter `compat: next`)
+  bool trust_rules = false;  ///< rules read and write any file and call `system`
+  bool next = false;         ///< behaves as the next CX where that differs (parameter `compat: next`)
 };
 
 }  // namespace cxlab::cx

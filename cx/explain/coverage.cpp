@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -75,40 +76,48 @@ std::vector<Element> elements_of(const Condition& condition) {
   }
 }
 
-/// The counts of a way through the conditions; empty where its joins are not those that are expected of it.
-std::vector<std::int64_t> passed_on(const Alternative& way, const std::vector<JoinCounts>& joins) {
-  struct Last {
-    std::size_t condition;  // in the way
-    Element element;
-  };
-  std::vector<std::int64_t> passed(way.conditions.size());
-  std::size_t join = 0;
-  std::vector<Last> group;  // what the join before `join` stands for
-  const auto end_group = [&] {
-    if (join == 0) return group.empty();
-    const JoinCounts& counts = joins[join - 1];
-    std::size_t places = 0;
-    for (const Last& one : group)
-      if (one.element.test) places += one.element.places;
-    if (places > counts.reached.size()) return false;
-    std::size_t place = counts.reached.size() - places;
-    for (const Last& one : group) {
-      if (one.element.test) place += one.element.places;
-      passed[one.condition] = place == counts.reached.size() || places == 0 ? counts.passed : counts.reached[place];
-    }
-    group.clear();
-    return true;
-  };
-  if (!joins.empty() && joins.front().initial) ++join;
+/// What a join stands for: the elements of conditions, by their places on the way.
+struct Member {
+  std::size_t condition = 0;
+  Element element;
+};
+using Members = std::vector<Member>;
+
+/// Of each join; nothing where the joins are not those that are expected of the conditions.
+std::optional<std::vector<Members>> members_of(const Alternative& way, const std::vector<JoinCounts>& joins) {
+  std::vector<Members> members;
+  if (!joins.empty() && joins.front().initial) members.emplace_back();
   for (std::size_t i = 0; i < way.conditions.size(); ++i)
     for (const Element& element : elements_of(*way.conditions[i])) {
       if (!element.test) {
-        if (!end_group() || join == joins.size() || joins[join].initial) return {};
-        ++join;
+        if (members.size() == joins.size() || joins[members.size()].initial) return std::nullopt;
+        members.emplace_back();
       }
-      group.push_back({i, element});
+      if (members.empty()) return std::nullopt;
+      members.back().push_back({i, element});
     }
-  if (!end_group() || join != joins.size()) return {};
+  if (members.size() != joins.size()) return std::nullopt;
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    std::size_t places = 0;
+    for (const Member& member : members[i]) places += member.element.test ? member.element.places : 0;
+    if (places > joins[i].reached.size()) return std::nullopt;
+  }
+  return members;
+}
+
+/// What got past each condition of a way.
+std::vector<std::int64_t> passed_on(const Alternative& way, const std::vector<JoinCounts>& joins,
+                                    const std::vector<Members>& members) {
+  std::vector<std::int64_t> passed(way.conditions.size());
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    // What got past a condition has reached the test after it.
+    std::size_t place = joins[i].reached.size();
+    std::int64_t past = joins[i].passed;
+    for (auto member = members[i].rbegin(); member != members[i].rend(); ++member) {
+      passed[member->condition] = past;
+      if (member->element.test) past = joins[i].reached[place -= member->element.places];
+    }
+  }
   return passed;
 }
 
@@ -133,12 +142,13 @@ void add_conditions(const RuleCounts& counts, Coverage::Rule& rule) {
   const std::vector<Alternative> ways = alternatives_of(*conditions);
   if (ways.size() != counts.disjuncts.size()) return;
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    Coverage::Way way;
-    way.passed = passed_on(ways[i], counts.disjuncts[i]);
-    if (way.passed.size() != ways[i].conditions.size()) {
+    const auto members = members_of(ways[i], counts.disjuncts[i]);
+    if (!members) {
       rule.ways.clear();
       return;
     }
+    Coverage::Way way;
+    way.passed = passed_on(ways[i], counts.disjuncts[i], *members);
     for (const Condition* condition : ways[i].conditions)
       way.conditions.push_back(static_cast<std::size_t>(std::ranges::find(leaves, condition) - leaves.begin()));
     rule.ways.push_back(std::move(way));
@@ -166,7 +176,8 @@ void add_rule(std::vector<Coverage::Rule>& rules, const Coverage::Rule& rule) {
   if (same == nullptr) return;
   same->activated += rule.activated;
   same->fired += rule.fired;
-  if (same->ways.empty()) same->ways = rule.ways;
+  if (same->ways.empty())
+    same->ways = rule.ways;
   else
     for (std::size_t i = 0; i < std::min(same->ways.size(), rule.ways.size()); ++i)
       for (std::size_t k = 0; k < same->ways[i].passed.size(); ++k) same->ways[i].passed[k] += rule.ways[i].passed[k];
@@ -246,8 +257,14 @@ Coverage coverage_of(const EngineCounts& counts, const std::function<std::string
   Coverage coverage;
   for (const RuleCounts& one : counts.rules) {
     if (!is_of_a_file(one.info)) continue;
-    Coverage::Rule rule{name(one.info.file), with_module(one.info.module, one.info.name), one.info.text, one.info.line,
-                        one.activated,       one.fired,                                   {},            {}};
+    Coverage::Rule rule{name(one.info.file),
+                        with_module(one.info.module, one.info.name),
+                        one.info.text,
+                        one.info.line,
+                        one.activated,
+                        one.fired,
+                        {},
+                        {}};
     add_conditions(one, rule);
     add_rule(coverage.rules, rule);
   }
@@ -256,6 +273,27 @@ Coverage coverage_of(const EngineCounts& counts, const std::function<std::string
       add_function(coverage.functions, {name(one.info.file), with_module(one.info.module, one.info.name), one.info.text,
                                         one.info.line, one.calls});
   return coverage;
+}
+
+std::vector<std::vector<JoinLabel>> join_labels(const RuleCounts& rule) {
+  std::vector<std::vector<JoinLabel>> labels;
+  for (const auto& disjunct : rule.disjuncts) labels.emplace_back(disjunct.size());
+  const auto conditions = conditions_of(rule.info.text, rule.info.file, rule.info.line);
+  if (!conditions) return labels;
+  const std::vector<Alternative> ways = alternatives_of(*conditions);
+  if (ways.size() != labels.size()) return labels;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    const auto members = members_of(ways[i], rule.disjuncts[i]);
+    for (std::size_t k = 0; members && k < members->size(); ++k)
+      for (const Member& member : (*members)[k]) {
+        const Condition& condition = *ways[i].conditions[member.condition];
+        JoinLabel& label = labels[i][k];
+        if (label.number == 0) label = {ways[i].numbers[member.condition], condition.line, {}};
+        if (label.text.ends_with(condition.text)) continue;
+        label.text += (label.text.empty() ? "" : " ") + condition.text;
+      }
+  }
+  return labels;
 }
 
 std::string text_of(const Coverage& coverage) {

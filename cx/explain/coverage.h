@@ -110,6 +110,15 @@ struct Coverage {
 /// knows.
 Coverage coverage_of(const EngineCounts& counts, const std::function<std::string(const std::string&)>& name);
 
+/// The conditions that a join of CLIPS stands for; number 0 where they are not known.
+struct JoinLabel {
+  int number = 0;  ///< of the first of them in the rule, from 1
+  int line = 0;
+  std::string text;
+};
+/// Of each join of each disjunct.
+std::vector<std::vector<JoinLabel>> join_labels(const RuleCounts& rule);
+
 /// A line for each rule that never fired, each condition of others that nothing got past, and each function that nobody
 /// called; then the sums.
 std::string text_of(const Coverage& coverage);

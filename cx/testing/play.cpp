@@ -61,7 +61,12 @@ Status Play::prepare() {
   };
   options.limits = &limits_;
   options.seed = spec_.seed;
-  options.counting = setup_.coverage ? Counting::kUse : Counting::kNothing;
+  if (setup_.coverage) {
+    options.counting = Counting::kUse;
+    options.on_environment_end = [this](const cx::Environment& environment) {
+      coverage_.add(explain::coverage_of(environment.engine().counts(), [](const std::string& file) { return file; }));
+    };
+  }
   auto manager = cx::EnvironmentManager::create(std::move(options), bus_, journal_);
   if (!manager) return manager.error();
   manager_ = *std::move(manager);
@@ -70,6 +75,14 @@ Status Play::prepare() {
   loop_.emplace(bus_, kTick, Parts{.servers = {this, &steps_, &stand_ins_}, .agents = {manager_.get()}});
   loop_->set_begin(spec_.begins);
   return {};
+}
+
+Status Play::end() {
+  const Status ended = manager_->deactivate();
+  loop_.reset();
+  environment_ = nullptr;
+  manager_.reset();
+  return ended;
 }
 
 Wall Play::wall() const {

@@ -39,6 +39,10 @@ class Play final : private Server, private cx::LogSink {
   Wall wall() const;
   /// Activation. Errors of kind kInput are mistakes in rule files or the configuration.
   Status begin();
+  /// Deactivation, then the agent is gone.
+  Status end();
+  /// Of what has gone.
+  const explain::Coverage& coverage() const { return coverage_; }
   /// At once; `line` is that of the story.
   Status assert_fact(const std::string& text, int line);
   /// An error at a line of the story.
@@ -78,6 +82,7 @@ class Play final : private Server, private cx::LogSink {
   std::vector<std::string> left_open_;
   std::deque<std::string> printed_;
   std::set<std::string> files_;
+  explain::Coverage coverage_;
   std::unique_ptr<ScratchFolder> scratch_;
   explain::Histories histories_;
   const explain::History* history_ = nullptr;  // of `environment_`

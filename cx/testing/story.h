@@ -13,6 +13,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
 #include "cx/engine/limits.h"
+#include "cx/explain/coverage.h"
 #include "cx/node/parameters.h"
 #include "cx/testing/stand_ins.h"
 #include "cx/wall/wall.h"
@@ -74,20 +75,13 @@ struct StorySpec {
 
 struct StorySetup {
   std::filesystem::path interfaces;                  ///< folder of packages of definitions
-  bool coverage = false;                             ///< count activations too
+  bool coverage = false;                             ///< count what rules do
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =
       {};  ///< of cxlab: have the files that packages of the same name lack
   /// Called before the first rule is read, with what the story reaches of the machine from then on; may be none.
   std::function<void(const Wall&)> confine = {};
-};
-
-/// How often a rule has fired, and been put on the agenda (0 without `StorySetup::coverage`).
-struct RuleCount {
-  std::string file, rule;
-  int line = 0;
-  long fired = 0, activated = 0;
 };
 
 struct StoryResult {
@@ -97,7 +91,7 @@ struct StoryResult {
   std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
   std::optional<Error> bad;           ///< the story itself cannot be used
   double sim_time_s = 0;
-  std::vector<RuleCount> rules;
+  explain::Coverage coverage;  ///< of all its environments, with `StorySetup::coverage`
   bool passed() const { return failures.empty() && !bad; }
 };
 

@@ -39,10 +39,21 @@ class CoveragePages(Lab):
         """The rows of all rules, {(file, line, rule): (activated, fired)}, after both programs have read the counts and agree with them."""
         done = subprocess.run([CXLAB, "test", *map(str, paths or ["."]), "--coverage", name, "--json"], cwd=self.folder, text=True, capture_output=True, timeout=300)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        rules = {(Path(r["file"]).name, r["line"], r["rule"]): (r["activated"], r["fired"]) for r in json.loads(done.stdout)["rules"]}
-        expected = {"functions": (sum(fired > 0 for _, fired in rules.values()), len(rules)),
+        answer = json.loads(done.stdout)
+        rules = {(Path(r["file"]).name, r["line"], r["rule"]): (r["activated"], r["fired"]) for r in answer["rules"]}
+        hits, conditions, calls = {}, {}, [f["calls"] for f in answer["functions"]]
+        for one in answer["rules"] + answer["functions"]:
+            place = one["file"], one["line"]
+            hits[place] = hits.get(place, 0) + one.get("activated", one.get("calls"))
+        for rule in answer["rules"]:
+            for condition in rule["conditions"]:
+                self.assertIsNotNone(condition["passed"], condition)
+                place = rule["file"], condition["line"]
+                conditions[place] = min(condition["passed"], conditions.get(place, condition["passed"]))
+        hits = {**conditions, **hits}
+        expected = {"functions": (sum(fired > 0 for _, fired in rules.values()) + sum(n > 0 for n in calls), len(rules) + len(calls)),
                     "branches": (sum((fired > 0) + (activated > 0) for activated, fired in rules.values()), 2 * len(rules)),
-                    "lines": (len({k[:2] for k, (activated, _) in rules.items() if activated > 0}), len({k[:2] for k in rules}))}
+                    "lines": (sum(n > 0 for n in hits.values()), len(hits))}
         self.assertEqual(self.totals(self.lcov("lcov", "--summary", name)), expected)
         self.assertEqual(self.totals(self.lcov("genhtml", "--show-details", name, "-o", name + ".html")), expected)
         for (_, line, rule), (activated, fired) in rules.items():
@@ -69,7 +80,7 @@ class CoveragePages(Lab):
         self.write("r.story.yaml", "- story: r\n  rules: r.clp\n  given: [(start), (bell)]\n  expect: [{fires: first, within_s: 1}]\n")
         self.assertEqual(self.cover(), {("r.clp", 4, "first"): (1, 1), ("r.clp", 5, "late"): (1, 0), ("r.clp", 7, "deaf"): (0, 0),
                                         ("r.clp", 7, "deaf-too"): (0, 0), ("r.clp", 8, "loud"): (2, 1)})
-        self.assertEqual(self.functions_page("c.info", "r.clp"), {"first": 1, "late": 0, "deaf": 0, "deaf-too": 0, "loud": 1})
+        self.assertEqual(self.functions_page("c.info", "r.clp"), {"first": 1, "late": 0, "deaf": 0, "deaf-too": 0, "loud": 1, "twice": 0, "unused": 0})
 
     def test_nothing_fires(self):
         self.write("r.clp", "(defrule deaf (nothing) => (assert (heard)))\n")

@@ -83,7 +83,7 @@ class RuleCounter {
   FlatTable<Work> work_;
   Work elsewhere_;
   const void* at_work_ = nullptr;
-  std::int64_t began_ = 0, last_ = 0, matching_since_ = 0;
+  std::int64_t began_ = 0, last_ = 0, matching_since_ = 0, reads_ = 0;
   std::vector<Active> active_;
   std::vector<Begun> firing_;
   std::vector<WorkSpan> spans_;

@@ -52,7 +52,9 @@ TEST_F(RuleCountsOf, PartialMatchesAreThoseThatAPersonCounts) {
 // The same numbers from the command of CLIPS: compares, adds and deletes of all joins of a rule.
 TEST_F(RuleCountsOf, JoinsAgreeWithTheJoinActivityOfClips) {
   engine().count(Counting::kUse);
-  given("(defrule some (a ?x) (b ?x ?y) (not (and (c ?y) (d ?x))) (exists (e ?y)) =>)\n(defrule other (or (a 1) (b 1 ?)) (c ?) =>)");
+  given(
+      "(defrule some (a ?x) (b ?x ?y) (not (and (c ?y) (d ?x))) (exists (e ?y)) =>)\n(defrule other (or (a 1) (b 1 ?)) "
+      "(c ?) =>)");
   for (int x = 0; x < 4; ++x)
     for (int y = 0; y < 3; ++y) {
       const std::string both = std::to_string(x) + ' ' + std::to_string(y);
@@ -162,21 +164,22 @@ TEST_F(RuleCountsOf, TheTimeIsThatOfWhatIsSlow) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(engine().assert_string("(b " + std::to_string(i) + ')'));
   engine().run();
   const double quick = whole(rule("quick"));
-  for (const char* slow : {"slow-action", "slow-test", "slow-pattern"})
-    EXPECT_GT(whole(rule(slow)), 5 * quick) << slow;
+  for (const char* slow : {"slow-action", "slow-test", "slow-pattern"}) EXPECT_GT(whole(rule(slow)), 5 * quick) << slow;
   EXPECT_GT(rule("slow-action").acting.s, 0.9 * whole(rule("slow-action")));
   EXPECT_GT(rule("slow-test").disjuncts[0][1].time.s, 0.9 * whole(rule("slow-test"))) << "at its second condition";
   EXPECT_GT(rule("slow-pattern").disjuncts[0][0].time.s, 0.9 * whole(rule("slow-pattern")));
   for (const FunctionCounts& function : engine().counts().functions) {
     EXPECT_EQ(function.calls, 10 + 40 + 10);
-    EXPECT_GT(function.time.s, 0.8 * (whole(rule("slow-action")) + whole(rule("slow-test")) + whole(rule("slow-pattern"))));
+    EXPECT_GT(function.time.s,
+              0.8 * (whole(rule("slow-action")) + whole(rule("slow-test")) + whole(rule("slow-pattern"))));
   }
 }
 
 TEST_F(RuleCountsOf, TimesAreDividedAndSumUp) {
   engine().count(Counting::kTimes);
-  given("(deffunction waste (?n) (loop-for-count (?i 1 ?n) (+ ?i 1)) TRUE)\n"
-        "(defrule one (a ?x) (b ?y&:(waste 5000)) (c) =>)\n(defrule two (a ?x) (b ?y&:(waste 5000)) (d) =>)");
+  given(
+      "(deffunction waste (?n) (loop-for-count (?i 1 ?n) (+ ?i 1)) TRUE)\n"
+      "(defrule one (a ?x) (b ?y&:(waste 5000)) (c) =>)\n(defrule two (a ?x) (b ?y&:(waste 5000)) (d) =>)");
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(engine().assert_string("(a " + std::to_string(i) + ')'));
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(engine().assert_string("(b " + std::to_string(i) + ')'));
   EXPECT_EQ(rule("one").disjuncts[0][1].sharers, 2u);

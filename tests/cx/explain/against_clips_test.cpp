@@ -545,8 +545,8 @@ class RuleBase {
     engine->reset();
     (void)engine->eval("(set-current-module T)");
     for (const Element& element : all_) {
-      const bool given = element.type == "object" ? engine->eval(print(element)).ok()
-                                                  : engine->assert_string(print(element)).ok();
+      const bool given =
+          element.type == "object" ? engine->eval(print(element)).ok() : engine->assert_string(print(element)).ok();
       EXPECT_TRUE(given) << print(element);
     }
     const Coverage coverage = coverage_of(engine->counts(), [](const std::string& file) { return file; });

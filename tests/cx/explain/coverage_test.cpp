@@ -29,7 +29,8 @@ std::vector<std::int64_t> passed(const Coverage::Rule& rule) {
   return all;
 }
 
-const char* kFourRules = R"((deffunction f () 1) (deffunction g () 2) (defrule fires "a comment" (declare (salience 5)) (a ?x)
+const char* kFourRules =
+    R"((deffunction f () 1) (deffunction g () 2) (defrule fires "a comment" (declare (salience 5)) (a ?x)
   (test (> ?x 1)) (test (< ?x 9)) => (f))
 (defrule loses ?a <- (a 2) => (retract ?a))
 (defrule late (declare (salience -1)) (a 2) =>)
@@ -86,10 +87,10 @@ TEST(CoverageOf, AConditionBeforeAnOrIsCountedOnce) {
 }
 
 TEST(CoverageOf, ATestThatFailsIsNotTheFaultOfItsPattern) {
-  const Coverage coverage =
-      play("(defrule t (a ?x) (test (and (> ?x 0) (> ?x 5))) (test (< ?x 7)) (b) =>)\n"
-           "(defrule n (a ?x) (not (z ?x)) (test (> ?x 5)) =>)\n(defrule first (test (> 1 2)) (a ?) =>)",
-           {"(a 1)", "(a 8)", "(b)"});
+  const Coverage coverage = play(
+      "(defrule t (a ?x) (test (and (> ?x 0) (> ?x 5))) (test (< ?x 7)) (b) =>)\n"
+      "(defrule n (a ?x) (not (z ?x)) (test (> ?x 5)) =>)\n(defrule first (test (> 1 2)) (a ?) =>)",
+      {"(a 1)", "(a 8)", "(b)"});
   EXPECT_THAT(passed(coverage.rules[0]), ElementsAre(2, 1, 0, 0));
   EXPECT_EQ(coverage.rules[0].failed_at(), 2u);
   EXPECT_THAT(passed(coverage.rules[1]), ElementsAre(2, 2, 1));

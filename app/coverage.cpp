@@ -1,0 +1,87 @@
+// cxlab coverage: which rules and conditions of recorded runs were reached.
+
+#include "app/coverage.h"
+
+#include <cstdio>
+
+#include "app/arguments.h"
+#include "app/command.h"
+#include "app/console.h"
+#include "app/question.h"
+#include "cx/base/json.h"
+#include "lab/coverage_of_runs.h"
+
+namespace cxlab::app {
+
+namespace {
+
+struct RunsCoverageOptions {
+  std::vector<std::string> paths;
+  lab::CoverageOptions reports;
+  int jobs = 1;
+  bool trust_programs = false, json = false;
+};
+
+int coverage(const RunsCoverageOptions& options) {
+  const auto folders = lab::run_folders(options.paths);
+  if (!folders) return fail(folders.error());
+  std::vector<lab::Run> runs;
+  for (const std::filesystem::path& folder : *folders) {
+    auto run = open_run(folder.string(), options.trust_programs);
+    if (!run) return fail(run.error());
+    runs.push_back(*std::move(run));
+  }
+  Console console(true);
+  const lab::Host host = console.host();
+  const auto covered = lab::coverage_of_runs(runs, options.jobs, host);
+  if (const int code = interrupted("not all runs were played")) return code;
+  if (!covered) return fail(covered.error());
+  for (const std::string& note : covered->notes) std::fprintf(stderr, "note: %s\n", printable(note).c_str());
+  if (options.json) {
+    Json json{{"runs", runs.size()}};
+    json.update(lab::json_of(covered->coverage));
+    std::printf("%s\n", json_text(json, 2).c_str());
+  } else {
+    std::fputs(explain::text_of(covered->coverage).c_str(), stdout);
+  }
+  if (Status s = lab::write_reports(covered->coverage, options.reports, covered->sources,
+                                    runs.size() == 1 ? "Coverage of " + runs.front().folder.string()
+                                                     : "Coverage of " + std::to_string(runs.size()) + " runs");
+      !s)
+    return fail(s.error());
+  const Status enough = lab::check_share(covered->coverage, options.reports);
+  return enough ? 0 : fail(enough.error());
+}
+
+}  // namespace
+
+void add_coverage(CLI::App& command, const char* page, lab::CoverageOptions& options) {
+  command.add_option(page, options.page,
+                     "Writes a page with the coloured source of all rule files, which needs no other file");
+  command.add_option("--fail-under", options.fail_under, "Exit code 1 if fewer percent of the rules fired")
+      ->type_name("PERCENT")
+      ->check(CLI::Range(0.0, 100.0));
+}
+
+void add_coverage(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RunsCoverageOptions>();
+  CLI::App* command = app.add_subcommand(
+      "coverage", "Says which rules of recorded runs fired, how far conditions got, and which functions were called");
+  command
+      ->add_option("runs", options->paths,
+                   "Folders of runs, or folders with such folders below, whose counts are summed up")
+      ->required();
+  add_limit_options(*command);
+  add_trust_programs(*command, options->trust_programs);
+  command->add_option("--lcov", options->reports.lcov, "Writes the counts as lcov, for genhtml and CI");
+  add_coverage(*command, "--html", options->reports);
+  whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
+  command->add_flag("--json", options->json, "Prints JSON");
+  command->footer(
+      "The rules of each run are played again from what it recorded, to its end and through deactivation.\n"
+      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage (docs/testing.md).\n"
+      "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2");
+  command->callback([options, &action] { action = [options] { return coverage(*options); }; });
+}
+
+}  // namespace cxlab::app

@@ -1,0 +1,124 @@
+#include "lab/coverage_of_runs.h"
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <string_view>
+
+#include "cx/base/file.h"
+#include "cx/journal/file_store.h"
+#include "lab/child.h"
+#include "lab/confine.h"
+#include "lab/json_fields.h"
+#include "lab/rules_replay.h"
+
+namespace cxlab::lab {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_run(const fs::path& folder) { return is_file(folder / "manifest.json"); }
+
+void add_runs_below(const fs::path& folder, std::vector<fs::path>& runs) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (!it->is_directory(error) || !is_run(it->path())) continue;
+    runs.push_back(it->path());
+    it.disable_recursion_pending();
+  }
+}
+
+/// What the process that plays a run says of it.
+Expected<Json> cover(const Run& run, Host host) {
+  explain::Coverage coverage;
+  RulesReplay::Options options{.end = run.finished ? run.sim_time : kLongestRun, .counting = Counting::kUse};
+  options.on_environment_end = [&](const cx::Environment& environment) {
+    coverage.add(explain::coverage_of(environment.engine().counts(), [&environment](const std::string& file) {
+      return environment.files().journal_name(file);
+    }));
+  };
+  auto replay = RulesReplay::load(run, host, options);
+  if (!replay) return replay.error();
+  Wall recorded;
+  recorded.read = {run.folder};
+  host.confine = true;
+  host.log = nullptr;
+  confine(*replay->episode, host, recorded);
+  Episode& episode = *replay->episode;
+  const bool whole = run.finished && episode.replay_log_status() && run.whole(episode.replay_end());
+  const SimTime end = whole ? run.sim_time : std::min(options.end, episode.replay_end());
+  Status played = episode.start();
+  while (played && run.ticks != 0 && !episode.over() && episode.next_tick() <= end) played = episode.tick();
+  if (auto error = run.untrusted(played)) return *error;
+  std::string note;
+  if (!whole) note = "its log ends at " + std::to_string(to_seconds(end)) + " s";
+  if (!played && run.status != "failed") note = played.error().text();
+  (void)episode.close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
+  replay->episode.reset();
+  return Json{{"coverage", JsonWriter::json(coverage)}, {"note", note}};
+}
+
+Status take(const Run& run, const Json& said, RunsCoverage& out) {
+  explain::Coverage coverage;
+  if (Status s = read_fields(said.at("coverage"), coverage); !s) return s;
+  out.coverage.add(coverage);
+  const auto files = StoredFiles::open(run.folder);
+  if (!files) return files.error();
+  // A copy of a package's file is called after its agent, too: agents/0/packages/NAME.
+  static constexpr std::string_view kPackages = "/packages/";
+  std::map<std::string, std::string> copies;
+  for (const std::string& copy : files->names()) {
+    const std::size_t at = copy.find(kPackages);
+    copies.emplace(at == copy.npos ? copy : copy.substr(at + kPackages.size()), copy);
+  }
+  const auto add_source = [&](const std::string& name) {
+    const auto copy = copies.find(name);
+    if (out.sources.contains(name) || copy == copies.end()) return;
+    if (auto text = files->read(copy->second)) out.sources.emplace(name, *std::move(text));
+  };
+  for (const explain::Coverage::Rule& rule : coverage.rules) add_source(rule.file);
+  for (const explain::Coverage::Function& function : coverage.functions) add_source(function.file);
+  if (const std::string note = said.at("note"); !note.empty()) out.notes.push_back(run.folder.string() + ": " + note);
+  return {};
+}
+
+}  // namespace
+
+Expected<std::vector<fs::path>> run_folders(const std::vector<std::string>& paths) {
+  std::vector<fs::path> runs;
+  for (const std::string& path : paths) {
+    if (!path_exists(path)) return input_error("there is no such folder", path);
+    const std::size_t before = runs.size();
+    if (is_run(path) || !is_folder(path))
+      runs.emplace_back(path);
+    else
+      add_runs_below(path, runs);
+    if (runs.size() == before)
+      return input_error("expected the folder of a run, or one with such folders below; there is no manifest.json",
+                         path);
+    std::sort(runs.begin() + static_cast<std::ptrdiff_t>(before), runs.end());
+  }
+  return runs;
+}
+
+Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, const Host& host) {
+  RunsCoverage out;
+  std::deque<Child> playing;
+  std::size_t begun = 0;
+  for (std::size_t done = 0; done < runs.size(); ++done) {
+    for (; begun < runs.size() && playing.size() < static_cast<std::size_t>(std::max(jobs, 1)); ++begun) {
+      auto child = Child::start([&run = runs[begun], &host] { return cover(run, host); });
+      if (!child) return child.error();
+      playing.push_back(*std::move(child));
+    }
+    const auto said = playing.front().finish(host);
+    if (!said) return said.error();
+    if (Status s = take(runs[done], *said, out); !s) return s.error();
+    playing.pop_front();
+    host.show(static_cast<double>(done + 1), static_cast<double>(runs.size()));
+  }
+  return out;
+}
+
+}  // namespace cxlab::lab

@@ -1,0 +1,26 @@
+#pragma once
+// Coverage of recorded runs: their rules are played again, to their end.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cx/base/expected.h"
+#include "lab/coverage.h"
+#include "lab/host.h"
+#include "lab/run.h"
+
+namespace cxlab::lab {
+
+/// These folders of runs, and all that lie below other folders, in order of their names.
+Expected<std::vector<std::filesystem::path>> run_folders(const std::vector<std::string>& paths);
+
+struct RunsCoverage {
+  explain::Coverage coverage;
+  Sources sources;
+  std::vector<std::string> notes;  ///< runs that were not played to their end, and why
+};
+/// Each run is played in a copy of this process, which must have one thread only.
+Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, const Host& host);
+
+}  // namespace cxlab::lab

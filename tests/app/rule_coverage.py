@@ -1,0 +1,130 @@
+"""cxlab coverage and cxlab test --coverage: what stories and runs reach of rules, conditions and functions."""
+
+import json
+import os
+import re
+import subprocess
+import unittest
+from html.parser import HTMLParser
+
+from lab import CXLAB, SOURCE, Lab
+
+RULES = """(deffunction twice (?x) (* 2 ?x))
+(deffunction unused () 0)
+(defrule go
+  (start ?x)
+  (test (> (twice ?x) 2))
+  => (assert (gone ?x)))
+(defrule robbed (declare (salience -1)) (gone ?x) (not (tired)) => (assert (rest)))
+(defrule thief ?g <- (gone ?) => (retract ?g))
+(defrule deaf
+  (start ?x)
+  (bell ?x) (door) => (assert (heard)))
+"""
+
+
+class Page(HTMLParser):
+    """What a page asks for, and its texts by class."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.asks, self.marked, self.stack = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.asks += [values[key] for key in ("src", "href", "data", "action") if values.get(key) and not values[key].startswith("#")]
+        if tag == "span":
+            self.stack.append(values)
+
+    def handle_endtag(self, tag):
+        if tag == "span":
+            self.stack.pop()
+
+    def handle_data(self, data):
+        if self.stack and self.stack[-1].get("title") and self.stack[-1].get("class") in ("hit", "half", "miss"):
+            self.marked.append((self.stack[-1]["class"], data, self.stack[-1]["title"]))
+
+
+class Coverage(Lab):
+    def cxlab(self, *arguments, expect=0):
+        done = subprocess.run([CXLAB, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder, timeout=200)
+        self.assertEqual(done.returncode, expect, f"{arguments}\n{done.stdout[-3000:]}\n{done.stderr}")
+        return done
+
+    def story(self, given):
+        self.write("r.clp", RULES)
+        self.write("r.story.yaml", f"- {{story: r, rules: r.clp, given: [{given}], expect: [{{fires: go, within_s: 1}}]}}\n")
+
+    def run_of(self, given, out):
+        self.agent(RULES + f"(deffacts given {given})\n")
+        done = subprocess.run([*self.command(), "--out", self.folder / out], cwd=self.folder, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_stories_say_where_conditions_fail(self):
+        self.story("(start 1), (start 2), (bell 2)")
+        said = self.cxlab("test", "--coverage", "c.info").stdout
+        self.assertIn("r.clp:7: robbed: activated but never fired\n", said)
+        self.assertIn("r.clp:9: deaf: never matched: nothing got past condition 3, (door)\n", said)
+        self.assertIn("r.clp:2: unused: never called\n", said)
+        self.assertIn("rules: 2 of 4 fired (50.0 %), conditions: 7 of 8 passed (87.5 %), functions: 1 of 2 called (50.0 %)\n", said)
+        answer = json.loads(self.cxlab("test", "--json", "--coverage", "c.info").stdout)
+        deaf = next(r for r in answer["rules"] if r["rule"] == "deaf")
+        self.assertEqual([(c["line"], c["passed"]) for c in deaf["conditions"]], [(10, 2), (11, 1), (11, 0)])
+        self.assertEqual(deaf["failed_at"], 2)
+        go = next(r for r in answer["rules"] if r["rule"] == "go")
+        self.assertEqual([c["passed"] for c in go["conditions"]], [2, 1])
+        self.assertEqual({f["function"]: f["calls"] for f in answer["functions"]}, {"twice": 2, "unused": 0})
+        text = (self.folder / "c.info").read_text()
+        for line in ("DA:4,2", "DA:5,1", "DA:10,2", "DA:11,0", "DA:1,2", "DA:2,0", "FNDA:2,twice", "FNDA:0,unused"):
+            self.assertIn(line + "\n", text)
+
+    def test_too_few_rules_are_a_no(self):
+        self.story("(start 2)")
+        self.cxlab("test", "--fail-under", "50")
+        done = self.cxlab("test", "--fail-under", "50.1", expect=1)
+        self.assertIn("2 of 4 rules fired, 50.0 %; --fail-under expects at least 50.1 %", done.stderr)
+        self.cxlab("test", "--fail-under", "101", expect=2)
+
+    def test_a_page_shows_the_source(self):
+        self.story("(start 1), (start 2)")
+        self.cxlab("test", "--coverage-page", "c.html")
+        text = (self.folder / "c.html").read_text()
+        page = Page(text)
+        self.assertEqual(page.asks, [], "it asks for nothing")
+        self.assertNotRegex(text, r"https?:|@import|url\(")
+        self.assertIn(("hit", "(test (> (twice ?x) 2))", "condition 2 of go: passed once"), page.marked)
+        self.assertIn(("miss", "(bell ?x)", "condition 2 of deaf: passed 0 times"), page.marked)
+        self.assertIn(("half", "robbed", "robbed: activated once, fired 0 times"), page.marked)
+        self.assertIn(("miss", "unused", "unused: called 0 times"), page.marked)
+        source = re.sub("<[^>]*>", "", text.split("<pre>")[1].split("</pre>")[0])
+        for line in RULES.splitlines():
+            self.assertIn(line.replace("&", "&amp;").replace(">", "&gt;").replace("<", "&lt;"), source)
+
+    def test_runs_are_summed_up_and_agree_with_their_rules(self):
+        self.run_of("(start 1) (start 2) (bell 2)", "runs/a")
+        self.run_of("(start 2) (bell 2) (door)", "runs/deeper/b")
+        one = json.loads(self.cxlab("coverage", "runs/a", "--json").stdout)
+        used = json.loads(self.cxlab("rules", "runs/a", "--json").stdout)["environments"][0]["rules"]
+        self.assertEqual({r["rule"]: (r["fired"], r["activated"]) for r in one["rules"]},
+                         {r["rule"]: (r["fired"], r["activated"]) for r in used if r["place"] and "rules.clp" in r["place"]})
+        (self.folder / "rules/rules.clp").unlink()
+        both = self.cxlab("coverage", "runs", "--json", "--html", "c.html", "--lcov", "c.info", "-j", "2").stdout
+        answer = json.loads(both)
+        self.assertEqual(answer["runs"], 2)
+        self.assertEqual({r["rule"]: r["fired"] for r in answer["rules"]}, {"go": 2, "robbed": 0, "thief": 2, "deaf": 1})
+        self.assertEqual(both, self.cxlab("coverage", "runs/a", "runs/deeper/b", "--json").stdout, "in any way, and each time")
+        source = re.sub("<[^>]*>", "", (self.folder / "c.html").read_text().split("<pre>")[1])
+        self.assertIn("(bell ?x) (door) =&gt; (assert (heard)))", source, "the copy that the run keeps")
+        self.assertEqual(both, self.cxlab("coverage", "runs", "--json").stdout, "it reads only the folders of the runs")
+
+    def test_what_is_no_run_is_an_error(self):
+        self.folder.joinpath("empty").mkdir()
+        self.assertIn("expected the folder of a run", self.cxlab("coverage", "empty", expect=3).stderr)
+        self.assertIn("there is no such folder", self.cxlab("coverage", "nowhere", expect=3).stderr)
+        self.run_of("(start 2)", "runs/a")
+        self.assertIn("cannot be written", self.cxlab("coverage", "runs", "--html", "nowhere/c.html", expect=5).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
