@@ -38,6 +38,7 @@ void add_validate(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_doc(CLI::App& app, Action& action);
 void add_test(CLI::App& app, Action& action);
+void add_mutate(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 /// Those of `bench` that play nothing.
 void add_bench_tables(CLI::App& bench, Action& action);

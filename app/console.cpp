@@ -443,13 +443,17 @@ static std::string left_text(const lab::GamesProgress& games) {
 }
 
 void Console::sweep_progress(const lab::GamesProgress& games) {
-  if (quiet_ || !is_due()) return;
   std::string text = std::to_string(games.done) + " of " + std::to_string(games.total) + " games";
   if (games.incomplete > 0) text += ", " + std::to_string(games.incomplete) + " not completed";
   text += ", " + std::to_string(games.playing) + " at play";
   if (const std::string left = left_text(games); !left.empty()) text += ", " + left;
+  share_done(games.total > 0 ? static_cast<double>(games.done) / static_cast<double>(games.total) : 0, text);
+}
+
+void Console::share_done(double share, const std::string& text) {
+  if (quiet_ || !is_due()) return;
   if (terminal_)
-    draw(games.total > 0 ? static_cast<double>(games.done) / static_cast<double>(games.total) : 0, text);
+    draw(share, text);
   else
     std::fprintf(stderr, "%s\n", text.c_str());
 }

@@ -36,6 +36,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   void progress(double done, double total) override;
   void sweep_progress(const lab::GamesProgress& games) override;
   void game_ended(std::string_view line, const lab::GamesProgress& games, bool remarkable) override;
+  /// What has been done of something else than a run or sweep: a share of it, and a line for a person.
+  void share_done(double share, const std::string& text);
   /// A line for each game of a sweep, not only for those that are remarkable and now and then.
   void show_all_games() { all_games_ = true; }
   void note(std::string_view text) override;

@@ -96,8 +96,8 @@ Error error_of(const std::exception& e) {
 /// Says what is going on, for commands that may take a while without output.
 void report_silence_of(const CLI::App& app) {
   static constexpr std::string_view kLong[] = {
-      "run",   "env",    "test",    "bench",   "plan", "replay", "rerun", "render", "why-not",  "validate",
-      "facts", "agenda", "globals", "firings", "why",  "rules",  "diff",  "check",  "coverage", "profile"};
+      "run",    "env",     "test",    "bench", "plan",  "replay", "rerun", "render",   "why-not", "validate", "facts",
+      "agenda", "globals", "firings", "why",   "rules", "diff",   "check", "coverage", "profile", "mutate"};
   for (const CLI::App* command : app.get_subcommands())
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }
@@ -147,6 +147,7 @@ int run(int argc, char** argv) {
   add_list(app, action);
   add_doc(app, action);
   add_test(app, action);
+  add_mutate(app, action);
   add_bench(app, action);
   add_plan(app, action);
   add_new(app, action);

@@ -29,6 +29,7 @@ struct PlayedStory {
   std::size_t seeds_played = 0;
   std::set<std::uint64_t> failed_seeds = {};
   double wall_s = 0;               ///< of all its processes
+  bool late = false;               ///< a process was ended because it took longer than `StoryPlan::patience_s`
   std::filesystem::path run = {};  ///< a folder that can be asked why it failed; empty: none was kept
 
   bool passed() const { return result.passed(); }

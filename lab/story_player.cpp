@@ -241,6 +241,7 @@ class Troupe {
       return end(story);
     }
     if (player.number >= last_) return;  // it was on its way when an earlier one failed
+    story.late |= player.late;
     add(story, player.job.seed, result_of(player, story.spec, plan_.patience_s));
     --to_play_[player.job.story];
     if (plan_.stop_at_failure && !story.passed()) stop_after(player.number);

@@ -155,6 +155,7 @@ FormReading read_forms(std::string_view text, const std::string& file) {
 
     Form form;
     form.line = token.line;
+    form.at = begin;
     form.list = token.kind == Token::Kind::kOpen;
     Extent extent;
     extent.add(token);

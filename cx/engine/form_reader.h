@@ -11,11 +11,12 @@ namespace cxlab {
 
 /// One top-level form `( ... )`, or a bare word, string or number between forms.
 struct Form {
-  std::string text;   ///< as written, from its first to its last character
-  int line = 0;       ///< where it begins, counted from 1
-  bool list = false;  ///< begins with a parenthesis
-  std::string head;   ///< first word of a list: "defrule", "assert", ...; of a bare form the whole of it
-  std::string name;   ///< second word of a list: the name of a construct, without its module
+  std::string text;    ///< as written, from its first to its last character
+  int line = 0;        ///< where it begins, counted from 1
+  bool list = false;   ///< begins with a parenthesis
+  std::string head;    ///< first word of a list: "defrule", "assert", ...; of a bare form the whole of it
+  std::string name;    ///< second word of a list: the name of a construct, without its module
+  std::size_t at = 0;  ///< where it begins, in bytes of the file
 };
 
 struct FormReading {

@@ -44,7 +44,8 @@ struct ManagerOptions : RunSettings {
       on_join;                            ///< called with the node and each environment on the bus; may be none
   std::filesystem::path outside_copies;   ///< replay: `Files::Options::outside`
   std::filesystem::path recorded_folder;  ///< replay: `Files::Options::recorded_folder`
-  bool one_of_several = false;            ///< lines of the log name the manager, because the run has others
+  std::map<std::filesystem::path, std::filesystem::path> instead;  ///< `Files::Options::instead`
+  bool one_of_several = false;  ///< lines of the log name the manager, because the run has others
   std::shared_ptr<std::set<std::string>>
       streams;  ///< of all managers of the run, so that no two share one; may be none
 };

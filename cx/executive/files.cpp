@@ -214,7 +214,12 @@ Expected<std::string> Files::read(const FoundFile& file) const {
     if (Status s = options_.on_read(file.logical_name, file.path); !s) return s.error();
   if (is_special(file.path))
     return input_error("is " + what_it_is(file.path) + ", expected a file", file.path.string());
-  return read_file(file.path);
+  return read_file(content_of(file.path));
+}
+
+fs::path Files::content_of(const fs::path& path) const {
+  const auto other = options_.instead.find(path.lexically_normal());
+  return other == options_.instead.end() ? path : other->second;
 }
 
 fs::path Files::outside(const fs::path& path) const {
@@ -294,7 +299,7 @@ Expected<std::string> Files::for_reading(const std::string& path) {
   if (!found) return found.error();
   if (options_.on_read && is_file(found->path))
     if (Status s = options_.on_read(found->logical_name, found->path); !s) return s.error();
-  return found->path.string();
+  return content_of(found->path).string();
 }
 
 Expected<std::string> Files::for_writing(const std::string& path) {

@@ -56,6 +56,8 @@ class Files final : public FileAccess {
     FileRead on_read;               ///< may be none
     std::filesystem::path outside;  ///< replay: copies of files outside of packages, under `outside_name`; else empty
     std::filesystem::path recorded_folder = {};  ///< replay: the run's folder then; paths below it mean this one's
+    /// Files whose content is that of others. Both are absolute.
+    std::map<std::filesystem::path, std::filesystem::path> instead = {};
   };
   explicit Files(Options options);
 
@@ -89,6 +91,8 @@ class Files final : public FileAccess {
   bool find_in(const std::string& package, const std::filesystem::path& relative, FoundFile& out) const;
   /// The file itself, or its copy.
   std::filesystem::path outside(const std::filesystem::path& path) const;
+  /// The file that has its content.
+  std::filesystem::path content_of(const std::filesystem::path& path) const;
   std::filesystem::path written(const std::filesystem::path& path) const;
   /// What rules ask for, without "." and "..", and in this run's folder where it was in that of the recorded run.
   std::filesystem::path asked_for(const std::string& path) const;

@@ -69,6 +69,7 @@ void EnvironmentManager::add_reach(Wall& wall) const {
   const fs::path& folder = options_.run_folder.empty() ? options_.rules_folder : options_.run_folder;
   if (!folder.empty()) wall.write.push_back(folder);
   for (const fs::path& package : files_.folders()) add_package(package, wall);
+  for (const auto& [file, other] : options_.instead) wall.read.push_back(other);
 
   // What stands in the configuration: absolute, or in a package, where it may be a link.
   for (const std::string& text : configured_) {

@@ -60,6 +60,7 @@ Status Play::prepare() {
     return {};
   };
   options.limits = &limits_;
+  options.instead = setup_.instead;
   options.seed = spec_.seed;
   if (setup_.coverage) {
     options.counting = Counting::kUse;

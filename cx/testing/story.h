@@ -80,6 +80,8 @@ struct StorySetup {
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =
       {};  ///< of cxlab: have the files that packages of the same name lack
+  /// Files whose content is that of others; both are absolute and without "." and "..".
+  std::map<std::filesystem::path, std::filesystem::path> instead = {};
   /// Called before the first rule is read, with what the story reaches of the machine from then on; may be none.
   std::function<void(const Wall&)> confine = {};
 };

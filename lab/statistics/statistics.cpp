@@ -149,6 +149,14 @@ double probability_of_improvement(Values first, Values second) {
   return improved / (count(first) * count(second));
 }
 
+Interval share_interval(std::size_t hits, std::size_t n, double level) {
+  const double z = normal_quantile((1 + level) / 2), draws = static_cast<double>(n);
+  const double share = static_cast<double>(hits) / draws, more = z * z / draws;
+  const double middle = (share + more / 2) / (1 + more);
+  const double half = z / (1 + more) * std::sqrt(share * (1 - share) / draws + more / (4 * draws));
+  return {std::max(middle - half, 0.0), std::min(middle + half, 1.0)};
+}
+
 Counts count_signs(Values differences) {
   Counts out;
   for (const double difference : differences) ++(difference > 0 ? out.above : difference < 0 ? out.below : out.equal);

@@ -9,6 +9,7 @@
 // - sign-flip test: Fisher, The Design of Experiments (1935); the p of random flips: Phipson and Smyth (2010)
 // - Hall's test of a mean: Hall, "On the removal of skewness by transformation", JRSS B 54 (1992)
 // - Holm's correction: Holm, Scand. J. Statist. 6 (1979)
+// - interval of a share: Wilson, "Probable inference", JASA 22 (1927)
 // - number of pairs: Guenther, "Sample size formulas for normal theory t tests", Am. Statistician 35 (1981)
 
 #include <cstddef>
@@ -59,6 +60,10 @@ std::vector<double> profile(Values values, Values thresholds, bool more_is_bette
 double effect_size(Values differences);
 /// How often a value of the second sample is above one of the first; equal ones count half.
 double probability_of_improvement(Values first, Values second);
+
+/// The interval of Wilson's score for the share of hits in `n` draws, n > 0; as scipy.stats.binomtest(hits, n)
+/// .proportion_ci(level, "wilson").
+Interval share_interval(std::size_t hits, std::size_t n, double level = 0.95);
 
 struct Counts {
   std::size_t above = 0, equal = 0, below = 0;

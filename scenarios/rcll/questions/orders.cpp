@@ -64,10 +64,11 @@ std::string step_reached(const OrderWork& work, const Attempt& attempt) {
 /// Whether the story goes on after what is asked about.
 bool goes_on(const GameStory& story) { return !story.run_ended && story.clock.phase(story.end) != Phase::kPostGame; }
 
-/// Whether an order that has not been begun is still to come: the story goes on, or the run was stopped before its window.
+/// Whether an order that has not been begun is still to come: the story goes on, or the run was stopped before its
+/// window.
 bool is_to_come(const GameStory& story, const OrderWork& work) {
-  return goes_on(story) || (story.clock.phase(story.end) != Phase::kPostGame &&
-                            story.end < story.clock.when(work.order.delivery_begin));
+  return goes_on(story) ||
+         (story.clock.phase(story.end) != Phase::kPostGame && story.end < story.clock.when(work.order.delivery_begin));
 }
 
 /// "begun 85.0 s after the end of its window".

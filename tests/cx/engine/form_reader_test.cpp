@@ -183,5 +183,27 @@ TEST(FormReader, ATermIsPrintedAsClipsReadsIt) {
     EXPECT_EQ(tree_of(read_forms(same, "f.clp").forms.front()).print(), same);
 }
 
+void expect_places(const Term& term, const std::string& form) {
+  const std::string text = form.substr(term.begin, term.end - term.begin);
+  if (!term.is_list()) {
+    EXPECT_EQ(text, term.text);
+    return;
+  }
+  EXPECT_EQ(text.front(), '(') << text;
+  EXPECT_EQ(text.back(), ')') << text;
+  for (const Term& item : term.items) expect_places(item, form);
+}
+
+TEST(FormReader, TellsWhereFormsAndTheirPartsStand) {
+  const std::string text =
+      "\xef\xbb\xbf; first\n(defrule a ?f<-(b \"c ; (d)\" ~e|f) ; (not this)\n  () (test (> 1 2)) => (g))\nword\n(h)";
+  const FormReading reading = read_forms(text, "f.clp");
+  ASSERT_EQ(reading.forms.size(), 3u);
+  for (const Form& form : reading.forms) {
+    EXPECT_EQ(text.substr(form.at, form.text.size()), form.text);
+    expect_places(tree_of(form), form.text);
+  }
+}
+
 }  // namespace
 }  // namespace cxlab

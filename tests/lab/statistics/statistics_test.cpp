@@ -121,6 +121,21 @@ TEST(TwoSamples, EffectSignsAndImprovement) {
   EXPECT_DOUBLE_EQ(probability_of_improvement(kPoints, kOthers), 0.35);
 }
 
+// Wilson's formula, evaluated with Python's statistics.NormalDist.
+TEST(ShareInterval, IsWilsons) {
+  struct Row {
+    std::size_t hits, n;
+    double level, low, high;
+  };
+  for (const Row& row :
+       {Row{170, 200, 0.95, 0.79394420715833, 0.89286406437758}, Row{7, 20, 0.9, 0.20226004005676, 0.53348731115133},
+        Row{0, 10, 0.95, 0, 0.27753279986289}, Row{10, 10, 0.95, 0.72246720013711, 1}}) {
+    const Interval interval = share_interval(row.hits, row.n, row.level);
+    EXPECT_NEAR(interval.low, row.low, 1e-12);
+    EXPECT_NEAR(interval.high, row.high, 1e-12);
+  }
+}
+
 // scipy.stats.permutation_test((differences,), numpy.mean, permutation_type="samples", n_resamples=numpy.inf).pvalue
 TEST(SignFlips, GiveThePOfSciPy) {
   EXPECT_DOUBLE_EQ(sign_flip_p(differences()), 0.0234375);

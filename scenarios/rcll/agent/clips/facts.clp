@@ -147,7 +147,7 @@
   (slot what (type STRING))
   (slot why (type STRING)))
 
-(deffunction decide (?what ?why)
+(deffunction decide (?what ?why) ; mutate: skip
   "No rule needs it: it is there for the journal."
   (retract (assert (decision (what ?what) (why ?why)))))
 
