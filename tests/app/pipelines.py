@@ -85,7 +85,7 @@ class OnThisSystem(Pipelines):
         for options in ([], ["--rcll"]):
             agent = self.new_agent("new_agent", *options)
             self.assert_passes(agent, GITLAB)
-            for page in ("stories.xml", "coverage.info", "suite/rows.csv", "suite/runs.sqlite"):
+            for page in ("stories.xml", "coverage.info", "coverage.html", "suite/rows.csv", "suite/runs.sqlite", "suite/index.html"):
                 self.assertGreater((agent / "pages" / page).stat().st_size, 0, page)
 
     def test_each_step_can_fail(self):
