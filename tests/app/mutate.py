@@ -164,7 +164,7 @@ class Mutate(unittest.TestCase):
     def test_rules_that_hang_time_out(self):
         rules = RULES + "(deffunction wait (?n) (bind ?i 0) (while (< ?i ?n) do (bind ?i (+ ?i 1))) ?i)\n(defrule w (bell ?) => (wait 3))\n"
         self.write(rules)
-        done = cxlab("mutate", "agent", "--all", "--json", "--steps", 0, "--patience", 2, "-j", 2, cwd=self.folder)
+        done = cxlab("mutate", "agent", "--all", "--json", "--steps", 0, "--patience", 1, "-j", 2, cwd=self.folder)
         report = json.loads(done.stdout)
         late = {change for change, fate in self.fates(report).items() if fate == "timed out"}
         self.assertIn(("(bind ?i (+ ?i 1))", ""), late)
