@@ -162,7 +162,7 @@ class Mutate(unittest.TestCase):
         self.assertEqual(self.fates(report)[("(modify ?d (state OPEN))", "")], "survived")
 
     def test_rules_that_hang_time_out(self):
-        rules = RULES + "(deffunction wait (?n) (bind ?i 0) (while (< ?i ?n) do (bind ?i (+ ?i 1))) ?i)\n(defrule w (bell ?) => (wait 3))\n"
+        rules = RULES + "(deffunction wait (?n) (bind ?i 0) (while (< ?i ?n) do (explode$ \"a b c d e f g h i j k l m n o p q r s t\") (bind ?i (+ ?i 1))) ?i)\n(defrule w (bell ?) => (wait 3))\n"
         self.write(rules)
         done = cxlab("mutate", "agent", "--all", "--json", "--steps", 0, "--patience", 1, "-j", 2, cwd=self.folder)
         report = json.loads(done.stdout)

@@ -27,7 +27,7 @@
   (in-problem planning ?id)
   (order (id ?id) (begin ?begin))
   =>
-  (number planning window-in (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))) (product-of ?id)))
+  (number planning window-in (until-window-near ?begin) (product-of ?id)))
 
 (defrule copy-handling
   (planning (state COPY))

@@ -98,6 +98,10 @@
   (if (eq ?kind RS) then (number ?instance payments 0 ?name) (number ?instance slide-room 3 ?name))
   (say-way-times ?instance ?machine))
 
+(deffunction until-window-near (?begin)
+  "s until the window of an order is near. Never 0: the end of a wait may not change what its start needs at the same time."
+  (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))))
+
 (deffunction problem-works (?instance ?product ?works ?machines)
   "The steps of a product."
   (loop-for-count (?i 1 (length$ ?works))
@@ -108,7 +112,7 @@
 
 (defrule problem-order
   "An order whose machines are all found."
-  (order (id ?id) (rings $?rings) (cap ?cap))
+  (order (id ?id) (rings $?rings) (cap ?cap) (begin ?begin))
   (loaded ?instance)
   (not (in-problem ?instance ?id))
   (machine (kind BS) (name ?bs))
@@ -126,7 +130,7 @@
   (assert (pddl-object-change (instance ?instance) (name ?product) (type product)))
   (fluent ?instance not-begun ?product)
   (fluent ?instance at-step ?product s0)
-  (number ?instance window-in 0 ?product)
+  (number ?instance window-in (until-window-near ?begin) ?product)
   (problem-works ?instance ?product (works-for ?rings ?cap) (machines-for (works-for ?rings ?cap))))
 
 ; --- Machines that are out of order
