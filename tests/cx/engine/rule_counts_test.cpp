@@ -20,7 +20,8 @@ struct RuleCountsOf : EngineTest {
   }
   std::vector<std::int64_t> passed(const std::string& name, std::size_t disjunct = 0) {
     std::vector<std::int64_t> passed;
-    for (const JoinCounts& join : rule(name).disjuncts.at(disjunct)) passed.push_back(join.passed);
+    const RuleCounts counts = rule(name);
+    for (const JoinCounts& join : counts.disjuncts.at(disjunct)) passed.push_back(join.passed);
     return passed;
   }
   std::int64_t calls(const std::string& name) {
