@@ -174,7 +174,7 @@ Status write_index(const std::vector<Row>& rows, const Suite& suite, const fs::p
   for (const Row& row : rows) {
     if (!row.world.empty()) worlds.insert(row.world);
     for (const Figure& figure : row.figures)
-      if (std::ranges::find(metrics, figure.metric) == metrics.end()) metrics.push_back(figure.metric);
+      if (std::ranges::find(metrics, figure.metric) == metrics.end()) metrics.emplace_back(figure.metric);
   }
   const fs::path part = file.string() + ".part-" + std::to_string(getpid());
   std::error_code error;
@@ -284,7 +284,7 @@ Expected<std::vector<IndexedRow>> read_index(const fs::path& file) {
         for (int i = kRow + 1; i < columns; ++i) {
           const std::string name = sqlite3_column_name(found, i);
           if (is_metric)
-            row.figures.push_back({name,
+            row.figures.push_back({shared_name(name),
                                    sqlite3_column_type(found, i) == SQLITE_NULL
                                        ? std::nullopt
                                        : std::optional(sqlite3_column_double(found, i)),

@@ -66,7 +66,7 @@ const WorldKind* world_of(const std::vector<const Row*>& rows, const Catalogue& 
   std::set<std::string> with_value;
   for (const Row* row : rows)
     for (const Figure& figure : row->figures)
-      if (figure.value) with_value.insert(figure.metric);
+      if (figure.value) with_value.emplace(figure.metric);
   for (const WorldKind* world : catalogue.worlds) {
     if (world->metrics.empty() || !with_value.contains(std::string(world->metrics.front().name))) continue;
     return world;
@@ -118,7 +118,7 @@ Expected<std::vector<Row>> rows_of_csv(const std::string& text, const std::strin
       if (is_about_the_episode(columns[i])) continue;
       const auto value = read_number<double>(line->fields[i]);
       if (value && !std::isfinite(*value)) return not_number(columns[i], "a number");
-      row.figures.push_back({columns[i], value});
+      row.figures.push_back({shared_name(columns[i]), value});
     }
   }
   std::map<std::string, std::vector<const Row*>> by_scenario;
@@ -198,7 +198,7 @@ Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string
     if (wanted.empty()) wanted = row.compared;
     for (const Figure& figure : row.figures)
       if (figure.value && std::ranges::find(names, figure.metric) == names.end()) {
-        names.push_back(figure.metric);
+        names.emplace_back(figure.metric);
         if (first.empty() && !figure.of_machine) first = figure.metric;
       }
   }

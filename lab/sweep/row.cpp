@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
+#include <set>
 
 #include "cx/base/file.h"
 #include "cx/base/json.h"
@@ -32,6 +34,12 @@ std::string csv_field(const std::string& field) {
 
 }  // namespace
 
+std::string_view shared_name(std::string_view metric) {
+  static std::set<std::string, std::less<>> names;
+  const auto found = names.find(metric);
+  return found != names.end() ? *found : *names.emplace(metric).first;
+}
+
 std::string hash_of(const fs::path& file) {
   const auto content = read_file(file);
   return content ? content_hash(*content) : std::string();
@@ -49,7 +57,7 @@ void Row::measure(const WorldKind& kind, const std::string& result_json) {
   const std::vector<std::optional<double>> values = cxlab::measure(metrics, result_json);
   figures.clear();
   for (std::size_t i = 0; i < metrics.size(); ++i)
-    figures.push_back({std::string(metrics[i]->name), values[i], metrics[i]->of_machine});
+    figures.push_back({shared_name(metrics[i]->name), values[i], metrics[i]->of_machine});
 }
 
 bool is_key_of_row(std::string_view name) {
@@ -137,7 +145,8 @@ Expected<Row> Row::parse(const std::string& text) {
       if (is_key_of_row(metric)) return input_error("not a row of a sweep: a metric is called '" + metric + "'");
       const bool of_machine = played.contains(metric);
       const Json& value = of_machine ? played.at(metric) : json.at(metric);
-      row.figures.push_back({metric, value.is_null() ? std::nullopt : std::optional(value.get<double>()), of_machine});
+      row.figures.push_back(
+          {shared_name(metric), value.is_null() ? std::nullopt : std::optional(value.get<double>()), of_machine});
     }
     row.journal_hash = json.at("journal_hash");
     row.circumstances = {played.at("cpu_s"), played.at("peak_rss_mb"), played.at("host"), played.at("agent_commit")};
@@ -164,7 +173,7 @@ std::string to_csv(const std::vector<Row>& rows) {
   for (const Row& row : rows)
     for (const Figure& figure : row.figures)
       if (!figure.of_machine && std::ranges::find(metrics, figure.metric) == metrics.end())
-        metrics.push_back(figure.metric);
+        metrics.emplace_back(figure.metric);
   std::string out = "scenario,strategy,game,seed,status,exit";
   for (const std::string& metric : metrics) out += ',' + csv_field(metric);
   out += ",journal_hash\n";

@@ -17,9 +17,12 @@
 
 namespace cxlab::lab {
 
+/// This name, kept until the process ends: a sweep has few names of metrics, and each of its rows names all of them.
+std::string_view shared_name(std::string_view metric);
+
 /// The value of a metric; none where the result has nothing to compute it from.
 struct Figure {
-  std::string metric;
+  std::string_view metric;  ///< `shared_name` of it: rows by the thousand keep one text
   std::optional<double> value;
   bool of_machine = false;  ///< as of its Metric
 };

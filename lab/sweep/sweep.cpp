@@ -169,12 +169,11 @@ class CellPlayer {
         options_(options),
         host_(host),
         folder_(folder),
-        matcher_(*suite.catalogue, program_digest()),
-        found_(cells.size()) {}
+        matcher_(*suite.catalogue, program_digest()) {}
 
   /// The rows of all cells, or those that there were before a stop. `tables`: the tables grow with them.
   Expected<std::vector<Row>> rows(bool tables) {
-    keep();
+    find_rows();
     if (!open_.empty())
       if (const auto warning = warning_without_wall()) host_.note(*warning);
     tables_grow_ = tables && !open_.empty();
@@ -189,21 +188,17 @@ class CellPlayer {
       if (Status s = take_ended(); !s) return s.error();
     }
     running_.clear();  // ends those that still play
-    std::vector<Row> out;
-    for (std::optional<Row>& row : found_)
-      if (row) out.push_back(*std::move(row));
-    return out;
+    order_rows();
+    return std::move(rows_);
   }
 
  private:
   /// Finds the rows that are there, and what is to be played.
-  void keep() {
+  void find_rows() {
     for (std::size_t i = 0; i < cells_.size() && !host_.stopped(); ++i) {
-      found_[i] = folder_.find(cells_[i], matcher_);
-      if (found_[i]) {
-        found_[i]->files.clear();
-        ++progress_.done;
-        if (!found_[i]->counts()) ++progress_.incomplete;
+      if (auto row = folder_.find(cells_[i], matcher_)) {
+        if (!row->counts()) ++progress_.incomplete;
+        keep(*std::move(row));
       } else {
         open_.push_back(i);
         remaining_.add(kind_of(cells_[i]));
@@ -211,8 +206,19 @@ class CellPlayer {
     }
     progress_.total = cells_.size();
     if (progress_.done > 0) host_.note(std::to_string(progress_.done) + " rows are current and kept");
-    for (const std::optional<Row>& row : found_)
-      if (row && !(row->errors.empty() && row->warnings.empty())) host_.note("kept: " + line_of(*row));
+    for (const Row& row : rows_)
+      if (!(row.errors.empty() && row.warnings.empty())) host_.note("kept: " + line_of(row));
+  }
+
+  /// Keeps a row without what no table shows.
+  void keep(Row row) {
+    row.files.clear();
+    rows_.push_back(std::move(row));
+    ++progress_.done;
+  }
+
+  void order_rows() {
+    std::ranges::sort(rows_, {}, [](const Row& row) { return row.cell.number; });
   }
 
   Status begin(std::size_t i) {
@@ -267,10 +273,8 @@ class CellPlayer {
     if (!tables_grow_ || progress_.done == progress_.total) return {};  // the whole tables come next
     if (wall_seconds_since(tables_written_) * kShare < tables_take_s_) return {};
     const Clock::time_point begin = Clock::now();
-    std::vector<Row> rows;
-    for (const std::optional<Row>& row : found_)
-      if (row) rows.push_back(*row);
-    if (Status s = folder_.write_tables(rows, suite_); !s) return s;
+    order_rows();
+    if (Status s = folder_.write_tables(rows_, suite_); !s) return s;
     tables_written_ = Clock::now();
     tables_take_s_ = wall_seconds_since(begin);
     return {};
@@ -281,7 +285,7 @@ class CellPlayer {
     const Cell& cell = cells_[ended.cell];
     const fs::path file = folder_.file_of(cell), log = folder_.log_of(cell);
     std::error_code error;
-    std::optional<Row>& row = found_[ended.cell] = read_row(ended.part);
+    std::optional<Row> row = read_row(ended.part);
     if (row) {
       row->cell = cell;
       fs::rename(ended.part, file, error);
@@ -297,15 +301,15 @@ class CellPlayer {
       if (Status s = folder_.write(*row); !s) return s;
     }
     if (fs::file_size(log, error) == 0 && !error) fs::remove(log, error);
-    row->files.clear();
-    ++progress_.done;
-    if (!row->counts()) ++progress_.incomplete;
+    const bool counts = row->counts();
+    if (!counts) ++progress_.incomplete;
+    keep(*std::move(row));
     progress_.playing = running_.size() - 1;
     if (host_.progress) {
       const std::string line =
-          '[' + std::to_string(progress_.done) + '/' + std::to_string(progress_.total) + "] " + line_of(*row);
+          '[' + std::to_string(progress_.done) + '/' + std::to_string(progress_.total) + "] " + line_of(rows_.back());
       estimate();
-      host_.progress->game_ended(line, progress_, !row->counts() || warns_of_something_new(*row));
+      host_.progress->game_ended(line, progress_, !counts || warns_of_something_new(rows_.back()));
     }
     return {};
   }
@@ -352,7 +356,7 @@ class CellPlayer {
   const Host& host_;
   RowFolder& folder_;
   RowMatcher matcher_;
-  std::vector<std::optional<Row>> found_;
+  std::vector<Row> rows_;          // so far
   std::vector<std::size_t> open_;  // cells
   std::list<Running> running_;
   RemainingTime remaining_;
