@@ -140,7 +140,7 @@ int plot(const PlotOptions& options) {
   if (!rows) return fail(rows.error());
   const auto drawing = drawn(*rows, options);
   if (!drawing) return fail(drawing.error());
-  if (Status s = write_file(options.file, *drawing); !s) return fail(s.error());
+  if (Status s = write_output(options.file, *drawing); !s) return fail(s.error());
   std::printf("%s\n", options.file.c_str());
   return 0;
 }
@@ -214,6 +214,7 @@ int page(const PageOptions& options) {
   const auto text = lab::sweep_page(*sweep, before ? &*before : nullptr,
                                     {.metric = options.metric, .against = options.against, .file = file}, catalogue());
   if (!text) return fail(text.error());
+  if (Status s = make_folder_of(file); !s) return fail(s.error());
   if (Status s = replace_file(file, *text); !s) return fail(s.error());
   std::printf("%s\n", file.c_str());
   return 0;

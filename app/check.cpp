@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/suggestions.h"
+#include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "lab/check.h"
 
@@ -60,6 +61,8 @@ int examine(const CheckCommand& command) {
     options.graph = true;
     options.dot = graph.extension() == ".dot";
   }
+  if (!command.graph.empty())
+    if (Status s = make_folder_of(graph); !s) return fail(s.error());
   // Opened before this process gives up its rights to files of the user (cx/wall/wall.h).
   const auto close = [](std::FILE* file) { return std::fclose(file); };
   std::unique_ptr<std::FILE, decltype(close)> drawing(

@@ -55,12 +55,7 @@ int make_game(const GameOptions& options) {
     return fail(usage_error("there is a file already: choose another one, or --force", options.file));
   const auto game = rcll::game_of(*scenario);
   if (!game) return fail(game.error());
-  if (const auto folder = std::filesystem::path(options.file).parent_path(); !folder.empty()) {
-    std::error_code code;
-    std::filesystem::create_directories(folder, code);
-    if (code) return fail(resource_error("the folder cannot be made: " + code.message(), folder.string()));
-  }
-  if (Status s = replace_file(options.file, to_yaml(*game)); !s) return fail(s.error());
+  if (Status s = write_output(options.file, to_yaml(*game)); !s) return fail(s.error());
   std::printf("%s\n", options.file.c_str());
   std::fprintf(stderr, "next: cxlab run rcll/game --set world.game=%s --seed %llu\n", options.file.c_str(),
                static_cast<unsigned long long>(scenario->seed));

@@ -156,7 +156,7 @@ class Interruption {
 };
 
 int write(const std::string& file, const std::string& text) {
-  const Status written = write_file(file, text);
+  const Status written = write_output(file, text);
   return written ? 0 : fail(written.error());
 }
 

@@ -36,10 +36,10 @@ int profile(const ProfileOptions& options) {
   if (!options.page.empty()) {
     const auto page = lab::to_page(*found, "Profile of " + question.run);
     if (!page) return fail(page.error());
-    if (Status s = write_file(options.page, *page); !s) return fail(s.error());
+    if (Status s = write_output(options.page, *page); !s) return fail(s.error());
   }
   if (options.trace.empty()) return 0;
-  const Status written = write_file(options.trace, lab::to_trace(*found));
+  const Status written = write_output(options.trace, lab::to_trace(*found));
   return written ? 0 : fail(written.error());
 }
 

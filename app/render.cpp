@@ -65,6 +65,7 @@ int render(RenderOptions options) {
   const std::string out = video.file.empty() ? picture.out.string() : video.file;
   if (out.empty()) return fail(usage_error("what is to be drawn is missing: --out PICTURE or --video FILM"));
   if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
+  if (Status s = make_folder_of(out); !s) return fail(s.error());
   read_size(options.size, picture.width, picture.height);
   video.width = picture.width;
   video.height = picture.height;

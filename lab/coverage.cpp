@@ -295,11 +295,11 @@ Expected<std::string> to_page(const Coverage& coverage, const Sources& sources, 
 Status write_reports(const Coverage& coverage, const CoverageOptions& options, Sources sources,
                      const std::string& title) {
   if (!options.lcov.empty())
-    if (Status s = write_file(options.lcov, to_lcov(coverage)); !s) return s;
+    if (Status s = write_output(options.lcov, to_lcov(coverage)); !s) return s;
   if (options.page.empty()) return {};
   read_sources(coverage, sources);
   const auto page = to_page(coverage, sources, title);
-  return page ? write_file(options.page, *page) : page.error();
+  return page ? write_output(options.page, *page) : page.error();
 }
 
 Status check_share(const Coverage& coverage, const CoverageOptions& options) {

@@ -48,6 +48,7 @@ Status Video::check(const VideoOptions& options, View& view) {
   if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
   const auto [file, part] = names_of(options.file);
   std::error_code ignored;
+  if (Status s = make_folder_of(file); !s) return s;
   const bool there = path_exists(file);
   if (there && (!is_file(file) || access(file.c_str(), W_OK) != 0)) return cannot_write(options.file);
   if (!std::ofstream(part)) return cannot_write(options.file);

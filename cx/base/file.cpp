@@ -64,6 +64,18 @@ Status write_file(const std::filesystem::path& path, std::string_view text) {
   return close(file) == 0 && written > 0 ? Status() : resource_error("cannot be written", path.string());
 }
 
+Status write_output(const std::filesystem::path& path, std::string_view text) {
+  if (Status s = make_folder_of(path); !s) return s;
+  return write_file(path, text);
+}
+
+Status make_folder_of(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  std::error_code error;
+  if (!folder.empty() && !is_folder(folder)) std::filesystem::create_directories(folder, error);
+  return error ? resource_error("the folder cannot be made: " + error.message(), folder.string()) : Status();
+}
+
 bool path_exists(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored);

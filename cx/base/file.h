@@ -14,6 +14,10 @@ namespace cxlab {
 Expected<std::string> read_file(const std::filesystem::path& path);
 /// Replaces the content; kResource if that fails.
 Status write_file(const std::filesystem::path& path, std::string_view text);
+/// The same for a file that a person names: its folder is made where there is none.
+Status write_output(const std::filesystem::path& path, std::string_view text);
+/// Makes the folder of a file where there is none; kResource if that fails.
+Status make_folder_of(const std::filesystem::path& file);
 
 /// What a path is, its links followed; false where it cannot be looked at, as with a circle of links.
 bool path_exists(const std::filesystem::path& path);

@@ -133,7 +133,7 @@ class Check(Lab):
         if shutil.which("dot"):
             subprocess.run(["dot", "-Tsvg", "rules.dot", "-o", "dot.svg"], cwd=self.folder, check=True)
         self.assertIn("expected a file that ends in .svg or .dot", self.check("lamp.clp", "--graph", "rules.png", expect=2).stderr)
-        self.check("lamp.clp", "--graph", "missing/rules.svg", expect=5)
+        self.check("lamp.clp", "--graph", "/proc/none/rules.svg", expect=5)
 
     def test_a_graph_of_an_agent_is_well_formed(self):
         self.check(RCLL / "planning.yaml", "--graph", self.folder / "p.svg")

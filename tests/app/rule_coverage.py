@@ -123,7 +123,9 @@ class Coverage(Lab):
         self.assertIn("expected the folder of a run", self.cxlab("coverage", "empty", expect=3).stderr)
         self.assertIn("there is no such folder", self.cxlab("coverage", "nowhere", expect=3).stderr)
         self.run_of("(start 2)", "runs/a")
-        self.assertIn("cannot be written", self.cxlab("coverage", "runs", "--html", "nowhere/c.html", expect=5).stderr)
+        self.cxlab("coverage", "runs", "--html", "pages/new/c.html")
+        self.assertTrue((self.folder / "pages/new/c.html").exists())
+        self.assertIn("/proc/none: the folder cannot be made", self.cxlab("coverage", "runs", "--html", "/proc/none/c.html", expect=5).stderr)
 
 
 if __name__ == "__main__":

@@ -114,8 +114,8 @@ class Film(Lab):
         for command in (run, ["render", TURTLES, "--to", 1]):
             done = self.cxlab(*command, "--video", "film.mp4", expect=5, environment=nowhere)
             self.assertEqual(done.stderr, "error: no pictures: --video needs ffmpeg: apt-get install ffmpeg\n")
-            done = self.cxlab(*command, "--video", "missing/film.mp4", expect=5)
-            self.assertEqual(done.stderr, "error: missing/film.mp4: the film cannot be written\n")
+            done = self.cxlab(*command, "--video", "/proc/none/film.mp4", expect=5)
+            self.assertEqual(done.stderr, "error: /proc/none: the folder cannot be made: No such file or directory\n")
         self.stand_in("exit 1\n")
         self.assertIn("film.mp4: the film cannot be written", self.cxlab(*run, "--video", "film.mp4", expect=5).stderr)
 

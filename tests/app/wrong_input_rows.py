@@ -124,7 +124,7 @@ ROWS["options"] = [
       for command in (RUN, ENV) for what, make in (("a pipe", os.mkfifo), ("a folder", os.mkdir), ("a device", lambda path: path.symlink_to("/dev/zero")), ("a link to nothing", lambda path: path.symlink_to("gone")))],
     wrong("test of an empty folder", ["test", "empty"], 3),
     *[wrong(f"test -j '{value}'", ["test", "-j", value], 2) for value in ("0", "-1", "x", "", "257", "1.5", "1e1", "99999999999999999999")],
-    *[wrong(f"test {option} to nowhere", ["test", option, "missing/file"], 5) for option in ("--junit", "--coverage")],
+    *[wrong(f"test {option} to nowhere", ["test", option, "/proc/none/file"], 5) for option in ("--junit", "--coverage")],
     *[wrong(f"test --package '{value}'", ["test", "--package", value], code) for value, code in (("x", 2), ("x=missing", 3))],
     # bench
     *[wrong(f"bench of '{value}'", ["bench", value, "--out", "out"], 3 if value else 2) for value in ("missing.yaml", "", "used", "garbage", "scenario.yaml", "nothing")],
@@ -137,7 +137,7 @@ ROWS["options"] = [
     *[wrong(f"check of a file that is {what}", ["check", "a.clp"], 3, files={"a.clp": make}) for what, make in (
         ("binary", bytes(range(256)) * 8), ("a pipe", os.mkfifo), ("a folder", os.mkdir), ("a device", lambda path: path.symlink_to("/dev/zero")), ("a link to nothing", lambda path: path.symlink_to("gone")),
         ("open", "(defrule a (b) =>\n"), ("closed too often", "(defrule a (b) => ))\n"), ("a text that is open", '(defrule a (b) => (printout t "c))\n'))],
-    *[wrong(f"check --graph '{value}'", ["check", "rules.clp", "--graph", value], code) for value, code in (("", 2), ("rules.png", 2), ("rules", 2), ("missing/rules.svg", 5), ("/proc/none.dot", 5))],
+    *[wrong(f"check --graph '{value}'", ["check", "rules.clp", "--graph", value], code) for value, code in (("", 2), ("rules.png", 2), ("rules", 2), ("/proc/none/rules.svg", 5), ("/proc/none.dot", 5))],
     *[wrong(f"check --param '{value}'", ["check", "agent.yaml", "--package", "rules=rules", "--param", value], code) for value, code in (("x", 2), ("", 2), ("clips_manger.x=1", 2), ("clips_manager.environments=5", 3))],
     wrong("check --param of a scenario", ["check", "scenario.yaml", "--param", "clips_manager.x=1"], 2),
     *[wrong(f"check --package '{value}'", ["check", "agent.yaml", "--package", value], code) for value, code in (("x", 2), ("rules=missing", 3))],
@@ -146,7 +146,7 @@ ROWS["options"] = [
     *[wrong(f"{command} of '{value}'", [command, value, *rest], 3 if value else 2)
       for command, rest in (("replay", []), ("rerun", ["--quiet", "--out", "out"]), ("why-not", ["a"]), ("render", ["--out", "x.png"])) for value in ("missing", "", "empty", "used", "garbage")],
     *[wrong(f"render to '{out}'", ["render", "turtles.yaml", "--at", "0", "--out", out], 2) for out in ("x.jpg", "x.PNG.bmp", "x.svg", "a/b.jpeg")],
-    wrong("render to no PNG", ["render", "turtles.yaml", "--at", "0", "--out", "missing/x.png"], 5),
+    wrong("render to no PNG", ["render", "turtles.yaml", "--at", "0", "--out", "/proc/none/x.png"], 5),
     *[wrong(f"render --size '{value}'", ["render", "turtles.yaml", "--at", "0", "--out", "x.png", "--size", value], 2) for value in ("big", "", "0x0", "-1x5", "640", "640x", "x480", "1e3x5", "100000x100000", "640x480x3")],
     *[wrong(f"render --at '{value}'", ["render", "turtles.yaml", "--out", "x.png", "--at", value], 2) for value in ("-1", "x", "", "nan", "1e400")],
     *[wrong(f"run --video-speed '{value}'", [*RUN, "--video", "x.mp4", "--video-speed", value], 2) for value in ("0", "x", "-1", "1e9", "nan", "")],
@@ -166,7 +166,7 @@ ROWS["options"] = [
     *[wrong(f"plan --patience '{value}'", ["plan", "d.pddl", "p.pddl", "--patience", value], 2) for value in ("-1", "x", "0", "1.5")],
     *[wrong(f"plan --budget '{value}'", ["plan", "d.pddl", "p.pddl", "--budget", value], 2) for value in ("-1", "x", "", "1.5", "0", "1e6", "0x10", "9223372036854775808", "99999999999999999999")],
     *[wrong(f"plan --timeout '{value}'", ["plan", "d.pddl", "p.pddl", "--timeout", value], 2) for value in ("-1", "x", "", "nan", "inf")],
-    *[wrong(f"plan {option} to nowhere", ["plan", "d.pddl", "p.pddl", option, "missing/file"], 5) for option in ("--out", "--svg")],
+    *[wrong(f"plan {option} to nowhere", ["plan", "d.pddl", "p.pddl", option, "/proc/none/file"], 5) for option in ("--out", "--svg")],
     *[wrong(f"plan of {' '.join(files)}", ["plan", *files], 31) for files in (("missing", "p.pddl"), ("d.pddl", "missing"), ("p.pddl", "d.pddl"), ("d.pddl", "d.pddl"), ("garbage", "p.pddl"), ("nothing", "p.pddl"), ("d.pddl", "nothing"), ("used", "p.pddl"))],
     *[wrong(f"validate {option} '{value}'", ["validate", "d.pddl", "p.pddl", "a.plan", option, value], 2) for option in ("--epsilon", "--tolerance", "--robust-limit") for value in ("-1", "x", "", "nan")],
     *[wrong(f"validate of {' '.join(files)}", ["validate", *files], code) for files, code in ((("missing", "p.pddl", "a.plan"), 31), (("d.pddl", "p.pddl", "missing"), 31), (("d.pddl", "p.pddl", "garbage"), 31), (("d.pddl", "p.pddl", "nothing"), 1), (("d.pddl", "p.pddl", "used"), 31), (("d.pddl", "p.pddl", "d.pddl"), 31))],

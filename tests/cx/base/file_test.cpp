@@ -32,6 +32,16 @@ TEST(File, AnErrorNamesWhatIsThereInstead) {
   EXPECT_EQ(write_file("/dev/full", "x").error().kind, ErrorKind::kResource);
 }
 
+TEST(File, OfAnOutputGetsTheFolderThatItIsWrittenTo) {
+  const auto folder = *ScratchFolder::create();
+  const std::filesystem::path file = folder->path() / "new" / "deep" / "f";
+  EXPECT_TRUE(write_output(file, "1"));
+  EXPECT_TRUE(write_output(file, "2"));
+  EXPECT_EQ(*read_file(file), "2");
+  EXPECT_EQ(write_output("/dev/null/none/f", "x").error().text(),
+            "/dev/null/none: the folder cannot be made: Not a directory");
+}
+
 TEST(File, OfAPipeIsReadAsFarAsSomebodyWritesIntoIt) {
   const auto folder = *ScratchFolder::create();
   const std::string pipe = folder->path() / "pipe";

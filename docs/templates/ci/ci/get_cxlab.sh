@@ -2,7 +2,6 @@
 # Gets the tarball that ci/cxlab.txt names, checks that it is that one, and unpacks it into .cxlab. Debian 12 or newer, x86_64.
 set -eu
 cd "$(dirname "$0")/.."
-mkdir -p pages # what the other commands write goes there
 
 fail() {
   echo "ci/cxlab.txt: $1" >&2
