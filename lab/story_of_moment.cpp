@@ -1,10 +1,6 @@
 #include "lab/story_of_moment.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -13,12 +9,11 @@
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
-#include "cx/base/process.h"
-#include "cx/base/servant.h"
 #include "cx/engine/form_reader.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "cx/testing/story_parts.h"
+#include "lab/child.h"
 #include "lab/moment.h"
 
 namespace cxlab::lab {
@@ -418,28 +413,6 @@ class Writer {
   SkillAnswer* last_ = nullptr;
 };
 
-/// From the process that wrote the story.
-std::string line_of_story(const Expected<WrittenStory>& story) {
-  if (!story) {
-    const Error& e = story.error();
-    return json_text(Json{{"error", {static_cast<int>(e.kind), e.message, e.file, e.line}}});
-  }
-  return json_text(Json{{"text", story->text}, {"notes", story->notes}, {"expectations", story->expectations}});
-}
-
-Expected<WrittenStory> story_of_line(const std::string& line) {
-  try {
-    const Json json = parse_json(line);
-    if (json.contains("error")) {
-      const Json& e = json.at("error");
-      return Error{static_cast<ErrorKind>(e.at(0).get<int>()), e.at(1), e.at(2), e.at(3), {}};
-    }
-    return WrittenStory{json.at("text"), json.at("notes").get<std::vector<std::string>>(), json.at("expectations")};
-  } catch (const Json::exception&) {
-    return run_error("the process that played the rules again ended before it had written the story");
-  }
-}
-
 /// The lines of this file that the texts name first: "FILE:12: ...".
 std::set<int> lines_named(const std::vector<std::string>& texts, const std::string& file) {
   std::set<int> lines;
@@ -454,27 +427,15 @@ std::set<int> lines_named(const std::vector<std::string>& texts, const std::stri
 }  // namespace
 
 Expected<WrittenStory> story_of(const Run& run, const MomentStory& moment, const fs::path& file, const Host& host) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-  const Descriptor from(ends[0]);
-  Descriptor to(ends[1]);
-  auto process = Process::fork({}, [&] {
-    const std::string line = line_of_story(Writer(run, moment, file, host).write());
-    for (std::size_t done = 0; done < line.size();) {
-      const ssize_t n = ::write(to.number(), line.data() + done, line.size() - done);
-      if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
-      if (n > 0) done += static_cast<std::size_t>(n);
-    }
-    return 0;
+  auto child = Child::start([&]() -> Expected<Json> {
+    const auto story = Writer(run, moment, file, host).write();
+    if (!story) return story.error();
+    return Json{{"text", story->text}, {"notes", story->notes}, {"expectations", story->expectations}};
   });
-  to = Descriptor();
-  if (!process) return process.error();
-  std::string line;
-  char bytes[1 << 14];
-  for (ssize_t n = 1; n > 0 || (n < 0 && errno == EINTR);)
-    if (n = read(from.number(), bytes, sizeof bytes); n > 0) line.append(bytes, static_cast<std::size_t>(n));
-  (void)process->wait();
-  return story_of_line(line);
+  if (!child) return child.error();
+  const auto story = child->finish(host);
+  if (!story) return story.error();
+  return WrittenStory{story->at("text"), story->at("notes").get<std::vector<std::string>>(), story->at("expectations")};
 }
 
 Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPlan& plan, const Host& host) {
