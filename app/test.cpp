@@ -37,7 +37,7 @@ struct TestOptions {
   lab::PackageOptions packages;
   double patience_s = 60;
   int jobs = 1;
-  bool stop = false, last_failed = false, quiet = false, verbose = false, watch = false, json = false;
+  bool stop = false, last_failed = false, accept = false, quiet = false, verbose = false, watch = false, json = false;
 };
 
 // --- What a person reads
@@ -86,6 +86,7 @@ Json json_of(const PlayedStory& p, const TestOptions& options) {
     row["seeds_played"] = p.seeds_played;
     row["failed_seeds"] = p.failed_seeds;
   }
+  if (p.accepted) row["accepted"] = p.spec.golden.string();
   if (!p.run.empty()) row["run"] = p.run.string();
   if (options.verbose) row["printed"] = p.result.printed;
   return row;
@@ -157,8 +158,16 @@ struct Counts {
 };
 
 /// Plays them, and remembers which failed.
-Status play(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host) {
+Status play(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host,
+            const TestOptions& options) {
   if (Status s = lab::play_stories(stories, plan, host); !s) return s;
+  if (options.accept) {
+    if (Status s = lab::accept_golden_runs(stories, host); !s) return s;
+    for (const PlayedStory& p : stories)
+      if (p.accepted && !options.json)
+        std::printf("accepted  %s: %s: %s is the run of now\n", p.spec.file.c_str(), p.spec.name.c_str(),
+                    p.spec.golden.c_str());
+  }
   lab::FailedStories failed = lab::FailedStories::remembered();
   failed.note(stories);
   if (Status s = failed.save(); !s)
@@ -171,7 +180,7 @@ Status write_reports(const std::vector<PlayedStory>& stories, const explain::Cov
   if (!options.junit.empty()) {
     const auto junit = lab::to_junit(stories, options.verbose);
     if (!junit) return junit.error();
-    if (Status s = write_file(options.junit, *junit); !s) return s;
+    if (Status s = write_output(options.junit, *junit); !s) return s;
   }
   return lab::write_reports(
       coverage, options.coverage, {},
@@ -180,7 +189,7 @@ Status write_reports(const std::vector<PlayedStory>& stories, const explain::Cov
 
 int play_once(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const lab::Host& host,
               const TestOptions& options) {
-  if (Status s = play(stories, plan, host); !s) return fail(s.error());
+  if (Status s = play(stories, plan, host, options); !s) return fail(s.error());
   if (signal_that_came() != 0) return interrupted("not all stories were played");
   const Counts counts(stories);
   const explain::Coverage coverage = lab::coverage_of(stories);
@@ -222,7 +231,7 @@ class Watching {
     while (true) {
       const std::int64_t begun = clock_ns();
       if (!turn.empty()) {
-        if (Status s = play(turn, plan_, host_); !s) return fail(s.error());
+        if (Status s = play(turn, plan_, host_, options_); !s) return fail(s.error());
         for (const PlayedStory& story : turn) note(story);
       }
       if (signal_that_came() != 0) break;
@@ -378,8 +387,11 @@ void add_test(CLI::App& app, Action& action) {
   add_coverage(*command, "--coverage-page", options->coverage);
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
+  command->add_flag("--accept", options->accept,
+                    "Golden runs that go otherwise give way to the runs of now; look at the difference first");
   command->add_flag("--watch", options->watch, "Plays again what a changed rule or story file affects, until Ctrl-C")
       ->excludes("--json")
+      ->excludes("--accept")
       ->excludes("--junit")
       ->excludes("--coverage")
       ->excludes("--coverage-page")

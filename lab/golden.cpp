@@ -5,6 +5,7 @@
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/run_folder.h"
+#include "lab/child.h"
 #include "lab/comparison.h"
 #include "lab/rerun.h"
 #include "lab/run.h"
@@ -114,6 +115,31 @@ testing::StoryResult play_golden(const testing::StorySpec& story, const Host& ho
 
 Status keep_golden(const testing::StorySpec& story, const fs::path& folder, const Host& host) {
   return play_again(story, folder, host);
+}
+
+Status accept_golden(const testing::StorySpec& story, const Host& host) {
+  testing::StorySpec whole = story;
+  whole.end = SimTime::zero();
+  const fs::path golden = fs::absolute(story.golden).lexically_normal();
+  fs::path now = golden, then = golden;
+  now += ".now";
+  then += ".then";
+  Host confined = host;
+  confined.confine = true;
+  auto child = Child::start([&]() -> Expected<Json> {
+    const Status played = play_again(whole, now, confined);
+    return played ? Expected<Json>(Json()) : played.error();
+  });
+  if (!child) return child.error();
+  if (const auto played = child->finish(host); !played) return played.error();
+  std::error_code error;
+  fs::remove_all(then, error);
+  if (!error) fs::rename(golden, then, error);
+  if (!error) fs::rename(now, golden, error);
+  if (!error) fs::remove_all(then, error);
+  return error ? resource_error("the new run " + now.string() + " cannot be put in its place: " + error.message(),
+                                golden.string())
+               : Status();
 }
 
 }  // namespace cxlab::lab

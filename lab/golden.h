@@ -16,4 +16,7 @@ testing::StoryResult play_golden(const testing::StorySpec& story, const Host& ho
 /// Plays it again into a folder that stays.
 Status keep_golden(const testing::StorySpec& story, const std::filesystem::path& folder, const Host& host);
 
+/// Plays it again to the end of the recorded run, in a process of its own, and puts the new run in its place.
+Status accept_golden(const testing::StorySpec& story, const Host& host);
+
 }  // namespace cxlab::lab
