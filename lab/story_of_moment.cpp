@@ -53,9 +53,16 @@ struct SkillAnswer {
   std::optional<SimTime> ended = {};
   std::string outcome = "never", result = {};  // JSON
 };
-/// By name, in order of sending. `earlier`: how many of before the moment have no answer yet.
+/// A goal of before the moment that has no result yet.
+struct GoalUnderWay {
+  SkillAnswer answer;
+  bool answered = false;  ///< whether it was taken
+  std::string handle = {}, id = {};
+};
+/// By name, in order of sending. `earlier`: how many calls of before the moment have no answer yet.
 struct SkillAnswers {
   std::vector<SkillAnswer> answers;
+  std::deque<GoalUnderWay> under_way;
   std::size_t earlier = 0, replied = 0;
 
   /// The first that nothing is known of.
@@ -74,10 +81,14 @@ class Writer {
   Expected<WrittenStory> write() {
     if (Status s = find(); !s) return s.error();
     if (Status s = agent(); !s) return s.error();
+    for (const JournalRecord& record : records_.all)
+      if (record.stream == stream_) before(record);
+    const std::size_t so_far = records_.all.size();
     facts();
     if (Status s = play_on(); !s) return s.error();
-    for (const JournalRecord& record : records_.all)
-      if (record.stream == stream_) record.t <= at_ ? before(record) : after(record);
+    for (std::size_t i = so_far; i < records_.all.size(); ++i)
+      if (const JournalRecord& record = records_.all[i]; record.stream == stream_)
+        record.t <= at_ ? before(record) : after(record);
     what_is_left();
     WrittenStory out;
     out.text = text();
@@ -99,8 +110,11 @@ class Writer {
     at_ = moment_->t();
     SimTime beat = kNever;
     for (const JournalRecord& record : records_.all)
-      if (record.stream == stream_ && record.kind == RecordKind::kAssert && record.data.text("template") == "time")
+      if (record.stream == stream_ && record.kind == RecordKind::kAssert && record.data.text("template") == "time") {
+        begins_ = beat == kNever ? record.t : beat;
         beat = record.t;
+      }
+    if (beat == kNever) begins_ = at_;
     if (beat == kNever || beat == at_) return {};
     at_ = beat;
     if (Status s = moment_->rewind(); !s) return s;
@@ -158,8 +172,7 @@ class Writer {
     for (const cx::GivenParameter& param : agent.params)
       list += (list.empty() ? "" : ", ") + yaml_quoted(param.name) + ": " + param.value;
     if (!list.empty()) head_ += "  params: {" + list + "}\n";
-    head_ +=
-        "  seed: " + std::to_string(run_.manifest.seed) + "\n  begins_s: " + seconds_of(at_) + "\n  moment: true\n";
+    head_ += "  seed: " + std::to_string(run_.manifest.seed) + '\n';
     return {};
   }
 
@@ -167,7 +180,7 @@ class Writer {
     const RuleEngine& engine = environment_->engine();
     for (const FactCopy& fact : engine.facts()) {
       const std::string text = fact.print();
-      if (text.find("<Pointer-") != std::string::npos || text.find("<Fact-") != std::string::npos)
+      if (points_elsewhere(text))
         notes_.push_back("left out, because what it points to is not in a story: " + text);
       else if (text != "(initial-fact)")
         given_facts_.push_back(text);
@@ -177,6 +190,15 @@ class Writer {
         globals_.emplace_back(global, value.print());
     if (const std::size_t waiting = engine.agenda().size(); waiting > 0)
       notes_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
+  }
+
+  /// Whether it points to something else than goals that are under way.
+  bool points_elsewhere(std::string text) const {
+    for (const auto& [name, met] : actions_met_)
+      for (const GoalUnderWay& goal : met.under_way)
+        for (std::size_t at; !goal.handle.empty() && (at = text.find(goal.handle)) != std::string::npos;)
+          text.erase(at, goal.handle.size());
+    return text.find("<Pointer-") != std::string::npos || text.find("<Fact-") != std::string::npos;
   }
 
   Status play_on() {
@@ -194,13 +216,45 @@ class Writer {
   /// Of goals and calls on their way at the moment, and what servers there are.
   void before(const JournalRecord& record) {
     const std::string name(record.data.text("name"));
-    if (record.kind == RecordKind::kBus && record.data.text("op") == "goal") ++actions_met_[name].earlier;
+    if (record.kind == RecordKind::kBus && record.data.text("op") == "goal")
+      actions_met_[name].under_way.push_back({.answer = {record.t}, .id = std::string(record.data.text("goal_id"))});
     if (record.kind == RecordKind::kBus && record.data.text("op") == "call") ++services_met_[name].earlier;
+    if (record.kind == RecordKind::kAssert || record.kind == RecordKind::kDecision) taken(record);
     if (record.kind != RecordKind::kInput) return;
     const std::string_view what = record.data.text("what");
-    if (what == "result" && actions_met_[name].earlier > 0) --actions_met_[name].earlier;
+    if (what == "goal-response") last_name_ = name;
+    if (what == "result" && !actions_met_[name].under_way.empty()) actions_met_[name].under_way.pop_front();
     if (what == "response" && services_met_[name].earlier > 0) --services_met_[name].earlier;
     look(record);
+  }
+
+  /// Of the client, in the slots of `ros-msgs-goal-response`.
+  static Value handle_in(const RecordValue& slots) {
+    const RecordValue* slot = slots.find("client-goal-handle-ptr");
+    return Value::handle(static_cast<Handle>(slot ? slot->integer("handle") : 0));
+  }
+  static bool is_rejected(const RecordValue& slots) { return handle_in(slots).as_handle() == Handle::kNone; }
+
+  /// A goal was taken before the moment, or rejected.
+  void taken(const JournalRecord& record) {
+    const RecordValue* slots = record.data.find("slots");
+    if (record.data.text("template") != "ros-msgs-goal-response" || slots == nullptr || last_name_.empty()) return;
+    auto& goals = actions_met_[last_name_].under_way;
+    const auto goal = std::ranges::find(goals, false, &GoalUnderWay::answered);
+    last_name_.clear();
+    if (goal == goals.end()) return;
+    goal->answered = true;
+    if (is_rejected(*slots))
+      goals.erase(goal);
+    else
+      goal->handle = handle_in(*slots).print();
+  }
+
+  /// The first goal of before the moment of which it is not known how it ended.
+  static SkillAnswer* earlier_of(SkillAnswers& met) {
+    const auto goal = std::ranges::find_if(
+        met.under_way, [](const GoalUnderWay& g) { return !g.answer.ended && g.answer.outcome == "never"; });
+    return goal == met.under_way.end() ? nullptr : &goal->answer;
   }
 
   /// "action-ready /robot1/pick": rules asked whether it is served.
@@ -232,7 +286,7 @@ class Writer {
     const std::string op(record.data.text("op")), name(record.data.text("name"));
     if (op == "goal") actions_met_[name].answers.push_back({record.t});
     if (op == "call") services_met_[name].answers.push_back({record.t});
-    const std::string fields = message(record, "msg");
+    const std::string fields = message(record, op == "goal" ? "goal" : "msg");
     if (op == "goal")
       expect("goal: " + yaml_quoted(name) + ", fields: " + fields, record.t);
     else if (op == "publish" && is_topic_of_rules(name))
@@ -255,10 +309,11 @@ class Writer {
                          ", data: " + content + "}");
     } else if (what == "result" || what == "response") {
       SkillAnswers& met = (what == "result" ? actions_met_ : services_met_)[name];
-      if (met.earlier > 0) {
+      SkillAnswer* answer = earlier_of(met);
+      if (answer == nullptr && met.earlier > 0) {
         --met.earlier;
         skipped_.insert(name);
-      } else if (SkillAnswer* answer = met.open()) {
+      } else if (answer != nullptr || (answer = met.open()) != nullptr) {
         answer->ended = record.t;
         answer->outcome = "succeed";
         answer->result = content;
@@ -266,6 +321,12 @@ class Writer {
       }
     } else if (what == "goal-response") {
       SkillAnswers& met = actions_met_[name];
+      const auto waits = std::ranges::find(met.under_way, false, &GoalUnderWay::answered);
+      if (waits != met.under_way.end()) {
+        waits->answered = true;
+        last_ = &waits->answer;
+        return;
+      }
       last_ = met.replied < met.answers.size() ? &met.answers[met.replied++] : nullptr;
     } else if (what != "look" && what != "feedback") {
       others_.insert(what + ' ' + name);
@@ -287,7 +348,7 @@ class Writer {
     const RecordValue* slots = record.data.find("slots");
     if (last_ == nullptr || slots == nullptr) return;
     if (deftemplate.ends_with("goal-response")) {
-      if (slots->text("client-goal-handle-ptr").find("nil") != std::string_view::npos) last_->outcome = "reject";
+      if (is_rejected(*slots)) last_->outcome = "reject";
     } else if (deftemplate.ends_with("wrapped-result")) {
       if (slots->text("code") == "ABORTED") last_->outcome = "fail";
       if (slots->text("code") == "CANCELED") *last_ = {last_->sent, {}, "never", {}};  // a stand-in cancels by itself
@@ -317,15 +378,31 @@ class Writer {
       if (++fresh <= kMost) expect_.push_back("{fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
     }
     for (const std::string& text : before)
-      if (!is_of_plugin(text) && ++gone <= kMost)
+      if (!is_of_plugin(text) && text.find("<Pointer-") == std::string::npos && ++gone <= kMost)
         expect_.push_back("{no_fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
     for (const std::string& name : skipped_)
-      notes_.push_back(name + " was at work for a goal of before: what it answered is not in the story");
+      notes_.push_back(name + " was called before: what it answered is not in the story");
     for (const std::string& other : others_) notes_.push_back("not in the story: " + other);
   }
 
   static bool is_of_plugin(const std::string& fact) {
     return fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
+  }
+
+  static std::string outcome_of(const SkillAnswer& answer, SimTime from) {
+    std::string out = "outcome: " + answer.outcome;
+    if (answer.ended) out += ", takes_s: " + seconds_of(*answer.ended - from);
+    if (!answer.result.empty()) out += ", result: " + answer.result;
+    return out;
+  }
+
+  bool is_goal_under_way() const {
+    return std::ranges::any_of(actions_met_, [](const auto& met) { return !met.second.under_way.empty(); });
+  }
+  std::string times() const {
+    const bool later = is_goal_under_way() && begins_ < at_;
+    return "  begins_s: " + seconds_of(later ? begins_ : at_) + "\n  moment: true\n" +
+           (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
   }
 
   std::string stand_ins(const std::map<std::string, SkillAnswers>& met, const char* word,
@@ -335,12 +412,18 @@ class Writer {
       const std::string type = type_of(known, name);
       if (type.empty()) continue;
       std::string item = std::string("{") + word + ": " + yaml_quoted(name) + ", type: " + type;
+      std::string under_way;
+      for (const GoalUnderWay& goal : answers.under_way) {
+        std::string one;
+        if (!goal.handle.empty()) one += "handle: " + yaml_quoted(goal.handle) + ", ";
+        if (!goal.id.empty()) one += "id: " + yaml_quoted(goal.id) + ", ";
+        under_way += (under_way.empty() ? "{" : ",\n                   {") + one + outcome_of(goal.answer, at_) + '}';
+      }
+      if (!under_way.empty()) item += ",\n       under_way: [" + under_way + "]";
       std::string then;
       for (std::size_t i = 0; i < std::max<std::size_t>(answers.answers.size(), 1); ++i) {
         const SkillAnswer answer = i < answers.answers.size() ? answers.answers[i] : SkillAnswer();
-        std::string outcome = "outcome: " + answer.outcome;
-        if (answer.ended) outcome += ", takes_s: " + seconds_of(*answer.ended - answer.sent);
-        if (!answer.result.empty()) outcome += ", result: " + answer.result;
+        const std::string outcome = outcome_of(answer, answer.sent);
         if (i == 0)
           item += ", " + outcome;
         else
@@ -387,7 +470,7 @@ class Writer {
     const std::string run = fs::absolute(run_.folder).lexically_normal().filename().string();
     const std::string name = given_.name.empty() ? "at " + seconds_of(at_) + " s of " + run : given_.name;
     return "# Written by `cxlab new story`: what the agent knew at " + seconds_of(at_) + " s of the run " + run +
-           ", what came to it then, and what it did.\n- story: " + yaml_quoted(name) + '\n' + head_ +
+           ", what came to it then, and what it did.\n- story: " + yaml_quoted(name) + '\n' + head_ + times() +
            section("calls", calls()) + list("given", given_facts_, true) +
            section("skills", stand_ins(actions_met_, "action", actions_)) +
            section("serve", stand_ins(services_met_, "service", services_)) + list("steps", steps_, false) +
@@ -401,8 +484,8 @@ class Writer {
   Records records_;  // outlives the moment
   std::unique_ptr<Moment> moment_;
   cx::Environment* environment_ = nullptr;
-  SimTime at_{}, end_{};
-  std::string stream_, head_;
+  SimTime at_{}, begins_{}, end_{};  // begins_: the last time before at which the rules were run
+  std::string stream_, head_, last_name_;
   std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
   std::vector<std::string> given_facts_, steps_, expect_, notes_;
   std::vector<std::pair<std::string, std::string>> globals_;

@@ -23,13 +23,22 @@ struct Outcome {
   int line = 0;
 };
 
-/// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last.
+/// A goal that was sent before the moment at which facts are given, and is not over then.
+struct UnderWay {
+  std::string handle;  ///< of the client, as `given` has it: "<Pointer-C-0x10a2>"; empty: the answer to it comes later
+  std::string id;      ///< of the goal, as `given` has it
+  int line = 0;
+};
+
+/// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last; the first ones are
+/// those of goals that are under way.
 struct StandIn {
   bool action = true;
   std::string name, type;
   std::vector<Outcome> outcomes;
   std::string file;
   int line = 0;
+  std::vector<UnderWay> under_way = {};
 };
 
 /// What chance does to goals, or to the calls of a service.

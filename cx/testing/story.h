@@ -63,7 +63,8 @@ struct StorySpec {
   std::vector<std::uint64_t> seeds;  ///< with each of which it must hold; empty: `seed` alone
   std::vector<Line> given;
   SimTime begins{};              ///< time of the first tick
-  bool moment = false;           ///< `given` is all that there is at the first tick, and what it would fire has fired
+  SimTime given_at{};            ///< when facts are given: not before `begins`
+  bool moment = false;           ///< `given` is all that there is then, and what it would fire has fired
   std::vector<Line> calls;       ///< expressions, evaluated before facts are given
   std::filesystem::path golden;  ///< a recorded run: nothing else is given, and it must go as it went then
   std::vector<StandIn> stand_ins;

@@ -68,6 +68,18 @@ Outcome read_outcome(yaml::Map& map) {
   return outcome;
 }
 
+/// Goals that are under way, and how they end.
+void read_under_way(const yaml::Value& list, StandIn& out) {
+  for (const yaml::Value& item : list.as_list()) {
+    yaml::Map map = item.as_map();
+    UnderWay goal{{}, {}, item.line()};
+    map.read("handle", goal.handle).read("id", goal.id);
+    out.outcomes.insert(out.outcomes.begin() + static_cast<std::ptrdiff_t>(out.under_way.size()), read_outcome(map));
+    out.under_way.push_back(std::move(goal));
+    map.finish();
+  }
+}
+
 StandIn read_stand_in(const yaml::Value& value, bool step = false) {
   yaml::Map map = value.as_map();
   if (step) map.get("at");
@@ -83,6 +95,10 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
     }
   for (const Outcome& o : out.outcomes)
     if (!out.action && o.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
+  if (const yaml::Value list = map.get("under_way")) {
+    if (!out.action || step) list.fail("only goals of `skills` can be under way when a story begins");
+    read_under_way(list, out);
+  }
   map.finish();
   return out;
 }
@@ -204,6 +220,10 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     std::ranges::sort(spec.seeds);
   }
   map.read_seconds("begins_s", spec.begins).read("moment", spec.moment);
+  if (const yaml::Value given_at = map.get("given_at_s")) {
+    map.read_seconds("given_at_s", spec.given_at);
+    if (spec.given_at < spec.begins) given_at.fail("found " + given_at.text() + ", expected no time before begins_s");
+  }
   if (const yaml::Value calls = map.get("calls"))
     for (const yaml::Value& call : calls.as_list()) spec.calls.push_back({call.as_string(), call.line()});
   if (const yaml::Value given = map.get("given"))
@@ -218,6 +238,21 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   std::ranges::stable_sort(spec.steps, {}, &Step::at);
   if (const yaml::Value expect = map.get("expect"))
     for (const yaml::Value& item : expect.as_list()) spec.expect.push_back(read_expectation(item));
+}
+
+/// Goals that are under way are sent at the first tick, and facts are given later, when they have been answered.
+void check_under_way(const yaml::Map& map, StorySpec& spec) {
+  spec.given_at = std::max(spec.given_at, spec.begins);
+  if (spec.given_at > spec.begins && !spec.moment) map.fail("given_at_s is for stories with `moment: true`");
+  for (StandIn& stand_in : spec.stand_ins) {
+    if (stand_in.under_way.empty()) continue;
+    if (!spec.moment || spec.given_at == spec.begins)
+      return map.fail(
+          stand_in.name +
+          ": goals can be under way only in a story with `moment: true` and a `given_at_s` after `begins_s`");
+    for (std::size_t i = 0; i < stand_in.under_way.size(); ++i)  // they count from `given_at_s` on
+      for (SimTime* t : {&stand_in.outcomes[i].takes, &stand_in.outcomes[i].longest}) *t += spec.given_at - spec.begins;
+  }
 }
 
 /// A run has all of its own.
@@ -260,6 +295,7 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
       for (const yaml::Value& key : keys.is_list() ? keys.as_list() : std::vector{keys}) replace(key, spec);
     read_story(map, spec);
     map.finish();
+    check_under_way(map, spec);
     if (!spec.golden.empty())
       check_golden(map, spec);
     else if (spec.config.empty() == spec.rules.empty())

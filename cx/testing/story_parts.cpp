@@ -21,7 +21,7 @@ bool is_of_facts(const Step& step) { return step.verb == Verb::kAssert || step.v
 }  // namespace
 
 SimTime end_of(const StorySpec& spec) {
-  SimTime end = std::max(spec.begins, spec.end);
+  SimTime end = std::max({spec.begins, spec.given_at, spec.end});
   for (const Step& step : spec.steps) end = std::max(end, step.at);
   for (const Expectation& e : spec.expect)
     end = std::max({end, e.after, e.until == kNever ? SimTime::zero() : e.until});
@@ -93,12 +93,20 @@ Status StorySteps::sense(SimTime now) {
 SimTime StorySteps::next_due() const { return next_ < spec_.steps.size() ? spec_.steps[next_].at : kNever; }
 
 Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
-  if (place.fired >= 0) return {};  // no tick
+  const bool is_tick = place.fired < 0;
+  if (!is_tick && (!begun_ || place.fired > 0)) return {};
   if (environment_.empty() && (spec_.environment.empty() || environment.name() == spec_.environment))
     environment_ = environment.unique_name();
   if (environment.unique_name() != environment_) return {};
-  if (!std::exchange(given_, true))
+  if (!std::exchange(begun_, true))
     if (Status s = begin(environment); !s) return s;
+  if (place.t < spec_.given_at) return hold(environment);
+  if (!is_tick) return {};
+  if (!std::exchange(given_, true)) {
+    if (Status s = give_all(environment); !s) return s;
+  } else if (!std::exchange(answered_, true)) {
+    if (Status s = answer(environment); !s) return s;
+  }
   for (; next_ < spec_.steps.size() && spec_.steps[next_].at <= place.t; ++next_) {
     const Step& step = spec_.steps[next_];
     if (!is_of_facts(step)) continue;
@@ -109,11 +117,76 @@ Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace&
   return {};
 }
 
-Status StoryFacts::begin(cx::Environment& environment) const {
-  using Verb = cx::ControlAct::Verb;
+Status StoryFacts::evaluate(cx::Environment& environment, const Line& text) const {
+  const auto done = environment.act(cx::ControlAct::Verb::kLoad, text.text, "calls");
+  return done ? Status() : input_error(text.text + ": " + done.error().message, spec_.file, text.line);
+}
+
+Status StoryFacts::begin(cx::Environment& environment) {
   for (const Line& call : spec_.calls)
-    if (const auto done = environment.act(Verb::kLoad, call.text, "calls"); !done)
-      return input_error(call.text + ": " + done.error().message, spec_.file, call.line);
+    if (Status s = evaluate(environment, call); !s) return s;
+  for (const StandIn& server : spec_.stand_ins)
+    for (const UnderWay& goal : server.under_way)
+      sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*'});
+  for (const Sent& sent : sent_) {
+    const std::string request = "(ros-msgs-create-goal-request \"" + sent.server->type + "\")";
+    const std::string send = "(ros-msgs-async-send-goal " + sent.handle + " \"" + sent.server->name + "\")";
+    for (const std::string& text : {"(defglobal " + sent.handle + " = " + request + ")", send,
+                                    "(ros-msgs-destroy-message " + sent.handle + ")", "(bind " + sent.handle + " nil)"})
+      if (Status s = evaluate(environment, {text, sent.goal->line}); !s) return s;
+  }
+  return {};
+}
+
+/// Keeps the handles of goals that were answered, and lets nothing fire.
+Status StoryFacts::hold(cx::Environment& environment) const {
+  for (const Sent& sent : sent_)
+    if (Status s = evaluate(
+            environment,
+            {"(if (eq " + sent.handle + " nil) then (do-for-fact ((?f ros-msgs-goal-response)) (eq ?f:server \"" +
+                 sent.server->name + "\") (bind " + sent.handle + " ?f:client-goal-handle-ptr) (retract ?f)))",
+             sent.goal->line});
+        !s)
+      return s;
+  for (const FactCopy& fact : environment.engine().facts())
+    (void)environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index));
+  (void)environment.act(cx::ControlAct::Verb::kSettle, {});
+  return {};
+}
+
+/// Answers to goals that were sent at the moment itself come after it.
+Status StoryFacts::answer(cx::Environment& environment) const {
+  for (const Sent& sent : sent_)
+    if (sent.goal->handle.empty())
+      if (Status s = evaluate(environment, {"(assert (ros-msgs-goal-response (server \"" + sent.server->name +
+                                                "\") (client-goal-handle-ptr " + sent.handle + ")))",
+                                            sent.goal->line});
+          !s)
+        return s;
+  return {};
+}
+
+/// The fact, in which handles and ids of goals that are under way are those of the goals of the story; empty: it has
+/// none.
+std::string StoryFacts::with_goals(const std::string& fact) const {
+  std::string out = fact;
+  const auto replace = [&out](const std::string& word, const std::string& by) {
+    for (std::size_t at = 0; !word.empty() && (at = out.find(word, at)) != std::string::npos; at += by.size())
+      out.replace(at, word.size(), by);
+  };
+  for (const Sent& sent : sent_) {
+    const std::string id = "(ros-msgs-client-goal-handle-get-goal-id " + sent.handle + ")";
+    if (!sent.goal->id.empty()) replace('"' + sent.goal->id + '"', "(str-cat " + id + ')');
+    replace(sent.goal->id, id);
+    replace(sent.goal->handle, sent.handle);
+  }
+  return out == fact ? "" : "(assert " + out + ')';
+}
+
+Status StoryFacts::give_all(cx::Environment& environment) const {
+  using Verb = cx::ControlAct::Verb;
+  if (!sent_.empty())
+    if (Status s = hold(environment); !s) return s;
   std::set<std::string> wanted;
   for (const Line& fact : spec_.given) wanted.insert(fact.text);
   if (spec_.moment)
@@ -126,6 +199,7 @@ Status StoryFacts::begin(cx::Environment& environment) const {
 }
 
 Status StoryFacts::give(cx::Environment& environment, const Line& fact) const {
+  if (const std::string text = with_goals(fact.text); !text.empty()) return evaluate(environment, {text, fact.line});
   const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text);
   return done ? Status() : input_error(fact.text + ": " + done.error().message, spec_.file, fact.line);
 }

@@ -39,8 +39,9 @@ class StorySteps final : public Server {
   std::size_t next_ = 0;
 };
 
-/// Makes and takes away the facts of a story in the environment that it looks at: those that are given at the first
-/// tick, those of its steps at theirs, when messages have become facts and before any rule fires.
+/// Makes and takes away the facts of a story in the environment that it looks at: those that are given at their time,
+/// those of its steps at theirs, when messages have become facts and before any rule fires. Goals that are under way
+/// then it sends at the first tick, and until then no rule fires.
 class StoryFacts final : public cx::RunControl {
  public:
   /// It outlives this.
@@ -49,13 +50,25 @@ class StoryFacts final : public cx::RunControl {
   bool before_each_firing() const override { return false; }
 
  private:
-  Status begin(cx::Environment& environment) const;
+  /// A goal that is under way.
+  struct Sent {
+    const StandIn* server;
+    const UnderWay* goal;
+    std::string handle;  ///< the global that has it
+  };
+  Status begin(cx::Environment& environment);
+  Status evaluate(cx::Environment& environment, const Line& text) const;
+  Status hold(cx::Environment& environment) const;
+  Status answer(cx::Environment& environment) const;
+  std::string with_goals(const std::string& fact) const;
+  Status give_all(cx::Environment& environment) const;
   Status give(cx::Environment& environment, const Line& fact) const;
   Status take(cx::Environment& environment, const Step& step) const;
 
   const StorySpec& spec_;
   std::string environment_;  // its stream; empty: not known yet
-  bool given_ = false;
+  bool begun_ = false, given_ = false, answered_ = false;
+  std::vector<Sent> sent_;
   std::size_t next_ = 0;
 };
 

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -281,6 +282,38 @@ class FromAMoment(Stories):
         self.assertRegex(text, r"- \{action: '/robot1/[a-z_]*', type: cxlab_skills/action/\w+, outcome: succeed, takes_s: ")
         self.assertRegex(text, "goal: '/robot1/")
         self.assertEqual(self.cxlab("test", "carrier/stories/early.story.yaml").returncode, 0)
+
+    def test_goals_under_way_end_as_they_did(self):
+        self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
+        self.assertEqual(self.cxlab("run", "carrier/scenario.yaml", "--tier", "timed", "--until", "60", "--out", "run", "--quiet").returncode, 0)
+        under_way = 0
+        for at in range(3, 40, 6):
+            story = f"carrier/stories/at{at}.story.yaml"
+            done = self.cxlab("new", "story", "run", "--at", str(at), "--for", "20", "--out", story)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("left out", done.stderr)
+            self.assertNotRegex(done.stderr, r"note: ([2-9]|\d\d)\d* of", "only feedback does not happen")
+            self.assertEqual(self.cxlab("test", story).returncode, 0)
+            text = (self.folder / story).read_text()
+            if "under_way" not in text:
+                continue
+            under_way += 1
+            self.assertIn(f"given_at_s: {at}\n", text)
+            self.assertRegex(text, r"under_way: \[\{(handle: '<Pointer-C-0x[0-9a-f]+>', )?id: '[0-9a-f]{32}', outcome: succeed, takes_s: ")
+            self.write("later.story.yaml", re.sub(r"(under_way: \[\{[^}]*takes_s: )", r"\g<1>50", text).replace("'../", "'carrier/"))
+            self.assertEqual(self.cxlab("test", "later.story.yaml").returncode, 1, "the goal of before ends too late")
+        self.assertGreater(under_way, 2)
+
+    def test_a_goal_under_way_that_cannot_be_is_refused(self):
+        goal = "{action: /a, type: cxlab_skills/action/Pick, under_way: [{handle: '<P>', takes_s: 1}]}"
+        for keys, skills, said in (("", f"skills: [{goal}]", "/a: goals can be under way only in a story with `moment: true` and a `given_at_s` after `begins_s`"),
+                                   ("given_at_s: 1", "skills: []", "given_at_s is for stories with `moment: true`"),
+                                   ("begins_s: 2, given_at_s: 1, moment: true", "skills: []", "given_at_s: found 1, expected no time before begins_s"),
+                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "only goals of `skills` can be under way")):
+            self.write("bad.story.yaml", f"- {{story: bad, rules: [door.clp], {keys + ', ' if keys else ''}{skills}, expect: [{{fires: open, within_s: 3}}]}}\n")
+            done = self.cxlab("test", "bad.story.yaml")
+            self.assertEqual(done.returncode, 3, done.stdout)
+            self.assertIn(said, done.stderr)
 
 
 class Watching(Stories):
