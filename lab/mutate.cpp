@@ -176,6 +176,7 @@ Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<
   out.plan_ = std::move(plan);
   StoryPlan first = out.plan_;
   first.setup.coverage = true;
+  first.load_once = true;
   if (first.patience_s <= 0) first.patience_s = 60;
   const auto begun = std::chrono::steady_clock::now();
   std::vector<PlayedStory>& stories = out.subject_.stories;
@@ -317,8 +318,9 @@ Expected<std::vector<PlayedStory>> Mutation::play(const Mutant& mutant, const fs
   for (const std::size_t i : stories_for(mutant)) stories.push_back({subject_.stories[i].spec});
   StoryPlan plan = plan_;
   plan.setup.instead[paths_[mutant.file]] = file;
+  plan.setup.names_known = true;
+  plan.load_once = true;
   plan.stop_at_failure = !all;
-  if (!all) plan.jobs = 1;
   const Status played = play_stories(stories, plan, host);
   std::error_code ignored;
   fs::remove(file, ignored);

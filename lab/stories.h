@@ -48,6 +48,7 @@ struct StoryPlan {
   testing::StorySetup setup;
   int jobs = 1;                  ///< processes at a time
   bool stop_at_failure = false;  ///< stories after the first one that fails are not played, or not to their end
+  bool load_once = false;        ///< each agent, for all its stories; `jobs` is 1, and no runs are kept
   double patience_s = 60;        ///< s that a process may take; one that takes longer is ended
   /// Where each story that fails leaves a run (lab/story_run.h); empty: none does.
   std::filesystem::path runs = {};

@@ -14,13 +14,12 @@
 #include <set>
 
 #include "cx/base/file.h"
-#include "cx/base/json.h"
-#include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/base/servant.h"
 #include "lab/golden.h"
-#include "lab/json_fields.h"
 #include "lab/stories.h"
+#include "lab/story_answer.h"
+#include "lab/story_stage.h"
 #include "lab/story_run.h"
 
 namespace cxlab::lab {
@@ -31,45 +30,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// From the process that played the story.
-std::string to_line(const testing::StoryResult& result) {
-  Json bad;
-  explain::Coverage coverage = result.coverage;
-  if (const auto& error = result.bad)
-    bad = {{"kind", static_cast<int>(error->kind)},
-           {"message", error->message},
-           {"file", error->file},
-           {"line", error->line}};
-  const Json line{{"failures", result.failures},
-                  {"notes", result.notes},
-                  {"sim_time_s", result.sim_time_s},
-                  {"coverage", JsonWriter::json(coverage)},
-                  {"bad", bad},
-                  {"printed", result.printed},
-                  {"files", result.files}};
-  return json_text(line);
-}
-
-/// The result that the text is, if it is a whole one.
-std::optional<testing::StoryResult> read_line(const std::string& text) {
-  try {
-    const Json line = parse_json(text);
-    testing::StoryResult result;
-    result.failures = line.at("failures").get<std::vector<std::string>>();
-    result.notes = line.at("notes").get<std::vector<std::string>>();
-    result.sim_time_s = line.at("sim_time_s").get<double>();
-    if (!read_fields(line.at("coverage"), result.coverage)) return std::nullopt;
-    if (const auto& bad = line.at("bad"); !bad.is_null())
-      result.bad = Error{
-          static_cast<ErrorKind>(bad.at("kind").get<int>()), bad.at("message"), bad.at("file"), bad.at("line"), {}};
-    result.printed = line.at("printed").get<std::vector<std::string>>();
-    result.files = line.at("files").get<std::vector<std::string>>();
-    return result;
-  } catch (const Json::exception&) {
-    return std::nullopt;
-  }
-}
 
 /// What a process does: it plays a story with a seed, or keeps a run of that.
 struct Job {
@@ -89,15 +49,6 @@ struct Player {
   bool late = false;  ///< it was ended
 };
 
-int say(const Descriptor& to, const std::string& line) {
-  for (std::size_t done = 0; done < line.size();) {
-    const ssize_t n = write(to.number(), line.data() + done, line.size() - done);
-    if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
-    if (n > 0) done += static_cast<std::size_t>(n);
-  }
-  return 0;
-}
-
 Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec spec, const testing::StorySetup& setup) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
@@ -111,9 +62,9 @@ Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec sp
     confined.confine = true;
     const bool golden = !spec.golden.empty();
     if (job.keep.empty())
-      return say(to, to_line(golden ? play_golden(spec, confined) : testing::run_story(spec, setup)));
+      return say_to(to, story_answer(golden ? play_golden(spec, confined) : testing::run_story(spec, setup)));
     const Status kept = golden ? keep_golden(spec, job.keep, confined) : keep_run(spec, setup, job.keep);
-    return kept ? 0 : say(to, kept.error().text());
+    return kept ? 0 : say_to(to, kept.error().text());
   });
   if (!process) return process.error();
   return Player{number, std::move(job), std::move(from), *std::move(process)};
@@ -127,40 +78,12 @@ bool hear(Player& player) {
   return n > 0 || (n < 0 && errno == EINTR);
 }
 
-/// The result of a process that has ended. What it left unsaid is a failure of its story alone.
+/// The result of a process that has ended.
 testing::StoryResult result_of(Player& player, const testing::StorySpec& spec, double patience_s) {
   const int code = player.process.wait();
   if (code == 0 && !player.late)
-    if (auto result = read_line(player.said)) return *std::move(result);
-  testing::StoryResult result;
-  const std::string how =
-      code > 128 ? "a signal (" + std::to_string(code - 128) + ")" : "exit code " + std::to_string(code);
-  result.failures.push_back(
-      spec.file + ':' + std::to_string(spec.line) +
-      (player.late ? ": the story has not ended after " + general_text(patience_s, 6) +
-                         " s of the clock on the wall (--patience) and was ended; the other stories were played"
-                   : ": the process that played this story ended with " + how +
-                         " before the story did; the other stories were played"));
-  return result;
-}
-
-/// Adds how a story went with one more seed. What remains is the result of the smallest seed that failed, else of the
-/// largest, with the rules and files of all.
-void add(PlayedStory& story, std::uint64_t seed, testing::StoryResult result) {
-  explain::Coverage coverage = std::move(story.result.coverage);
-  std::set<std::string> files(story.result.files.begin(), story.result.files.end());
-  coverage.add(result.coverage);
-  files.insert(result.files.begin(), result.files.end());
-  const bool tells = story.seeds_played == 0 ||
-                     (result.passed() ? story.passed() && seed > story.seed : story.passed() || seed < story.seed);
-  if (!result.passed()) story.failed_seeds.insert(seed);
-  ++story.seeds_played;
-  if (tells) {
-    story.seed = seed;
-    story.result = std::move(result);
-  }
-  story.result.coverage = std::move(coverage);
-  story.result.files.assign(files.begin(), files.end());
+    if (auto result = read_story_answer(player.said)) return *std::move(result);
+  return answer_left_unsaid(spec, code, player.late, patience_s);
 }
 
 class Troupe {
@@ -242,7 +165,7 @@ class Troupe {
     }
     if (player.number >= last_) return;  // it was on its way when an earlier one failed
     story.late |= player.late;
-    add(story, player.job.seed, result_of(player, story.spec, plan_.patience_s));
+    add_answer(story, player.job.seed, result_of(player, story.spec, plan_.patience_s));
     --to_play_[player.job.story];
     if (plan_.stop_at_failure && !story.passed()) stop_after(player.number);
     for (std::size_t i = told_; i < stories_.size() && (last_ == 0 || i <= jobs_[last_ - 1].story); ++i)
@@ -298,7 +221,7 @@ class Troupe {
 }  // namespace
 
 Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host) {
-  return Troupe(stories, plan, host).play();
+  return plan.load_once ? play_on_stages(stories, plan, host) : Troupe(stories, plan, host).play();
 }
 
 }  // namespace cxlab::lab

@@ -17,7 +17,7 @@ std::string seconds(SimTime t) {
 }
 
 Play::Play(const StorySpec& spec, const StorySetup& setup, bool each_tick)
-    : spec_(spec), setup_(setup), each_tick_(each_tick), limits_(setup.limits) {
+    : spec_(&spec), setup_(setup), each_tick_(each_tick), limits_(setup.limits) {
   journal_.observe(histories_);
 }
 
@@ -34,14 +34,14 @@ void Play::line(const cx::LogLine& line) {
 void Play::note_file(const fs::path& file) { files_.insert(fs::absolute(file).lexically_normal().string()); }
 
 Status Play::prepare() {
-  if (!spec_.config.empty()) note_file(spec_.config);
-  for (const fs::path& file : spec_.rules) note_file(file);
+  if (!spec_->config.empty()) note_file(spec_->config);
+  for (const fs::path& file : spec_->rules) note_file(file);
   if (Status s = registry_.add_packages_in(setup_.interfaces); !s) return s;
   cx::ManagerOptions options;
-  std::map<std::string, fs::path> packages = spec_.packages;
+  std::map<std::string, fs::path> packages = spec_->packages;
   packages.insert(setup_.packages.begin(), setup_.packages.end());
   for (const auto& [name, folder] : packages) {
-    if (!is_folder(folder)) return at(spec_.line, "package " + name + ": there is no folder " + folder.string());
+    if (!is_folder(folder)) return at(spec_->line, "package " + name + ": there is no folder " + folder.string());
     const auto own = setup_.own_packages.find(name);
     options.packages[name] = {folder, {}, own == setup_.own_packages.end() || own->second == folder ? "" : own->second};
     if (!bus::holds_definitions(folder)) continue;
@@ -50,18 +50,18 @@ Status Play::prepare() {
   auto config = config_file();
   if (!config) return config.error();
   options.config = *config;
-  options.params = spec_.params;
+  options.params = spec_->params;
   options.plugin_types = cx::builtin_plugins();
   options.control = &facts_;
   options.log = this;
-  options.on_read = [this, made = spec_.config.empty() ? *config : fs::path()](const std::string&,
+  options.on_read = [this, made = spec_->config.empty() ? *config : fs::path()](const std::string&,
                                                                                const fs::path& file) -> Status {
     if (file != made) note_file(file);
     return {};
   };
   options.limits = &limits_;
   options.instead = setup_.instead;
-  options.seed = spec_.seed;
+  options.seed = spec_->seed;
   if (setup_.coverage) {
     options.counting = Counting::kUse;
     options.on_environment_end = [this](const cx::Environment& environment) {
@@ -72,9 +72,9 @@ Status Play::prepare() {
   if (!manager) return manager.error();
   manager_ = *std::move(manager);
   scratch_.reset();
-  if (Status s = set_up(stand_ins_, spec_); !s) return s;
+  if (Status s = set_up(stand_ins_, *spec_); !s) return s;
   loop_.emplace(bus_, kTick, Parts{.servers = {this, &steps_, &stand_ins_}, .agents = {manager_.get()}});
-  loop_->set_begin(spec_.begins);
+  loop_->set_begin(spec_->begins);
   return {};
 }
 
@@ -86,6 +86,14 @@ Status Play::end() {
   return ended;
 }
 
+Status Play::go_on_as(const StorySpec& spec) {
+  spec_ = &spec;
+  steps_.play(spec);
+  facts_.play(spec);
+  stand_ins_.expect(spec.faults);
+  return set_up(stand_ins_, spec);
+}
+
 Wall Play::wall() const {
   Wall wall;
   wall.read = {setup_.interfaces};
@@ -95,8 +103,8 @@ Wall Play::wall() const {
 
 /// The configuration, or one made for the rule files alone.
 Expected<fs::path> Play::config_file() {
-  if (!spec_.config.empty()) return spec_.config;
-  const auto text = config_for_rules(spec_);
+  if (!spec_->config.empty()) return spec_->config;
+  const auto text = config_for_rules(*spec_);
   if (!text) return text.error();
   auto scratch = ScratchFolder::create();
   if (!scratch) return scratch.error();
@@ -107,7 +115,7 @@ Expected<fs::path> Play::config_file() {
 }
 
 Status Play::begin() {
-  if (spec_.begins > SimTime::zero()) bus_.begin_tick(spec_.begins);
+  if (spec_->begins > SimTime::zero()) bus_.begin_tick(spec_->begins);
   if (Status s = manager_->configure(); !s)
     return input_error(s.error().message, s.error().file, s.error().line).with_code(s.error().code);
   if (Status s = find_environment(); !s) return s;
@@ -117,13 +125,13 @@ Status Play::begin() {
 Status Play::find_environment() {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < manager_->size(); ++i) names.push_back(manager_->environment(i).name());
-  if (spec_.environment.empty() && !names.empty())
+  if (spec_->environment.empty() && !names.empty())
     environment_ = &manager_->environment(0);
   else
-    environment_ = manager_->find(spec_.environment);
+    environment_ = manager_->find(spec_->environment);
   if (!environment_)
-    return at(spec_.line, "environment '" + spec_.environment + "' is not in the configuration" +
-                              did_you_mean(spec_.environment, names));
+    return at(spec_->line, "environment '" + spec_->environment + "' is not in the configuration" +
+                              did_you_mean(spec_->environment, names));
   history_ = &history_of(engine());
   return {};
 }

@@ -43,10 +43,12 @@ class Play final : private Server, private cx::LogSink {
   Status end();
   /// Of what has gone.
   const explain::Coverage& coverage() const { return coverage_; }
+  /// After `begin`: all that is still to come is that of another story of the same agent (`same_agent`).
+  Status go_on_as(const StorySpec& spec);
   /// At once; `line` is that of the story.
   Status assert_fact(const std::string& text, int line);
   /// An error at a line of the story.
-  Error at(int line, const std::string& what) const { return input_error(what, spec_.file, line); }
+  Error at(int line, const std::string& what) const { return input_error(what, spec_->file, line); }
 
   Loop& loop() { return *loop_; }
   StandIns& stand_ins() { return stand_ins_; }
@@ -64,7 +66,7 @@ class Play final : private Server, private cx::LogSink {
   std::vector<std::string> printed() const { return {printed_.begin(), printed_.end()}; }
   /// Files that were read so far, and rule files and configuration that the story names.
   std::vector<std::string> files() const { return {files_.begin(), files_.end()}; }
-  const StorySpec& spec() const { return spec_; }
+  const StorySpec& spec() const { return *spec_; }
 
  private:
   Status sense(SimTime) override { return {}; }
@@ -75,7 +77,7 @@ class Play final : private Server, private cx::LogSink {
   Expected<std::filesystem::path> config_file();
   Status find_environment();
 
-  const StorySpec& spec_;
+  const StorySpec* spec_;
   const StorySetup& setup_;
   const bool each_tick_;
   LimitsInUse limits_;
@@ -89,9 +91,9 @@ class Play final : private Server, private cx::LogSink {
   Journal journal_;
   bus::Registry registry_;
   bus::Bus bus_{registry_, journal_};
-  StandIns stand_ins_{bus_, journal_, spec_.seed, spec_.faults};
-  StorySteps steps_{spec_, stand_ins_};
-  StoryFacts facts_{spec_};
+  StandIns stand_ins_{bus_, journal_, spec_->seed, spec_->faults};
+  StorySteps steps_{*spec_, stand_ins_};
+  StoryFacts facts_{*spec_};
   std::unique_ptr<cx::EnvironmentManager> manager_;
   cx::Environment* environment_ = nullptr;
   std::optional<Loop> loop_;

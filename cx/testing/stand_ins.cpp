@@ -67,6 +67,11 @@ StandIns::StandIns(bus::Bus& bus, RecordSink& sink, std::uint64_t seed, std::vec
       faults_(std::move(faults)),
       struck_(faults_.size()) {}
 
+void StandIns::expect(std::vector<Fault> faults) {
+  faults_ = std::move(faults);
+  struck_.assign(faults_.size(), 0);
+}
+
 StandIns::~StandIns() { bus_.leave(self_); }
 
 Status StandIns::read_types(Served& server) const {

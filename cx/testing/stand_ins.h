@@ -64,6 +64,8 @@ class StandIns final : public Server {
   StandIns(bus::Bus& bus, RecordSink& sink, std::uint64_t seed, std::vector<Fault> faults = {});
   ~StandIns() override;
 
+  /// These faults instead of those before; nothing is served yet.
+  void expect(std::vector<Fault> faults);
   /// Serves from now on; a stand-in of that name is replaced (goals that it has taken end as it said).
   Status add(const StandIn& stand_in);
   Status listen(const std::string& topic, const std::string& type, const std::string& file, int line);

@@ -1,5 +1,7 @@
 #include "cx/testing/story.h"
 
+#include <algorithm>
+
 #include "cx/testing/judge.h"
 #include "cx/testing/play.h"
 
@@ -28,17 +30,44 @@ Status run(Play& play, StoryResult& result) {
   return {};
 }
 
-/// The whole story; an error is a mistake of the story itself.
-Status play_out(Play& play, const StorySetup& setup, StoryResult& result) {
-  if (Status s = play.prepare(); !s) return s;
-  if (setup.confine) setup.confine(play.wall());
-  if (Status s = play.begin(); !s) {
-    if (s.error().kind == ErrorKind::kInput) return s;
-    result.failures.push_back(s.error().text());
-    return {};
+/// The agent is there, or what is wrong is in the result.
+bool load(Play& play, const StorySetup& setup, StoryResult& result) {
+  if (Status s = play.prepare(); !s) {
+    result.bad = s.error();
+    return false;
   }
-  if (Status s = check_names(play); !s) return s;
-  return run(play, result);
+  if (setup.confine) setup.confine(play.wall());
+  const Status begun = play.begin();
+  if (begun) return true;
+  if (begun.error().kind == ErrorKind::kInput)
+    result.bad = begun.error();
+  else
+    result.failures.push_back(begun.error().text());
+  return false;
+}
+
+/// The story of an agent that is loaded.
+void play_out(Play& play, const StorySetup& setup, StoryResult& result) {
+  Status played = setup.names_known ? Status() : check_names(play);
+  if (played) played = run(play, result);
+  if (!played) result.bad = played.error();
+}
+
+/// The agent of a story, and nothing of the story.
+StorySpec agent_of(StorySpec spec) {
+  spec.given.clear();
+  spec.calls.clear();
+  spec.stand_ins.clear();
+  spec.faults.clear();
+  spec.steps.clear();
+  spec.expect.clear();
+  return spec;
+}
+
+StoryResult told(const Play& play, StoryResult result) {
+  result.printed = play.printed();
+  result.files = play.files();
+  return result;
 }
 
 }  // namespace
@@ -46,10 +75,43 @@ Status play_out(Play& play, const StorySetup& setup, StoryResult& result) {
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup) {
   StoryResult result;
   Play play(spec, setup, /*each_tick=*/false);
-  if (Status s = play_out(play, setup, result); !s) result.bad = s.error();
-  result.printed = play.printed();
-  result.files = play.files();
-  return result;
+  if (load(play, setup, result)) play_out(play, setup, result);
+  return told(play, std::move(result));
+}
+
+bool same_agent(const StorySpec& one, const StorySpec& other) {
+  const auto same_params = [](const cx::GivenParameter& a, const cx::GivenParameter& b) {
+    return a.name == b.name && a.value == b.value;
+  };
+  return one.config == other.config && one.rules == other.rules && one.packages == other.packages &&
+         one.environment == other.environment && one.seed == other.seed && one.begins == other.begins &&
+         std::ranges::equal(one.params, other.params, same_params);
+}
+
+struct Stage::State {
+  State(const StorySpec& of, const StorySetup& setup_of_all)
+      : spec(agent_of(of)), setup(setup_of_all), loaded(load(play, setup, result)) {}
+
+  StorySpec spec;
+  StorySetup setup;
+  StoryResult result;
+  Play play{spec, setup, /*each_tick=*/false};
+  bool loaded;
+};
+
+Stage::Stage(const StorySpec& of, const StorySetup& setup) : state_(std::make_unique<State>(of, setup)) {}
+Stage::~Stage() = default;
+
+StoryResult Stage::play(const StorySpec& story) {
+  State& s = *state_;
+  s.spec = story;
+  if (s.loaded) {
+    if (Status cast = s.play.go_on_as(s.spec); !cast)
+      s.result.bad = cast.error();
+    else
+      play_out(s.play, s.setup, s.result);
+  }
+  return told(s.play, std::move(s.result));
 }
 
 }  // namespace cxlab::testing

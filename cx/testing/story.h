@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,7 @@ struct StorySetup {
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =
       {};  ///< of cxlab: have the files that packages of the same name lack
+  bool names_known = false;  ///< rules and patterns of the stories have been looked for in such rules before
   /// Files whose content is that of others; both are absolute and without "." and "..".
   std::map<std::filesystem::path, std::filesystem::path> instead = {};
   /// Called before the first rule is read, with what the story reaches of the machine from then on; may be none.
@@ -102,5 +104,25 @@ struct StoryResult {
 Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file);
 /// Plays the story in a manager of its own.
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup);
+
+/// Whether one agent that is loaded can play either: only what is given, happens and is expected differs.
+bool same_agent(const StorySpec& one, const StorySpec& other);
+
+/// An agent that is loaded once for many stories. Each is played in a copy of this process:
+///
+///   Stage stage(first, setup);
+///   for (const StorySpec& spec : stories) if (fork() == 0) tell(stage.play(spec));
+class Stage {
+ public:
+  /// Loads the agent of the story; `setup.confine` is called before.
+  Stage(const StorySpec& of, const StorySetup& setup);
+  ~Stage();
+  /// Once: a story with `same_agent`. It goes as in `run_story`.
+  StoryResult play(const StorySpec& story);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace cxlab::testing

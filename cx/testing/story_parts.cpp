@@ -78,11 +78,11 @@ Status set_up(StandIns& stand_ins, const StorySpec& spec) {
 }
 
 Status StorySteps::sense(SimTime now) {
-  for (; next_ < spec_.steps.size() && spec_.steps[next_].at <= now; ++next_) {
-    const Step& step = spec_.steps[next_];
+  for (; next_ < spec_->steps.size() && spec_->steps[next_].at <= now; ++next_) {
+    const Step& step = spec_->steps[next_];
     Status done;
     if (step.verb == Verb::kPublish)
-      done = stand_ins_.publish(step.text, step.type, step.data, spec_.file, step.line);
+      done = stand_ins_.publish(step.text, step.type, step.data, spec_->file, step.line);
     else if (step.verb == Verb::kStandIn)
       done = stand_ins_.add(step.stand_in);
     if (!done) return done;
@@ -90,25 +90,25 @@ Status StorySteps::sense(SimTime now) {
   return {};
 }
 
-SimTime StorySteps::next_due() const { return next_ < spec_.steps.size() ? spec_.steps[next_].at : kNever; }
+SimTime StorySteps::next_due() const { return next_ < spec_->steps.size() ? spec_->steps[next_].at : kNever; }
 
 Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace& place) {
   const bool is_tick = place.fired < 0;
   if (!is_tick && (!begun_ || place.fired > 0)) return {};
-  if (environment_.empty() && (spec_.environment.empty() || environment.name() == spec_.environment))
+  if (environment_.empty() && (spec_->environment.empty() || environment.name() == spec_->environment))
     environment_ = environment.unique_name();
   if (environment.unique_name() != environment_) return {};
   if (!std::exchange(begun_, true))
     if (Status s = begin(environment); !s) return s;
-  if (place.t < spec_.given_at) return hold(environment);
+  if (place.t < spec_->given_at) return hold(environment);
   if (!is_tick) return {};
   if (!std::exchange(given_, true)) {
     if (Status s = give_all(environment); !s) return s;
   } else if (!std::exchange(answered_, true)) {
     if (Status s = answer(environment); !s) return s;
   }
-  for (; next_ < spec_.steps.size() && spec_.steps[next_].at <= place.t; ++next_) {
-    const Step& step = spec_.steps[next_];
+  for (; next_ < spec_->steps.size() && spec_->steps[next_].at <= place.t; ++next_) {
+    const Step& step = spec_->steps[next_];
     if (!is_of_facts(step)) continue;
     const Status done =
         step.verb == Verb::kAssert ? give(environment, {step.text, step.line}) : take(environment, step);
@@ -119,13 +119,13 @@ Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace&
 
 Status StoryFacts::evaluate(cx::Environment& environment, const Line& text) const {
   const auto done = environment.act(cx::ControlAct::Verb::kLoad, text.text, "calls");
-  return done ? Status() : input_error(text.text + ": " + done.error().message, spec_.file, text.line);
+  return done ? Status() : input_error(text.text + ": " + done.error().message, spec_->file, text.line);
 }
 
 Status StoryFacts::begin(cx::Environment& environment) {
-  for (const Line& call : spec_.calls)
+  for (const Line& call : spec_->calls)
     if (Status s = evaluate(environment, call); !s) return s;
-  for (const StandIn& server : spec_.stand_ins)
+  for (const StandIn& server : spec_->stand_ins)
     for (const UnderWay& goal : server.under_way)
       sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*'});
   for (const Sent& sent : sent_) {
@@ -188,33 +188,33 @@ Status StoryFacts::give_all(cx::Environment& environment) const {
   if (!sent_.empty())
     if (Status s = hold(environment); !s) return s;
   std::set<std::string> wanted;
-  for (const Line& fact : spec_.given) wanted.insert(fact.text);
-  if (spec_.moment)
+  for (const Line& fact : spec_->given) wanted.insert(fact.text);
+  if (spec_->moment)
     for (const FactCopy& fact : environment.engine().facts())
       if (!wanted.contains(fact.print())) (void)environment.act(Verb::kRetract, std::to_string(fact.index));
-  for (const Line& fact : spec_.given)
+  for (const Line& fact : spec_->given)
     if (Status s = give(environment, fact); !s) return s;
-  if (spec_.moment) (void)environment.act(Verb::kSettle, {});
+  if (spec_->moment) (void)environment.act(Verb::kSettle, {});
   return {};
 }
 
 Status StoryFacts::give(cx::Environment& environment, const Line& fact) const {
   if (const std::string text = with_goals(fact.text); !text.empty()) return evaluate(environment, {text, fact.line});
   const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text);
-  return done ? Status() : input_error(fact.text + ": " + done.error().message, spec_.file, fact.line);
+  return done ? Status() : input_error(fact.text + ": " + done.error().message, spec_->file, fact.line);
 }
 
 Status StoryFacts::take(cx::Environment& environment, const Step& step) const {
   const RuleEngine& engine = environment.engine();
-  auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
+  auto pattern = explain::Pattern::parse_plain(step.text, spec_->file, step.line);
   if (!pattern) return pattern.error();
   if (Status s = explain::check_names(*pattern, engine); !s)
-    return input_error("retract " + step.text + ": " + s.error().message, spec_.file, step.line);
+    return input_error("retract " + step.text + ": " + s.error().message, spec_->file, step.line);
   bool any = false;
   for (const FactCopy& fact : engine.facts(pattern->template_name()))
     if (pattern->matches(fact)) any |= environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index)).ok();
   if (any) return {};
-  return negative(spec_.file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
+  return negative(spec_->file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
                   general_text(to_seconds(environment.now()), 6) + " s: there is no such fact");
 }
 

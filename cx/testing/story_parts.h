@@ -28,13 +28,15 @@ Status set_up(StandIns& stand_ins, const StorySpec& spec);
 class StorySteps final : public Server {
  public:
   /// Both outlive this.
-  StorySteps(const StorySpec& spec, StandIns& stand_ins) : spec_(spec), stand_ins_(stand_ins) {}
+  StorySteps(const StorySpec& spec, StandIns& stand_ins) : spec_(&spec), stand_ins_(stand_ins) {}
+  /// Another story, before the first step.
+  void play(const StorySpec& spec) { spec_ = &spec; }
   Status sense(SimTime now) override;
   Status act(SimTime) override { return {}; }
   SimTime next_due() const override;
 
  private:
-  const StorySpec& spec_;
+  const StorySpec* spec_;
   StandIns& stand_ins_;
   std::size_t next_ = 0;
 };
@@ -45,7 +47,9 @@ class StorySteps final : public Server {
 class StoryFacts final : public cx::RunControl {
  public:
   /// It outlives this.
-  explicit StoryFacts(const StorySpec& spec) : spec_(spec) {}
+  explicit StoryFacts(const StorySpec& spec) : spec_(&spec) {}
+  /// Another story, before the first tick.
+  void play(const StorySpec& spec) { spec_ = &spec; }
   Status stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
   bool before_each_firing() const override { return false; }
 
@@ -65,7 +69,7 @@ class StoryFacts final : public cx::RunControl {
   Status give(cx::Environment& environment, const Line& fact) const;
   Status take(cx::Environment& environment, const Step& step) const;
 
-  const StorySpec& spec_;
+  const StorySpec* spec_;
   std::string environment_;  // its stream; empty: not known yet
   bool begun_ = false, given_ = false, answered_ = false;
   std::vector<Sent> sent_;

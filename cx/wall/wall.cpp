@@ -253,7 +253,7 @@ constexpr const char* kAbsent[] = {"clone3", "fchmodat2", "mseal"};
 
 class Filter {
  public:
-  Filter() : context_(seccomp_init(SCMP_ACT_ERRNO(EPERM))) {}
+  explicit Filter(std::uint32_t otherwise = SCMP_ACT_ERRNO(EPERM)) : context_(seccomp_init(otherwise)) {}
   ~Filter() { seccomp_release(context_); }
   Filter(const Filter&) = delete;
   Filter& operator=(const Filter&) = delete;
@@ -317,6 +317,13 @@ Status raise_seccomp(const Wall& wall, int landlock) {
 
   filter.allow("clone",
                masked(0, CLONE_THREAD | CLONE_NEWUSER | CLONE_NEWNS | CLONE_NEWNET | CLONE_NEWPID, CLONE_THREAD));
+  if (wall.copies) {  // as `fork` asks for them, and nothing else
+    filter.allow("clone", is(0, CLONE_CHILD_SETTID | CLONE_CHILD_CLEARTID | SIGCHLD));
+    filter.allow("prctl", is_int(0, PR_SET_PDEATHSIG));
+    filter.allow("prctl", is_int(0, PR_SET_SECCOMP));
+    filter.allow("prctl", is_int(0, PR_SET_NO_NEW_PRIVS));
+    filter.allow("seccomp");
+  }
   const auto self = static_cast<std::uint32_t>(getpid());
   for (const char* name : {"kill", "tgkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo"})
     filter.allow(name, is_int(0, self));
@@ -351,6 +358,20 @@ Status raise_seccomp(const Wall& wall, int landlock) {
   return resource_error(std::string("seccomp refused: ") + std::strerror(errno));
 }
 
+/// On top of another filter, whose answers hold as well.
+Status raise_filter_of_copies() {
+  Filter filter(SCMP_ACT_ALLOW);
+  constexpr std::uint32_t kRefuse = SCMP_ACT_ERRNO(EPERM);
+  filter.add(kRefuse, "clone", masked(0, CLONE_THREAD, 0));
+  for (const char* name : {"fork", "vfork", "clone3", "kill", "tgkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo"})
+    filter.add(kRefuse, name);
+  for (const int option : {PR_SET_PDEATHSIG, PR_SET_SECCOMP, PR_SET_NO_NEW_PRIVS})
+    filter.add(kRefuse, "prctl", is_int(0, static_cast<std::uint32_t>(option)));
+  filter.add(kRefuse, "seccomp");
+  if (filter.load()) return {};
+  return resource_error(std::string("seccomp refused: ") + std::strerror(errno));
+}
+
 bool has_seccomp() { return prctl(PR_GET_SECCOMP, 0, 0, 0, 0) >= 0; }
 
 }  // namespace
@@ -362,6 +383,8 @@ std::string WallParts::text() const {
 }
 
 WallParts wall_parts() { return {landlock_version(), has_seccomp()}; }
+
+Status forbid_copies() { return raise_filter_of_copies(); }
 
 Status raise_wall(const Wall& wall) {
   const WallParts parts = wall_parts();

@@ -30,6 +30,7 @@ struct Wall {
   std::vector<std::filesystem::path> links;  ///< folders in which symbolic links are made, too
   bool send_to = false;                      ///< open sockets name the address of each datagram (--sockets)
   bool pictures = false;                     ///< are drawn, by a graphics card where there is one
+  bool copies = false;                       ///< the process may copy itself, until `forbid_copies`
 };
 
 /// What this kernel has to build a wall of.
@@ -46,5 +47,8 @@ inline constexpr bool kPlaysBehindWalls = !kSanitized;
 
 /// Raises the wall. An error says which part of it is missing, and what that leaves open; the other part stands.
 Status raise_wall(const Wall& wall);
+/// In a copy of a process behind a wall with `Wall::copies`: takes away what that wall left open, for good. Behind it
+/// a process cannot signal even itself.
+Status forbid_copies();
 
 }  // namespace cxlab
