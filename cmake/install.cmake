@@ -91,6 +91,8 @@ file(GLOB files "${wheel}/../*.dist-info/licenses/*")
 install(FILES ${files} DESTINATION ${doc}/mujoco)
 get_target_property(licences minijinja::minijinja CXLAB_LICENCES)
 install(DIRECTORY "${licences}/" DESTINATION ${doc}/minijinja)
+get_target_property(licence three CXLAB_LICENCE)
+install(FILES "${licence}" DESTINATION ${doc}/three)
 # The licences of the Debian libraries that were copied.
 install(CODE "set(folder \"\${CMAKE_INSTALL_PREFIX}/${libraries}\")\nset(licences \"\${CMAKE_INSTALL_PREFIX}/${doc}\")")
 install(SCRIPT cmake/package/licences.cmake)

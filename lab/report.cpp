@@ -1,32 +1,18 @@
 #include "lab/report.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
-#include "lab/page.h"
+#include "lab/base64.h"
+#include "lab/run_page.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
 
 namespace {
-
-std::string base64(const std::filesystem::path& file) {
-  static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto read = read_file(file);
-  const std::string bytes = read ? *read : std::string();
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned value = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kAlphabet[value >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
 
 /// Files that a person reads, relative to the run's folder.
 Json readable_files(const std::filesystem::path& folder) {
@@ -49,72 +35,45 @@ Json decisions_of(const std::vector<JournalRecord>& records) {
   return out;
 }
 
-// --- What the world shows
+// --- What the page adds to that of the world
 
-/// A whole number as one, so that it is shown without a fraction.
-Json number(double value) {
-  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<std::int64_t>(value);
-  return value;
+constexpr std::size_t kMostEvents = 20'000;  ///< of each kind
+
+std::string joined(const std::vector<std::string>& texts, std::size_t from) {
+  std::string out;
+  for (std::size_t i = from; i < texts.size(); ++i) (out += i > from ? ", " : "") += texts[i];
+  return out;
 }
 
-std::string_view to_string(PageBar::Shape shape) {
-  switch (shape) {
-    case PageBar::Shape::kAlert: return "alert";
-    case PageBar::Shape::kInset: return "inset";
-    case PageBar::Shape::kStrip: return "strip";
-    case PageBar::Shape::kBar: break;
+/// Kinds that each page has.
+void add_kinds(RunPage& page) {
+  page.kinds.push_back({"decision", "#8a6fc0", "#6a4fa3"});
+  page.kinds.push_back({"error", "#a50f15", "#a50f15"});
+  page.kinds.push_back({"warning", "#c27c00", "#8f5b00"});
+}
+
+/// What agents decided, errors of their rules, and warnings of the run, which have no time.
+void add_events(const std::vector<JournalRecord>& records, const Result& result, RunPage& page) {
+  std::size_t decisions = 0;
+  for (const JournalRecord& record : records) {
+    if (!record.stream.starts_with("env/")) continue;
+    const std::string who = record.stream.substr(4);
+    if (record.kind == RecordKind::kDecision && ++decisions <= kMostEvents) {
+      const std::vector<std::string> slots = slot_texts(record.data);
+      page.events.push_back(
+          {to_seconds(record.t), "decision", who, slots.empty() ? "" : slots.front(), joined(slots, 1)});
+    }
+    if (record.kind == RecordKind::kError)
+      page.events.push_back({to_seconds(record.t), "error", who, std::string(record.data.text("message")),
+                             std::string(record.data.text("rule")) + ", " + std::string(record.data.text("file")) +
+                                 ':' + std::to_string(record.data.integer("line"))});
   }
-  return "bar";
-}
-
-Json json_of(const PageTable& table) {
-  Json rows = Json::array();
-  for (const auto& row : table.rows) {
-    Json cells = Json::array();
-    for (const PageCell& cell : row) cells.push_back({{"text", cell.text}, {"bold", cell.bold}, {"kind", cell.kind}});
-    rows.push_back(std::move(cells));
-  }
-  return {{"title", table.title}, {"columns", table.columns}, {"rows", std::move(rows)}, {"note", table.note}};
-}
-
-Json json_of(const PageChart& chart) {
-  Json lines = Json::array();
-  for (const PageLine& line : chart.lines) {
-    Json steps = Json::array();
-    for (const auto& [t, value] : line.steps) steps.push_back({t, number(value)});
-    lines.push_back({{"kind", line.kind}, {"steps", std::move(steps)}});
-  }
-  return {{"title", chart.title}, {"lines", std::move(lines)}};
-}
-
-Json json_of(const PageLane& lane) {
-  Json bars = Json::array(), marks = Json::array();
-  for (const PageBar& bar : lane.bars)
-    bars.push_back({{"shape", to_string(bar.shape)},
-                    {"kind", bar.kind},
-                    {"begin", bar.begin},
-                    {"end", bar.end},
-                    {"text", bar.text},
-                    {"remark", bar.remark}});
-  for (const PageMark& mark : lane.marks) marks.push_back({{"kind", mark.kind}, {"t", mark.t}, {"text", mark.text}});
-  return {{"name", lane.name}, {"bars", std::move(bars)}, {"marks", std::move(marks)}};
-}
-
-Json json_of(const PageLanes& lanes) {
-  Json key = Json::array(), all = Json::array();
-  for (const PageLanes::Key& one : lanes.key) key.push_back({{"kind", one.kind}, {"text", one.text}});
-  for (const PageLane& lane : lanes.lanes) all.push_back(json_of(lane));
-  return {{"title", lanes.title}, {"key", std::move(key)}, {"lanes", std::move(all)}};
-}
-
-Json json_of(const RunPage& page) {
-  Json kinds = Json::array(), shades = Json::array(), parts = Json::array();
-  for (const PageKind& kind : page.kinds)
-    kinds.push_back({{"name", kind.name}, {"fill", kind.fill}, {"ink", kind.ink}});
-  for (const PageShade& shade : page.shades)
-    shades.push_back({{"kind", shade.kind}, {"begin", shade.begin}, {"end", shade.end}, {"text", shade.text}});
-  for (const auto& part : page.parts) parts.push_back(std::visit([](const auto& one) { return json_of(one); }, part));
-  return {{"kinds", std::move(kinds)}, {"shades", std::move(shades)}, {"parts", std::move(parts)}};
+  if (decisions > kMostEvents)
+    page.events.push_back(
+        {-1, "warning", "", std::to_string(decisions - kMostEvents) + " more decisions, in journal.jsonl"});
+  for (const std::string& warning : result.all_warnings()) page.events.push_back({-1, "warning", "", warning});
+  if (result.reason) page.events.push_back({to_seconds(result.sim_time), "error", "", result.reason->text()});
+  std::ranges::stable_sort(page.events, {}, &PageEvent::t);
 }
 
 Expected<RunPage> page_of_world(const Played& played, const std::vector<JournalRecord>& records) {
@@ -123,6 +82,25 @@ Expected<RunPage> page_of_world(const Played& played, const std::vector<JournalR
   const Result& result = played.result;
   const bool ended = result.status == RunStatus::kCompleted;
   return world.page({played.folder, played.scenario, records, {}, result.sim_time, ended, {}}, result);
+}
+
+Status write_page(const Played& played, const std::vector<JournalRecord>& records, RunPage page, const Json& report) {
+  const std::filesystem::path& folder = played.folder;
+  Json head;
+  for (const char* key : {"result", "reason", "files", "film", "pictures"}) head[key] = report[key];
+  head["tables"] = tables_of(page);
+  head["kinds"] = Json::array();
+  for (const PageKind& kind : page.kinds) head["kinds"].push_back({{"name", kind.name}, {"ink", kind.ink}});
+  // The page is whole without its folder.
+  for (std::size_t i = 0; i < played.pictures.size(); ++i)
+    if (const auto bytes = read_file(played.pictures[i].file)) head["pictures"][i]["png"] = base64(*bytes);
+  add_kinds(page);
+  add_events(records, played.result, page);
+  const auto scene = read_file(folder / "scene.bin");
+  const auto html =
+      run_page(head, {run_data(page, to_seconds(played.result.sim_time)), scene ? *scene : std::string()});
+  if (!html) return html.error();
+  return replace_file(folder / "index.html", *html);
 }
 
 }  // namespace
@@ -135,9 +113,9 @@ Status write_report(const Played& played) {
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
   const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
-  const auto of_world = page_of_world(played, *records);
-  if (!of_world) return of_world.error();
-  for (const Result::Section& section : of_world->data) report[section.key] = parse_json(section.json);
+  auto page = page_of_world(played, *records);
+  if (!page) return page.error();
+  for (const Result::Section& section : page->data) report[section.key] = parse_json(section.json);
   report["decisions"] = decisions_of(*records);
   if (std::error_code none; is_file(folder / "journal.jsonl"))
     report["journal_bytes"] = std::filesystem::file_size(folder / "journal.jsonl", none);
@@ -149,15 +127,8 @@ Status write_report(const Played& played) {
   report["pictures"] = Json::array();
   for (const Picture& picture : played.pictures)
     report["pictures"].push_back({{"caption", picture.caption}, {"file", picture.file.lexically_relative(folder)}});
-  const auto text = [&](int indent) { return json_text(report, indent); };
-  if (Status s = replace_file(folder / "report.json", text(1) + '\n'); !s) return s;
-  report["page"] = json_of(*of_world);
-  // The page is whole without its folder.
-  for (std::size_t i = 0; i < played.pictures.size(); ++i)
-    report["pictures"][i]["png"] = base64(played.pictures[i].file);
-  auto page = render_page("run.html", text(-1));
-  if (!page) return page.error();
-  return replace_file(folder / "index.html", *page);
+  if (Status s = replace_file(folder / "report.json", json_text(report, 1) + '\n'); !s) return s;
+  return write_page(played, *records, *std::move(page), report);
 }
 
 }  // namespace cxlab::lab

@@ -1,8 +1,11 @@
 #pragma once
-// What the page of a run shows of its world: tables, figures over time, lanes that say who did what when. A world
-// declares how it is made (WorldKind::page); who draws it knows no world.
+// What the page of a run shows of its world beside its scene: tables, figures over time, lanes that say who did what
+// when, tasks with their windows, events. A world declares how it is made (WorldKind::page); the page knows no world.
+//
+// All of it shares one time axis. A lane whose name is that of an entity of the scene belongs to that entity.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -12,11 +15,12 @@
 
 namespace cxlab {
 
-/// How things of a kind look: the name is a class of the style sheet.
+/// How things of a kind look. Colours are those of a page on white ("#0072b2"); on a dark page inks become lighter.
 struct PageKind {
   std::string name;
-  std::string fill;  ///< of bars; empty: it is the colour of lines and words only
-  std::string ink;   ///< of lines and words
+  std::string fill;      ///< of bars; empty: it is the colour of lines and words only
+  std::string ink;       ///< of lines and words
+  bool hatched = false;  ///< its bars have stripes, for those who cannot tell colours apart
 };
 
 struct PageCell {
@@ -40,6 +44,8 @@ struct PageTable {
 struct PageLine {
   std::string kind;                              ///< whose ink it has
   std::vector<std::pair<double, double>> steps;  ///< from that time (s) on it has that value
+  std::string text = {};                         ///< in the legend; empty: the kind
+  bool is_part = false;                          ///< drawn thinner: what another line is the sum of
 };
 
 struct PageChart {
@@ -60,6 +66,7 @@ struct PageBar {
   double begin = 0, end = 0;
   std::string text;         ///< who points at it reads this, the time, and the remark
   std::string remark = {};  ///< ", failed"
+  std::string task = {};    ///< the id of the task that it is about
 };
 
 /// Something that happened at a time (s).
@@ -67,6 +74,17 @@ struct PageMark {
   std::string kind;
   double t = 0;
   std::string text;
+};
+
+/// A mark on the time axis, and a row of the table of events. The page adds decisions, errors and warnings of the
+/// agents, of kinds "decision", "error" and "warning".
+struct PageEvent {
+  double t = 0;             ///< s
+  std::string kind;         ///< by which people choose what they see: "fault", "points"
+  std::string who;          ///< a lane or an entity; may be empty
+  std::string text;         ///< what happened
+  std::string reason = {};  ///< a code, a cause
+  std::string task = {};    ///< the id of the task that it is about
 };
 
 struct PageLane {
@@ -85,6 +103,40 @@ struct PageLanes {
   std::vector<PageLane> lanes;
 };
 
+/// A step on the way to a task's end; steps are in order of time, and may be of several tries.
+struct PageStep {
+  std::string text;                            ///< "RING_BLUE"
+  std::string where = {};                      ///< a lane or an entity
+  std::optional<double> begin = {}, end = {};  ///< s
+  double waited_s = 0;
+  std::string reason = {};  ///< what it waited for
+};
+
+/// Something that is to be done in a stretch of time: an order, a visit, an errand.
+struct PageTask {
+  std::string id;             ///< unique in the run: "5"; with the word of its part it is a link, `#order=5`
+  std::string name;           ///< of its row: "order 5"
+  std::string kind;           ///< whose ink the name has: a team; may be empty
+  std::string text;           ///< what is wanted
+  std::string look = {};      ///< what it looks like when it is done: solids, see `solids_of` of scenarios/scene.h
+  double known = 0;           ///< s, when it became known
+  double begin = 0, end = 0;  ///< s, the window
+  std::optional<double> begun = {}, done = {};  ///< s
+  std::string state;                            ///< "late"
+  std::string state_kind;                       ///< the kind that the bar of its work has
+  double late_s = 0;                            ///< how much it was late
+  double waited_s = 0;                          ///< by waits of its steps
+  std::optional<double> points = {};            ///< what it brought
+  std::string reason = {};                      ///< how it ended, and why it is late or missing
+  std::vector<PageStep> steps = {};
+};
+
+struct PageTasks {
+  std::string title;
+  std::string word;  ///< what a task is called in links: "order"
+  std::vector<PageTask> tasks;
+};
+
 /// A stretch of time (s) behind each chart and all lanes.
 struct PageShade {
   std::string kind;
@@ -95,7 +147,8 @@ struct PageShade {
 struct RunPage {
   std::vector<PageKind> kinds;
   std::vector<PageShade> shades;
-  std::vector<std::variant<PageTable, PageChart, PageLanes>> parts;  ///< in their order on the page
+  std::vector<std::variant<PageTable, PageChart, PageLanes, PageTasks>> parts;  ///< in their order on the page
+  std::vector<PageEvent> events;                                                ///< in any order
   /// Keys that report.json has of it, for pages of a user's own.
   std::vector<Result::Section> data;
 };

@@ -112,6 +112,8 @@ std::string robot_look(const sim::RobotStart& robot, std::size_t number_in_team)
   return look_of(solids);
 }
 
+}  // namespace
+
 std::string piece_look(const sim::Stack& stack) {
   std::vector<Solid> solids;
   double z = 0;
@@ -125,8 +127,6 @@ std::string piece_look(const sim::Stack& stack) {
   if (stack.cap) add(sim::kPiece.cap_height, sim::kPiece.radius, colour(kCaps, stack.cap));
   return look_of(solids);
 }
-
-}  // namespace
 
 GameScene::GameScene(const sim::World& floor, const Factory& factory, const sim::Fleet& fleet)
     : floor_(floor), factory_(factory), fleet_(fleet), machines_(floor.plan().stations.size()) {

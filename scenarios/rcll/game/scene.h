@@ -15,6 +15,9 @@
 
 namespace cxlab::rcll {
 
+/// The solids of a workpiece.
+std::string piece_look(const sim::Stack& stack);
+
 class GameScene {
  public:
   /// All outlive it.

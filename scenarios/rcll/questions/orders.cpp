@@ -1,10 +1,11 @@
 // cxlab orders: when each order was worked for, and why a product is late or missing.
 
+#include "scenarios/rcll/questions/orders.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "cx/base/number_text.h"
-#include "scenarios/rcll/questions/products.h"
 #include "scenarios/rcll/questions/questions.h"
 
 namespace cxlab::rcll {
@@ -180,28 +181,41 @@ std::vector<std::vector<Waiting>> waits_by_step(const Attempt& attempt) {
   return out;
 }
 
-void add_steps(const OrderWork& work, Table& steps) {
+std::vector<OrderStep> steps_of(const OrderWork& work) {
+  std::vector<OrderStep> out;
   for (const Attempt& attempt : work.attempts) {
+    const int piece = attempt.piece->number;
     const std::vector<std::vector<Waiting>> waits = waits_by_step(attempt);
+    const auto add = [&](OrderStep step, const std::vector<Waiting>& sums) {
+      step.waited = total(sums);
+      step.waited_for = sums_text(sums, kReasonsNamed);
+      out.push_back(std::move(step));
+    };
     for (std::size_t i = 0; i < attempt.visits.size(); ++i) {
       const Visit& visit = attempt.visits[i];
-      const std::vector<Waiting>& sums = waits[i];
-      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
-                            visit.part.empty() ? TableCell("?") : TableCell(visit.part), visit.machine->name,
-                            visit.arrived, optional_time(visit.began), optional_time(visit.done), total(sums),
-                            sums_text(sums, kReasonsNamed)});
+      add({piece, visit.part, visit.machine->name, visit.arrived, visit.began, visit.done, {}, {}}, waits[i]);
     }
     if (const std::vector<Waiting>& rest = waits.back(); total(rest) > SimTime{})
-      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
-                            next_part(attempt.piece->product, work.order), TableCell(), TableCell(), TableCell(),
-                            TableCell(), total(rest), sums_text(rest, kReasonsNamed)});
+      add({piece, next_part(attempt.piece->product, work.order), {}, {}, {}, {}, {}, {}}, rest);
     const Fate& fate = attempt.fate;
-    if (fate.kind != Fate::Kind::kDelivered)
-      steps.rows.push_back({work.order.id, TableCell(to_string(work.team)), attempt.piece->number,
-                            TableCell(to_string(fate.kind)), TableCell(),
-                            fate.is_over() ? TableCell() : TableCell(fate.t), TableCell(),
-                            fate.is_over() ? TableCell(fate.t) : TableCell(), SimTime{}, fate.text});
+    if (fate.kind == Fate::Kind::kDelivered) continue;
+    OrderStep& end = out.emplace_back();
+    end.piece = piece;
+    end.what = to_string(fate.kind);
+    (fate.is_over() ? end.done : end.arrived) = fate.t;
+    end.waited_for = fate.text;
   }
+  return out;
+}
+
+TableCell text_or_nothing(const std::string& text) { return text.empty() ? TableCell() : TableCell(text); }
+
+void add_rows(const OrderAccount& account, Table& steps) {
+  for (const OrderStep& step : account.steps)
+    steps.rows.push_back({account.work->order.id, TableCell(to_string(account.work->team)), step.piece,
+                          step.what.empty() ? TableCell("?") : TableCell(step.what), text_or_nothing(step.machine),
+                          optional_time(step.arrived), optional_time(step.began), optional_time(step.done), step.waited,
+                          step.waited_for});
 }
 
 /// What to ask next of an order that the team has not begun: which rules made its decisions meanwhile; empty where none
@@ -251,6 +265,16 @@ std::vector<std::string> missing_plans(const std::vector<JournalRecord>& records
 
 }  // namespace
 
+OrderAccount account_of(const GameStory& story, const OrderWork& work, const std::vector<OrderWork>& all) {
+  const auto first = std::ranges::find_if(work.deliveries, [](const auto& one) { return one.value.correct; });
+  return {&work,
+          state_of(story, work),
+          first == work.deliveries.end() ? 0 : first->value.late_s,
+          total(waits_for(work)),
+          outcome(story, work, all),
+          steps_of(work)};
+}
+
 Expected<WorldAnswer> answer_orders(const AskedRun& run) {
   const auto story = GameStory::read(run);
   if (!story) return story.error();
@@ -294,13 +318,14 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
     const Order& order = work.order;
     if (!run.about.empty() && run.about != std::to_string(order.id)) continue;
     if (!is_asked_for(*story, work)) continue;
+    const OrderAccount account = account_of(*story, work, all);
     const std::string product = describe(stack_of(order.product));
-    orders.rows.push_back(
-        {order.id, TableCell(to_string(work.team)), TableCell(to_string(order.complexity)),
-         TableCell(product, product_text(product)), TableCell::Stretch(order.delivery_begin, order.delivery_end),
-         optional_time(work.begun()), optional_time(work.delivered_at()), work.points,
-         TableCell(std::string(state_of(*story, work))), total(waits_for(work)), outcome(*story, work, all)});
-    add_steps(work, steps);
+    orders.rows.push_back({order.id, TableCell(to_string(work.team)), TableCell(to_string(order.complexity)),
+                           TableCell(product, product_text(product)),
+                           TableCell::Stretch(order.delivery_begin, order.delivery_end), optional_time(work.begun()),
+                           optional_time(work.delivered_at()), work.points, TableCell(account.state), account.waited,
+                           account.outcome});
+    add_rows(account, steps);
   }
   if (!two_teams)
     for (Table* table : {&orders, &steps}) drop_column(*table, "team");

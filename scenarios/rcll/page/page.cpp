@@ -1,25 +1,55 @@
-#include "scenarios/rcll/story/page.h"
+#include "scenarios/rcll/page/page.h"
 
 #include <algorithm>
 
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
-#include "scenarios/rcll/story/story.h"
+#include "scenarios/rcll/page/parts.h"
+#include "scenarios/rcll/questions/products.h"
 
 namespace cxlab::rcll {
 
 namespace {
 
-constexpr const char *kHoldsKind = "holds", *kFailedKind = "failed", *kAwayKind = "maintenance", *kFaultKind = "fault",
-                     *kPauseKind = "pause";
-
+// Colours that people who see fewer of them can tell apart; what is alike has stripes as well.
 const std::vector<PageKind>& kinds() {
   static const std::vector<PageKind> kAll{
-      {"CYAN", "", "#0093b8"},      {"MAGENTA", "", "#c2187f"},  {"drive_to", "#8fb8de", ""},
-      {"transport", "#d0b878", ""}, {"explore", "#c3a6d8", ""},  {"discard", "#9a9a9a", ""},
-      {"pick", "#f2b134", ""},      {"place", "#6ab46a", ""},    {kHoldsKind, "#7a5c99", "#fff"},
-      {kFailedKind, "#d64545", ""}, {kAwayKind, "#444", "#fff"}, {kFaultKind, "#000", ""},
-      {kPauseKind, "#ebebeb", ""}};
+      {"CYAN", "#2f9fbf", "#007d9c"},
+      {"MAGENTA", "#c9519b", "#b3126e"},
+      {"drive_to", "#56b4e9", ""},
+      {"transport", "#c9a94e", ""},
+      {"explore", "#b39bd6", ""},
+      {"discard", "#8a8a8a", ""},
+      {"pick", "#e69f00", ""},
+      {"place", "#009e73", ""},
+      {kHoldsKind, "#7a5c99", "#7a5c99"},
+      {kWaitsKind, "#e8c9a0", "", true},
+      {kIdleKind, "#dcdcdc", ""},
+      {kBusyKind, "#009e73", ""},
+      {kBlockedKind, "#e69f00", "", true},
+      {kDownKind, "#8a6d8f", ""},
+      {kBrokenKind, "#a50f15", "#a50f15", true},
+      {kFailedKind, "#d5421e", "#b8330f", true},
+      {kAwayKind, "#444444", "#444444"},
+      {kFaultKind, "#000000", "#000000"},
+      {kPauseKind, "#ebebeb", ""},
+      {kPointsKind, "#0072b2", "#0072b2"},
+      {kOrderKind, "#6f6f6f", "#6f6f6f"},
+      {kInTimeKind, "#009e73", "#00694c"},
+      {kLateKind, "#e69f00", "#8f6200", true},
+      {kLostKind, "#d5421e", "#b8330f", true},
+      {kOpenKind, "#9a9a9a", "#5a5a5a"},
+      // Of points, as parts of a sum.
+      {"delivery", "", "#0072b2"},
+      {"ring", "", "#009e73"},
+      {"cap", "", "#a07000"},
+      {"buffer", "", "#7a5c99"},
+      {"payment", "", "#4a90c2"},
+      {"late", "", "#c8401c"},
+      {"competitive", "", "#8f8f00"},
+      {"exploration", "", "#9b3f80"},
+      {"penalty", "", "#a50f15"},
+  };
   return kAll;
 }
 
@@ -31,9 +61,6 @@ std::string minutes(double seconds) {
 
 std::string text_in(const Json& value) { return value.is_string() ? value.get<std::string>() : json_text(value); }
 
-double begin_of(const Interval& when) { return to_seconds(when.from); }
-double end_of(const Interval& when) { return to_seconds(when.to); }
-
 /// A game that has been played, and what the page makes of it.
 struct Page {
   const GameStory& story;
@@ -42,11 +69,7 @@ struct Page {
 
   PageTable points() const;
   PageChart points_over_time() const;
-  PageTable orders() const;
-  PageLanes lanes() const;
-  PageLane lane_of(const RobotStory& robot) const;
   PageTable robots() const;
-  PageTable faults() const;
   Json skills_data() const, holds_data() const, scores_data() const, off_field_data() const, faults_data() const,
       pauses_data() const;
 
@@ -60,7 +83,7 @@ struct Page {
 };
 
 PageTable Page::points() const {
-  PageTable table{"", {"team", "points"}, {}};
+  PageTable table{"Points", {"team", "points"}, {}};
   const Json& teams = result["teams"];
   for (const auto& [kind, unused] : teams.front()["by_kind"].items()) table.columns.push_back(kind);
   for (const auto& [team, score] : teams.items()) {
@@ -73,91 +96,37 @@ PageTable Page::points() const {
 }
 
 /// Points of one instant are one step: a delivery and what it loses by being late.
+void add_step(PageLine& line, SimTime t, std::int64_t points) {
+  const double before = line.steps.empty() ? 0 : line.steps.back().second;
+  if (line.steps.empty() || line.steps.back().first != to_seconds(t)) line.steps.emplace_back(to_seconds(t), before);
+  line.steps.back().second += static_cast<double>(points);
+}
+
+/// For each team a line of all its points, and one for each kind that it had.
 PageChart Page::points_over_time() const {
   PageChart chart{"Points over time", {}};
-  for (const auto& [team, unused] : result["teams"].items()) {
-    PageLine& line = chart.lines.emplace_back(PageLine{team, {}});
-    double sum = 0;
+  const Json& teams = result["teams"];
+  for (const auto& [name, score] : teams.items()) {
+    PageLine sum{name, {}, name};
+    std::vector<PageLine> parts;
+    for (const auto& [kind, unused] : score["by_kind"].items())
+      parts.push_back({kind, {}, story.teams.size() > 1 ? name + ' ' + kind : kind, true});
     for (const auto& [t, given] : story.points) {
-      if (given.team != named<Team>(team)) continue;
-      sum += static_cast<double>(given.points);
-      if (line.steps.empty() || line.steps.back().first != to_seconds(t)) line.steps.emplace_back(to_seconds(t), 0);
-      line.steps.back().second = sum;
+      if (given.team != named<Team>(name)) continue;
+      add_step(sum, t, given.points);
+      if (const auto part = std::ranges::find(parts, given.kind, &PageLine::kind); part != parts.end())
+        add_step(*part, t, given.points);
     }
+    std::erase_if(parts, [](const PageLine& part) { return part.steps.empty(); });
+    if (sum.steps.empty() && std::ranges::find(story.teams, named<Team>(name)) == story.teams.end()) continue;
+    chart.lines.push_back(std::move(sum));
+    std::ranges::move(parts, std::back_inserter(chart.lines));
   }
   return chart;
 }
 
-PageTable Page::orders() const {
-  PageTable table{"Orders", {"order", "product", "known from"}, {}};
-  const Json& orders = result["orders"];
-  std::vector<std::string> sides;
-  for (const Json& order : orders)
-    if (const std::string team = order.value("team", std::string());
-        !team.empty() && std::ranges::find(sides, team) == sides.end())
-      sides.push_back(team);
-  for (const std::string& side : sides.empty() ? std::vector<std::string>{""} : sides) {
-    table.columns.push_back(side.empty() ? "delivered" : side + " delivered");
-    table.columns.emplace_back("points");
-  }
-  for (const Json& order : orders) {
-    if (!sides.empty() && order["team"] != sides.front()) continue;
-    auto& row = table.rows.emplace_back();
-    row = {text_in(order["id"]), text_in(order["complexity"]), minutes(order["ordered"])};
-    for (const Json& one : orders) {
-      if (one["id"] != order["id"]) continue;
-      const Json& at = one["delivered_at"];
-      row.emplace_back(at.is_null() ? "-" : minutes(at) + (one["correct"].get<bool>() ? "" : " (wrong)"));
-      row.emplace_back(text_in(one["points"]));
-    }
-  }
-  return table;
-}
-
-PageLane Page::lane_of(const RobotStory& robot) const {
-  using Shape = PageBar::Shape;
-  PageLane lane{robot.name, {}, {}};
-  for (const RobotStory::Hold& hold : robot.holds)
-    lane.bars.push_back({Shape::kStrip, kHoldsKind, begin_of(hold.when), end_of(hold.when), "holds a piece"});
-  // Failures last: what follows a short one must not hide it.
-  for (const bool failures : {false, true})
-    for (const SkillRun& skill : robot.skills) {
-      const bool failed = skill.ended && skill.code != 0;
-      if (failed != failures) continue;
-      lane.bars.push_back({failed ? Shape::kAlert : Shape::kBar, failed ? kFailedKind : skill.skill,
-                           begin_of(skill.when), end_of(skill.when), skill.skill + ' ' + skill.target,
-                           failed         ? ", failed"
-                           : !skill.ended ? ", still at work"
-                                          : ""});
-    }
-  for (const RobotStory::Away& away : robot.off_field)
-    lane.bars.push_back({Shape::kInset, kAwayKind, begin_of(away.when), end_of(away.when),
-                         (away.for_good ? "disqualified (" : "maintenance (") + away.cause + ')'});
-  for (const FaultStruck& fault : story.faults)
-    if (fault.at == robot.name) lane.marks.push_back({kFaultKind, to_seconds(fault.t), fault.kind});
-  return lane;
-}
-
-PageLanes Page::lanes() const {
-  PageLanes out{"What the robots did",
-                {{"drive_to", "drive"},
-                 {"pick", "pick"},
-                 {"place", "place"},
-                 {"discard", "discard"},
-                 {"explore", "explore"},
-                 {"transport", "transport"},
-                 {kFailedKind, "failed"},
-                 {kHoldsKind, "holds a piece"}},
-                {}};
-  if (anybody_off_field()) out.key.push_back({kAwayKind, "off the field"});
-  if (!story.pauses.empty()) out.key.push_back({kPauseKind, "the game is paused"});
-  if (!story.faults.empty()) out.key.push_back({"", "a fault"});
-  for (const RobotStory& robot : story.robots) out.lanes.push_back(lane_of(robot));
-  return out;
-}
-
 PageTable Page::robots() const {
-  PageTable table{"", {"robot", "at work", "driving", "skills", "failed", "contacts"}, {}};
+  PageTable table{"Work of the robots", {"robot", "at work", "driving", "skills", "failed", "contacts"}, {}};
   if (anybody_off_field()) table.columns.emplace_back("maintenance");
   double played = std::max(1.0, to_seconds(story.end));
   for (const Interval& pause : story.pauses) played -= to_seconds(pause.length());
@@ -176,18 +145,6 @@ PageTable Page::robots() const {
                  minutes(begin_of(away.when)) + " to " + minutes(end_of(away.when)) + " (" + away.cause + ')';
     row.emplace_back(stays);
   }
-  return table;
-}
-
-PageTable Page::faults() const {
-  constexpr std::size_t kMost = 100;
-  PageTable table{"Faults", {"time", "fault", "of"}, {}};
-  for (std::size_t i = 0; i < std::min(kMost, story.faults.size()); ++i) {
-    const FaultStruck& fault = story.faults[i];
-    table.rows.push_back({minutes(to_seconds(fault.t)), fault.kind, fault.at});
-  }
-  if (story.faults.size() > kMost)
-    table.note = "and " + std::to_string(story.faults.size() - kMost) + " more, in journal.jsonl";
   return table;
 }
 
@@ -260,15 +217,17 @@ Json Page::pauses_data() const {
 }
 
 void Page::build() {
+  const std::vector<OrderWork> works = work_for_orders(story);
   out.kinds = kinds();
   for (const Interval& pause : story.pauses)
     out.shades.push_back({kPauseKind, begin_of(pause), end_of(pause), "paused"});
   if (!result["teams"].empty()) out.parts.emplace_back(points());
+  out.parts.emplace_back(tasks_of(story, works));
+  if (anybody_worked()) out.parts.emplace_back(robot_lanes(story, works));
+  out.parts.emplace_back(machine_lanes(story));
   if (!story.points.empty()) out.parts.emplace_back(points_over_time());
-  if (!result["orders"].empty()) out.parts.emplace_back(orders());
-  if (anybody_worked()) out.parts.emplace_back(lanes());
   if (!result["robots"].empty()) out.parts.emplace_back(robots());
-  if (!story.faults.empty()) out.parts.emplace_back(faults());
+  out.events = events_of(story);
   for (const auto& [key, data] : {std::pair("skills", skills_data()),
                                   {"holds", holds_data()},
                                   {"scores", scores_data()},
