@@ -43,7 +43,8 @@ export class Kinds {
   }
   /** Class and style of what has that kind. */
   look(/** @type {string} */ name) {
-    return { class: (this.hatched(name) ? ' hatched' : '') + (this.isLight(name) ? ' light' : ' dark'), style: { '--fill': this.fill(name), '--ink': this.ink(name) } };
+    const shade = this.fill(name).length > 7 ? ' faint' : this.isLight(name) ? ' light' : ' dark';
+    return { class: (this.hatched(name) ? ' hatched' : '') + shade, style: { '--fill': this.fill(name), '--ink': this.ink(name) } };
   }
 }
 

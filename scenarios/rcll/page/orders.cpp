@@ -22,7 +22,7 @@ PageTask task_of(const GameStory& story, const OrderWork& work, const std::vecto
   const bool two_teams = story.teams.size() > 1;
   PageTask task;
   task.id = task_id(story, work.team, order.id);
-  task.name = (two_teams ? std::string(to_string(work.team)) + ' ' : "") + "order " + std::to_string(order.id);
+  task.name = "order " + std::to_string(order.id) + (two_teams ? ' ' + std::string(to_string(work.team)) : "");
   if (two_teams) task.kind = to_string(work.team);
   task.text = std::string(to_string(order.complexity)) + ": " + product_text(describe(stack_of(order.product)));
   if (order.quantity > 1) task.text += ", " + std::to_string(order.quantity) + " of them";
