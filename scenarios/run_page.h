@@ -15,8 +15,8 @@
 
 namespace cxlab {
 
-/// How things of a kind look. Colours are those of a page on white: "#0072b2", or "#88888838" where what lies below shows
-/// through. On a dark page inks become lighter.
+/// How things of a kind look. Colours are those of a page on white: "#0072b2", or "#88888838" where what lies below
+/// shows through. On a dark page inks become lighter.
 struct PageKind {
   std::string name;
   std::string fill;      ///< of bars; empty: it is the colour of lines and words only

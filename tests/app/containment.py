@@ -280,8 +280,9 @@ class Functions(Lab):
         page = (self.out / "index.html").read_text()
         parser.feed(page)
         self.assertIn("onerror", page)
-        self.assertFalse([tag for tag in tags if tag[0] in ("b", "script") or "onerror" in tag[1]
-                          or tag[1].get("src") == "x"])
+        own = ({"type": "text/plain", "id": "run-data"}, {"type": "text/plain", "id": "three-js"}, {"type": "module"})
+        self.assertEqual([tag[1] for tag in tags if tag[0] == "script"], list(own))
+        self.assertFalse([tag for tag in tags if tag[0] == "b" or "onerror" in tag[1] or tag[1].get("src") == "x"])
 
     def test_a_stream_that_is_closed_is_no_file_of_the_run(self):
         self.agent('(defrule hello => (printout error "hello" crlf))')

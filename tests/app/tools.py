@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 
 from lab import CONFIG
+from pages import RunPage
 
 CXLAB = os.environ["CXLAB"]
 SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
@@ -431,10 +432,11 @@ agents:
 
     def test_a_skill_that_is_still_at_work_has_not_failed(self):
         run = self.timed_game(50)
-        page = (run / "index.html").read_text()
-        self.assertIn("still at work", page)
-        self.assertNotIn('<rect class="failed"', page)
-        self.assertIn('href="logs&#x2f;agent.log"', page)
+        page = RunPage(run)
+        bars = [bar for lane in page.lanes() for bar in lane["bars"]]
+        self.assertIn(", still at work", [bar.get("remark") for bar in bars])
+        self.assertNotIn("failed", [bar["kind"] for bar in bars])
+        self.assertIn('href="logs&#x2f;agent.log"', page.text)
 
     def test_the_data_of_the_page_lie_beside_it(self):
         run = self.timed_game(100)
@@ -453,15 +455,13 @@ agents:
         run = self.folder / "teams"
         faults = "faults=[{kind: robot_maintenance, at: 50, robot: robot4, seconds: 20}, {kind: machine_breaks, at: 60, machine: C-CS1}]"
         self.cxlab("run", SOURCE / "scenarios/rcll/two_teams.yaml", "--tier", "timed", "--until", 200, "--quiet", "--out", run, "--set", faults)
-        data, page = json.loads((run / "report.json").read_text()), (run / "index.html").read_text()
+        data, page = json.loads((run / "report.json").read_text()), RunPage(run)
         self.assertEqual([(s["robot"], s["cause"], s["state"], s["begin"], s["end"]) for s in data["off_field"]],
                          [("robot4", "fault", "maintenance", 50.0, 70.0)])
         self.assertEqual([(f["t"], f["kind"], f["at"]) for f in data["faults"]],
                          [(50.0, "robot_maintenance", "robot4"), (60.0, "machine_breaks", "C-CS1")])
-        self.assertIn("<th>CYAN delivered<th>points<th>MAGENTA delivered<th>points</tr>", page)
-        self.assertEqual(page.count("<tr><td>1<td>"), 1)
-        self.assertIn("0:50 to 1:10 (fault)", page)
-        self.assertIn("<tr><td>1:00<td>machine_breaks<td>C-CS1</tr>", page)
+        self.assertEqual([task["id"] for task in page.part("Orders")["tasks"]][:4], ["CYAN-1", "MAGENTA-1", "CYAN-2", "MAGENTA-2"])
+        self.assertIn("0:50 to 1:10 (fault)", page.text)
 
     def test_the_page_shows_pauses(self):
         run = self.folder / "paused"
@@ -469,9 +469,7 @@ agents:
                    "world.pauses=[{at: 20, for: 10}, {at: 60, for: 50}]")
         data = json.loads((run / "report.json").read_text())
         self.assertEqual(data["pauses"], [{"begin": 20.0, "end": 30.0}, {"begin": 70.0, "end": 100.0}])
-        page = (run / "index.html").read_text()
-        self.assertEqual(page.count('<rect class="pause"'), 4, "two, in the points and in what robots did")
-        self.assertEqual(page.count("paused, 70 to 100 s"), 2)
+        self.assertEqual([(shade["begin"], shade["end"], shade["text"]) for shade in RunPage(run).run["shades"]], [(20, 30, "paused"), (70, 100, "paused")])
 
     # --- runs that were killed
 
