@@ -1,7 +1,6 @@
 // cxlab bench show, bench plot, bench page, bench compare: statistics of sweeps that were played before.
 
 #include <cstdio>
-#include <list>
 #include <memory>
 #include <optional>
 
@@ -10,8 +9,8 @@
 #include "app/console.h"
 #include "cx/base/file.h"
 #include "cx/base/json.h"
-#include "cx/base/process.h"
 #include "cx/journal/run_folder.h"
+#include "lab/sweep/play_again.h"
 #include "lab/sweep/plots.h"
 #include "lab/sweep/read_rows.h"
 #include "lab/sweep/score_tables.h"
@@ -145,55 +144,16 @@ int plot(const PlotOptions& options) {
   return 0;
 }
 
-/// Plays the games again that the page shows, into SWEEP/games, unless they are there. Reports those whose run differs.
+/// Plays the games again that the page shows, into SWEEP/games, unless they are there.
 Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& options) {
   const auto games = lab::shown_games(sweep, options.metric, catalogue());
   if (!games) return games.error();
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  struct Playing {
-    const lab::IndexedRow* game;
-    Process process;
-  };
-  std::list<Playing> playing;
-  const auto end_first = [&]() -> Status {
-    Playing one = std::move(playing.front());
-    playing.pop_front();
-    const int code = one.process.wait();
-    const fs::path folder = lab::folder_of_game(sweep.path, *one.game);
-    const auto result = read_file(folder / "result.json");
-    if (!result) return resource_error("the game was not played, exit code " + std::to_string(code), folder.string());
-    const Json json = parse_json(*result);
-    if (json.is_object() && json.value("journal_hash", std::string()) != one.game->row.journal_hash)
-      std::fprintf(stderr, "%s\n",
-                   printable(folder.string() +
-                             ": the game goes otherwise now, because its files or cxlab have changed since the sweep")
-                       .c_str());
-    return {};
-  };
-  for (const lab::IndexedRow* game : *games) {
-    const fs::path folder = lab::folder_of_game(sweep.path, *game);
-    if (is_file(folder / "index.html")) continue;
-    ProcessOptions process;
-    process.argv = lab::words_of_shell(game->command);
-    if (process.argv.size() < 3 || process.argv[0] != "cxlab" || process.argv[1] != "run")
-      return input_error(
-          "found the command '" + game->command + "', expected 'cxlab run ...'; --play needs runs.sqlite",
-          sweep.path.string());
-    process.argv[0] = program.string();
-    for (const std::string& word :
-         {std::string("--quiet"), std::string("--force"), std::string("--out"), folder.string()})
-      process.argv.push_back(word);
-    process.out = Stream::null();
-    if (playing.size() >= static_cast<std::size_t>(options.jobs))
-      if (Status s = end_first(); !s) return s;
-    auto started = Process::start(process);
-    if (!started) return started.error();
-    playing.push_back({game, *std::move(started)});
-  }
-  while (!playing.empty())
-    if (Status s = end_first(); !s) return s;
-  return {};
+  std::vector<lab::GameAgain> missing;
+  for (const lab::IndexedRow* game : *games)
+    if (const fs::path folder = lab::folder_of_game(sweep.path, *game); !is_file(folder / "index.html"))
+      missing.push_back({game, folder});
+  Console console(true);
+  return lab::play_again(missing, options.jobs, console.host());
 }
 
 int page(const PageOptions& options) {

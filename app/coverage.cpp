@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/console.h"
 #include "app/question.h"
+#include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "lab/coverage_of_runs.h"
 
@@ -22,31 +23,56 @@ struct RunsCoverageOptions {
   bool trust_programs = false, json = false;
 };
 
-int coverage(const RunsCoverageOptions& options) {
-  const auto folders = lab::run_folders(options.paths);
-  if (!folders) return fail(folders.error());
+/// Of the sweeps among the paths, then of the runs.
+Expected<lab::RunsCoverage> covered_by(const RunsCoverageOptions& options, const lab::Host& host) {
+  std::vector<std::string> paths;
+  std::vector<lab::SweepRecord> sweeps;
+  for (const std::string& path : options.paths) {
+    const std::filesystem::path folder(path);
+    if (!is_file(folder / "runs.sqlite") || is_file(folder / "manifest.json")) {
+      paths.push_back(path);
+      continue;
+    }
+    auto sweep = lab::read_sweep(path, catalogue());
+    if (!sweep) return sweep.error();
+    sweeps.push_back(*std::move(sweep));
+  }
+  const auto folders = lab::run_folders(paths);
+  if (!folders) return folders.error();
   std::vector<lab::Run> runs;
   for (const std::filesystem::path& folder : *folders) {
     auto run = open_run(folder.string(), options.trust_programs);
-    if (!run) return fail(run.error());
+    if (!run) return run.error();
     runs.push_back(*std::move(run));
   }
+  lab::RunsCoverage out;
+  for (const lab::SweepRecord& sweep : sweeps) {
+    auto covered = lab::coverage_of_sweep(sweep, options.jobs, host);
+    if (!covered) return covered.error();
+    out.add(*std::move(covered));
+  }
+  auto covered = lab::coverage_of_runs(runs, options.jobs, host);
+  if (!covered) return covered.error();
+  out.add(*std::move(covered));
+  return out;
+}
+
+int coverage(const RunsCoverageOptions& options) {
   Console console(true);
-  const lab::Host host = console.host();
-  const auto covered = lab::coverage_of_runs(runs, options.jobs, host);
+  const auto covered = covered_by(options, console.host());
   if (const int code = interrupted("not all runs were played")) return code;
   if (!covered) return fail(covered.error());
   for (const std::string& note : covered->notes) std::fprintf(stderr, "note: %s\n", printable(note).c_str());
   if (options.json) {
-    Json json{{"runs", runs.size()}};
+    Json json{{"runs", covered->runs}};
     json.update(lab::json_of(covered->coverage));
     std::printf("%s\n", json_text(json, 2).c_str());
   } else {
     std::fputs(explain::text_of(covered->coverage).c_str(), stdout);
   }
   if (Status s = lab::write_reports(covered->coverage, options.reports, covered->sources,
-                                    runs.size() == 1 ? "Coverage of " + runs.front().folder.string()
-                                                     : "Coverage of " + std::to_string(runs.size()) + " runs");
+                                    covered->runs == 1 ? "Coverage of " + options.paths.front()
+                                                       : "Coverage of " + std::to_string(covered->runs) + " runs");
       !s)
     return fail(s.error());
   const Status enough = lab::check_share(covered->coverage, options.reports);
@@ -69,7 +95,7 @@ void add_coverage(CLI::App& app, Action& action) {
       "coverage", "Says which rules of recorded runs fired, how far conditions got, and which functions were called");
   command
       ->add_option("runs", options->paths,
-                   "Folders of runs, or folders with such folders below, whose counts are summed up")
+                   "Folders of runs, folders with such folders below, or sweeps, whose counts are summed up")
       ->required();
   add_limit_options(*command);
   add_trust_programs(*command, options->trust_programs);
@@ -78,9 +104,11 @@ void add_coverage(CLI::App& app, Action& action) {
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->footer(
-      "The rules of each run are played again from what it recorded, to its end and through deactivation.\n"
+      "The rules of each run are played again from what it recorded, to its end and through deactivation. A sweep\n"
+      "keeps no runs: its games are played again before, which takes as long as the sweep and a little more.\n"
       "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage (docs/testing.md).\n"
-      "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2");
+      "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2\n"
+      "  cxlab coverage runs/bench-rcll -j 2");
   command->callback([options, &action] { action = [options] { return coverage(*options); }; });
 }
 

@@ -6,11 +6,13 @@
 #include <string_view>
 
 #include "cx/base/file.h"
+#include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
 #include "lab/child.h"
 #include "lab/confine.h"
 #include "lab/json_fields.h"
 #include "lab/rules_replay.h"
+#include "lab/sweep/play_again.h"
 
 namespace cxlab::lab {
 
@@ -106,6 +108,7 @@ Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, 
   RunsCoverage out;
   std::deque<Child> playing;
   std::size_t begun = 0;
+  out.runs = runs.size();
   for (std::size_t done = 0; done < runs.size(); ++done) {
     for (; begun < runs.size() && playing.size() < static_cast<std::size_t>(std::max(jobs, 1)); ++begun) {
       auto child = Child::start([&run = runs[begun], &host] { return cover(run, host); });
@@ -116,8 +119,39 @@ Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, 
     if (!said) return said.error();
     if (Status s = take(runs[done], *said, out); !s) return s.error();
     playing.pop_front();
-    host.show(static_cast<double>(done + 1), static_cast<double>(runs.size()));
+    if (runs.size() > 1) host.show(static_cast<double>(done + 1), static_cast<double>(runs.size()));
   }
+  return out;
+}
+
+void RunsCoverage::add(RunsCoverage other) {
+  coverage.add(other.coverage);
+  sources.merge(std::move(other.sources));
+  notes.insert(notes.end(), other.notes.begin(), other.notes.end());
+  runs += other.runs;
+}
+
+Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, const Host& host) {
+  auto scratch = ScratchFolder::create(RemovedBy::kServant);
+  if (!scratch) return scratch.error();
+  std::vector<GameAgain> games;
+  for (const IndexedRow& row : sweep.rows)
+    if (!row.row.journal_hash.empty()) games.push_back({&row, (*scratch)->path() / fs::path(row.file).stem()});
+  if (games.empty()) return input_error("no game of the sweep has ended", sweep.path.string());
+  RunsCoverage out;
+  const Status played = play_again(games, jobs, host, [&](const GameAgain& game) -> Status {
+    auto run = Run::open(game.folder);
+    if (!run) return run.error();
+    std::vector<Run> one;
+    one.push_back(*std::move(run));
+    auto covered = coverage_of_runs(one, 1, host);
+    if (!covered) return covered.error();
+    out.add(*std::move(covered));
+    std::error_code error;
+    fs::remove_all(game.folder, error);
+    return {};
+  });
+  if (!played) return played.error();
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Coverage of recorded runs: their rules are played again, to their end.
+// Coverage of recorded runs: their rules are played again, to their end. Of a sweep, which keeps no runs, its games are
+// played again before.
 
 #include <filesystem>
 #include <string>
@@ -9,6 +10,7 @@
 #include "lab/coverage.h"
 #include "lab/host.h"
 #include "lab/run.h"
+#include "lab/sweep/sweep_page.h"
 
 namespace cxlab::lab {
 
@@ -19,8 +21,13 @@ struct RunsCoverage {
   explain::Coverage coverage;
   Sources sources;
   std::vector<std::string> notes;  ///< runs that were not played to their end, and why
+  std::size_t runs = 0;
+
+  void add(RunsCoverage other);
 };
 /// Each run is played in a copy of this process, which must have one thread only.
 Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, const Host& host);
+/// Of all games of the sweep that ended. None of their runs stays.
+Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, const Host& host);
 
 }  // namespace cxlab::lab

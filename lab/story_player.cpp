@@ -19,8 +19,8 @@
 #include "lab/golden.h"
 #include "lab/stories.h"
 #include "lab/story_answer.h"
-#include "lab/story_stage.h"
 #include "lab/story_run.h"
+#include "lab/story_stage.h"
 
 namespace cxlab::lab {
 

@@ -55,7 +55,7 @@ Status Play::prepare() {
   options.control = &facts_;
   options.log = this;
   options.on_read = [this, made = spec_->config.empty() ? *config : fs::path()](const std::string&,
-                                                                               const fs::path& file) -> Status {
+                                                                                const fs::path& file) -> Status {
     if (file != made) note_file(file);
     return {};
   };
@@ -131,7 +131,7 @@ Status Play::find_environment() {
     environment_ = manager_->find(spec_->environment);
   if (!environment_)
     return at(spec_->line, "environment '" + spec_->environment + "' is not in the configuration" +
-                              did_you_mean(spec_->environment, names));
+                               did_you_mean(spec_->environment, names));
   history_ = &history_of(engine());
   return {};
 }

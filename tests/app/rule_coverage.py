@@ -118,6 +118,26 @@ class Coverage(Lab):
         self.assertIn("(bell ?x) (door) =&gt; (assert (heard)))", source, "the copy that the run keeps")
         self.assertEqual(both, self.cxlab("coverage", "runs", "--json").stdout, "it reads only the folders of the runs")
 
+    def test_games_of_a_sweep_count_as_their_runs(self):
+        for given, out in (("(start 2)", "runs/a"), ("(start 2)", "runs/b")):
+            self.run_of(given, out)
+        runs = json.loads(self.cxlab("coverage", "runs", "--json").stdout)
+        self.write("suite.yaml", "scenarios: [scenario.yaml]\nseeds: [1, 2]\nstrategies: {one: []}\n")
+        self.cxlab("bench", "suite.yaml", "--out", "sweep", "--quiet")
+        before = sorted(str(path) for path in (self.folder / "sweep").rglob("*"))
+        for more in ((), ("-j", "2")):
+            games = json.loads(self.cxlab("coverage", "sweep", "--json", *more).stdout)
+            self.assertEqual(games.pop("runs"), 2)
+            self.assertEqual(games, {key: value for key, value in runs.items() if key != "runs"})
+        self.assertEqual(json.loads(self.cxlab("coverage", "sweep", "runs/a", "--json").stdout)["runs"], 3)
+        self.assertEqual(sorted(str(path) for path in (self.folder / "sweep").rglob("*")), before, "no run stays")
+        self.cxlab("coverage", "sweep", "--html", "c.html")
+        self.assertIn("Coverage of 2 runs", (self.folder / "c.html").read_text())
+        rules = (self.folder / "rules/rules.clp")
+        text = rules.read_text()
+        rules.write_text(text.replace("(start 2)", "(start 3)"))
+        self.assertEqual(self.cxlab("coverage", "sweep").stderr.count("the game goes otherwise now"), 2)
+
     def test_what_is_no_run_is_an_error(self):
         self.folder.joinpath("empty").mkdir()
         self.assertIn("expected the folder of a run", self.cxlab("coverage", "empty", expect=3).stderr)

@@ -9,8 +9,8 @@
 #include <regex>
 
 #include "cx/base/file.h"
-#include "tests/support/files.h"
 #include "scenarios/scene_log.h"
+#include "tests/support/files.h"
 
 namespace cxlab::lab {
 namespace {
