@@ -153,7 +153,11 @@ Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& option
     if (const fs::path folder = lab::folder_of_game(sweep.path, *game); !is_file(folder / "index.html"))
       missing.push_back({game, folder});
   Console console(true);
-  return lab::play_again(missing, options.jobs, console.host());
+  const auto remarks = lab::play_again(missing, options.jobs, console.host());
+  if (!remarks) return remarks.error();
+  console.clear();
+  for (const std::string& remark : *remarks) std::fprintf(stderr, "%s\n", printable(remark).c_str());
+  return {};
 }
 
 int page(const PageOptions& options) {

@@ -139,7 +139,7 @@ Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, con
     if (!row.row.journal_hash.empty()) games.push_back({&row, (*scratch)->path() / fs::path(row.file).stem()});
   if (games.empty()) return input_error("no game of the sweep has ended", sweep.path.string());
   RunsCoverage out;
-  const Status played = play_again(games, jobs, host, [&](const GameAgain& game) -> Status {
+  const auto remarks = play_again(games, jobs, host, [&](const GameAgain& game) -> Status {
     auto run = Run::open(game.folder);
     if (!run) return run.error();
     std::vector<Run> one;
@@ -151,7 +151,8 @@ Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, con
     fs::remove_all(game.folder, error);
     return {};
   });
-  if (!played) return played.error();
+  if (!remarks) return remarks.error();
+  out.notes.insert(out.notes.end(), remarks->begin(), remarks->end());
   return out;
 }
 

@@ -34,22 +34,23 @@ Expected<Process> begin(const GameAgain& again) {
   return Process::start(process);
 }
 
-Status end(PlayingAgain playing, const Host& host) {
+Status end(PlayingAgain playing, std::vector<std::string>& remarks) {
   const int code = playing.process.wait();
   const auto result = read_file(playing.game->folder / "result.json");
   if (!result)
     return resource_error("the game was not played, exit code " + std::to_string(code), playing.game->folder.string());
   const Json json = parse_json(*result);
   if (json.is_object() && json.value("journal_hash", std::string()) != playing.game->game->row.journal_hash)
-    host.note(title_of(playing.game->game->row.cell) +
-              ": the game goes otherwise now, because its files or cxlab have changed since the sweep");
+    remarks.push_back(title_of(playing.game->game->row.cell) +
+                      ": the game goes otherwise now, because its files or cxlab have changed since the sweep");
   return {};
 }
 
 }  // namespace
 
-Status play_again(const std::vector<GameAgain>& games, int jobs, const Host& host,
-                  const std::function<Status(const GameAgain&)>& ended) {
+Expected<std::vector<std::string>> play_again(const std::vector<GameAgain>& games, int jobs, const Host& host,
+                                              const std::function<Status(const GameAgain&)>& ended) {
+  std::vector<std::string> remarks;
   std::list<PlayingAgain> playing;
   auto next = games.begin();
   for (std::size_t done = 0; done < games.size(); ++done) {
@@ -61,13 +62,13 @@ Status play_again(const std::vector<GameAgain>& games, int jobs, const Host& hos
     PlayingAgain first = std::move(playing.front());
     playing.pop_front();
     const GameAgain& game = *first.game;
-    if (Status s = end(std::move(first), host); !s) return s;
-    if (host.stopped()) return {};
+    if (Status s = end(std::move(first), remarks); !s) return s.error();
+    if (host.stopped()) break;
     if (ended)
-      if (Status s = ended(game); !s) return s;
+      if (Status s = ended(game); !s) return s.error();
     host.show(static_cast<double>(done + 1), static_cast<double>(games.size()));
   }
-  return {};
+  return remarks;
 }
 
 }  // namespace cxlab::lab

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -18,9 +19,9 @@ struct GameAgain {
 };
 
 /// Plays each by the command of its row with this program, in a process of its own, `jobs` at a time. `ended` is called
-/// for each in their order once its run is there; an error of it ends all. The host hears of games that go otherwise
-/// now than in the sweep. kInput for a row without a command, kResource for a game that leaves no run.
-Status play_again(const std::vector<GameAgain>& games, int jobs, const Host& host,
-                  const std::function<Status(const GameAgain&)>& ended = {});
+/// for each in their order once its run is there; an error of it ends all. Gives a line for each game that goes
+/// otherwise now than in the sweep. kInput for a row without a command, kResource for a game that leaves no run.
+Expected<std::vector<std::string>> play_again(const std::vector<GameAgain>& games, int jobs, const Host& host,
+                                              const std::function<Status(const GameAgain&)>& ended = {});
 
 }  // namespace cxlab::lab
