@@ -25,7 +25,11 @@ Status run(Play& play, StoryResult& result) {
   if (failure) result.failures.push_back(failure->text());
   for (std::string& what : judge(play)) result.failures.push_back(std::move(what));
   if (Status s = play.end(); !s && !failure) result.failures.push_back(s.error().text());
-  result.notes = play.left_open();
+  for (const std::string& open : play.left_open())
+    if (spec.leaves_nothing)
+      result.failures.push_back(play.at(spec.line, "left open at the end: " + open).text());
+    else
+      result.notes.push_back(open);
   result.coverage = play.coverage();
   return {};
 }

@@ -73,6 +73,7 @@ struct StorySpec {
   std::vector<Step> steps;
   std::vector<Expectation> expect;
   SimTime end{};  ///< zero: the latest time that is named
+  bool leaves_nothing = false;  ///< what its agent leaves open at the end is a failure, not a note
 };
 
 struct StorySetup {

@@ -219,7 +219,7 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     if (spec.seeds.empty()) seeds.fail("expected at least one seed");
     std::ranges::sort(spec.seeds);
   }
-  map.read_seconds("begins_s", spec.begins).read("moment", spec.moment);
+  map.read_seconds("begins_s", spec.begins).read("moment", spec.moment).read("leaves_nothing", spec.leaves_nothing);
   if (const yaml::Value given_at = map.get("given_at_s")) {
     map.read_seconds("given_at_s", spec.given_at);
     if (spec.given_at < spec.begins) given_at.fail("found " + given_at.text() + ", expected no time before begins_s");
