@@ -318,7 +318,7 @@ Expected<std::vector<PlayedStory>> Mutation::play(const Mutant& mutant, const fs
   for (const std::size_t i : stories_for(mutant)) stories.push_back({subject_.stories[i].spec});
   StoryPlan plan = plan_;
   plan.setup.instead[paths_[mutant.file]] = file;
-  plan.setup.names_known = true;
+  plan.setup.patterns_known = true;
   plan.load_once = true;
   plan.stop_at_failure = !all;
   const Status played = play_stories(stories, plan, host);

@@ -52,7 +52,7 @@ bool load(Play& play, const StorySetup& setup, StoryResult& result) {
 
 /// The story of an agent that is loaded.
 void play_out(Play& play, const StorySetup& setup, StoryResult& result) {
-  Status played = setup.names_known ? Status() : check_names(play);
+  Status played = check_names(play, setup.patterns_known);
   if (played) played = run(play, result);
   if (!played) result.bad = played.error();
 }

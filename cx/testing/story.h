@@ -82,8 +82,8 @@ struct StorySetup {
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =
-      {};                    ///< of cxlab: have the files that packages of the same name lack
-  bool names_known = false;  ///< rules and patterns of the stories have been looked for in such rules before
+      {};  ///< of cxlab: have the files that packages of the same name lack
+  bool patterns_known = false;  ///< the stories have been played before with the same templates
   /// Files whose content is that of others; both are absolute and without "." and "..".
   std::map<std::filesystem::path, std::filesystem::path> instead = {};
   /// Called before the first rule is read, with what the story reaches of the machine from then on; may be none.
