@@ -1,9 +1,7 @@
 #include "lab/mutants.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,30 +10,16 @@
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
 #include "cx/journal/file_store.h"
+#include "lab/known_values.h"
+#include "lab/rule_text.h"
+#include "lab/rule_words.h"
 
 namespace cxlab::lab {
 
 namespace {
 
-using Names = std::set<std::string, std::less<>>;
-
 constexpr const char* kChanges[] = {"condition", "constraint", "negation", "connective", "comparison", "arithmetic",
                                     "number",    "symbol",     "action",   "slot",       "salience"};
-
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::ranges::find(words, word) != words.end();
-}
-bool is_variable_word(std::string_view word) { return word.starts_with('?') || word.starts_with("$?"); }
-
-/// `1`, `-3`, `2.5`, `1e3`.
-bool is_number_word(std::string_view word) {
-  return word.find_first_of("0123456789") != word.npos && read_number<double>(std::string(word)).has_value();
-}
-
-/// A symbol, number or text that stands for itself.
-bool is_constant(const Term& term) {
-  return term.kind == Token::Kind::kString || (term.kind == Token::Kind::kWord && !is_variable_word(term.text));
-}
 
 std::string other_number(const std::string& word) {
   constexpr double kSmall = 10;
@@ -54,173 +38,6 @@ bool prints(const Term& call) {
   if (is_one_of(head, {"printout", "print", "println"})) return true;
   return head == "format" && call.items.size() > 1 && !call.items[1].is("nil");
 }
-
-/// `; mutate: skip` of a file: lines at which nothing is changed.
-std::set<int> skipped_lines(const std::string& text) {
-  constexpr std::string_view kMark = "; mutate: skip";
-  std::set<int> lines;
-  bool pending = false;
-  int number = 1;
-  for (std::size_t at = 0; at < text.size(); ++number) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line(text.data() + at, end - at);
-    const std::size_t mark = line.find(kMark);
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    const bool alone = first != line.npos && line[first] == ';';
-    if (pending && first != line.npos && !alone) {
-      lines.insert(number);
-      pending = false;
-    }
-    if (mark != line.npos && std::ranges::count(line.substr(0, mark), '"') % 2 == 0) {
-      lines.insert(number);
-      pending |= alone;
-    }
-    at = end + 1;
-  }
-  return lines;
-}
-
-/// In one line, without comments.
-std::string squeezed(std::string_view text) {
-  std::string out;
-  bool quoted = false, blank = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (!quoted && text[i] == ';') {
-      i = std::min(text.find('\n', i), text.size());
-      blank = true;
-      continue;
-    }
-    if (!quoted && std::isspace(static_cast<unsigned char>(text[i])) != 0) {
-      blank = true;
-      continue;
-    }
-    if (blank && !out.empty() && out.back() != '(' && text[i] != ')') out += ' ';
-    blank = false;
-    out += text[i] == '\n' ? ' ' : text[i];
-    if (quoted && text[i] == '\\' && i + 1 < text.size())
-      out += text[++i];
-    else if (text[i] == '"')
-      quoted = !quoted;
-  }
-  return out;
-}
-
-/// The values that slots are known to have, from definitions, conditions and actions.
-class KnownValues {
- public:
-  explicit KnownValues(const std::vector<RuleText>& files) {
-    for (const bool templates : {true, false})  // what facts with slots are called is known before facts are read
-      for (const RuleText& file : files)
-        for (const Form& form : read_forms(file.text, file.name).forms) {
-          if (!form.list || (form.head == "deftemplate") != templates) continue;
-          const Term tree = tree_of(form);
-          if (templates)
-            read_template(tree);
-          else
-            read_construct(tree);
-        }
-  }
-
-  bool has_slots(std::string_view name) const { return templates_.contains(name); }
-
-  /// Another one than these of the slot (`TEMPLATE.SLOT`, or empty); else of one that has the symbol; else an invented
-  /// one.
-  std::string other(const std::string& symbol, const std::string& slot, const Names& not_these) const {
-    if (symbol == "TRUE") return "FALSE";
-    if (symbol == "FALSE") return "TRUE";
-    const bool quoted = symbol.starts_with('"');
-    const auto next_of = [&](const Names& values) -> std::optional<std::string> {
-      const auto after = values.upper_bound(symbol);
-      for (auto it = after; it != values.end(); ++it)
-        if (it->starts_with('"') == quoted && !not_these.contains(*it)) return *it;
-      for (auto it = values.begin(); it != after; ++it)
-        if (*it != symbol && it->starts_with('"') == quoted && !not_these.contains(*it)) return *it;
-      return std::nullopt;
-    };
-    const auto known = values_.find(slot);
-    if (known != values_.end())
-      if (auto found = next_of(known->second)) return *found;
-    if (known == values_.end() && !quoted)
-      for (const auto& [name, values] : values_)
-        if (values.contains(symbol))
-          if (auto found = next_of(values)) return *found;
-    if (quoted) return symbol == "\"\"" ? "\"other\"" : "\"\"";
-    return "not-" + symbol;
-  }
-
- private:
-  void read_template(const Term& tree) {
-    if (tree.items.size() < 2) return;
-    const std::string name(without_module(tree.items[1].text));
-    templates_.insert(name);
-    for (const Term& slot : tree.items) {
-      if (!is_one_of(slot.head(), {"slot", "field", "multislot", "multifield"}) || slot.items.size() < 2) continue;
-      for (const Term& facet : slot.items)
-        if (is_one_of(facet.head(),
-                      {"allowed-symbols", "allowed-values", "allowed-strings", "allowed-lexemes", "default"}))
-          add(name + '.' + slot.items[1].text, facet, 1);
-    }
-  }
-
-  void read_construct(const Term& tree) {
-    std::map<std::string, std::string> templates_of;  // facts that variables stand for
-    bool conditions = tree.head() == "defrule";
-    for (std::size_t i = 2; i < tree.items.size(); ++i) {
-      const Term& item = tree.items[i];
-      if (item.is("=>")) conditions = false;
-      if (!item.is_list()) continue;
-      if (conditions && i > 1 && tree.items[i - 1].is("<-")) templates_of[tree.items[i - 2].text] = item.head();
-      if (conditions)
-        read_condition(item);
-      else if (tree.head() == "deffacts")
-        read_fact(item);
-      else
-        read_actions(item, templates_of);
-    }
-  }
-
-  void read_condition(const Term& condition) {
-    if (is_one_of(condition.head(), {"and", "or", "not", "exists", "forall", "logical"})) {
-      for (const Term& item : condition.items)
-        if (item.is_list()) read_condition(item);
-    } else if (!is_one_of(condition.head(), {"test", "declare"})) {
-      for (std::size_t i = 1; i < condition.items.size(); ++i)
-        if (condition.items[i].is_list() && !condition.items[i - 1].is(":") && !condition.items[i - 1].is("="))
-          templates_.insert(std::string(condition.head()));
-      read_fact(condition);
-    }
-  }
-
-  void read_fact(const Term& fact) {
-    const std::string name(fact.head());
-    if (!has_slots(name)) return;
-    for (const Term& slot : fact.items)
-      if (slot.is_list() && !slot.items.empty()) add(name + '.' + std::string(slot.head()), slot, 1);
-  }
-
-  void read_actions(const Term& call, const std::map<std::string, std::string>& templates_of) {
-    if (call.head() == "assert") {
-      for (const Term& fact : call.items) read_fact(fact);
-    } else if (is_one_of(call.head(), {"modify", "duplicate"}) && call.items.size() > 1) {
-      const auto known = templates_of.find(call.items[1].text);
-      for (const Term& slot : call.items)
-        if (slot.is_list() && known != templates_of.end()) add(known->second + '.' + std::string(slot.head()), slot, 1);
-    }
-    for (const Term& item : call.items)
-      if (item.is_list()) read_actions(item, templates_of);
-  }
-
-  void add(const std::string& slot, const Term& values, std::size_t from) {
-    for (std::size_t i = from; i < values.items.size(); ++i) {
-      const Term& value = values.items[i];
-      if (is_constant(value) && !is_number_word(value.text) && !is_one_of(value.text, {":", "=", "nil"}))
-        values_[slot].insert(value.text);
-    }
-  }
-
-  Names templates_;
-  std::map<std::string, Names> values_;  // by `TEMPLATE.SLOT`
-};
 
 /// Makes the mutants of one construct after the other.
 class Mutator {
@@ -248,7 +65,7 @@ class Mutator {
   /// Where a value stands: what may be there is known of the slot.
   struct Spot {
     std::string slot;
-    Names not_these;
+    WordSet not_these;
   };
 
   void read(const Form& form) {
@@ -653,7 +470,7 @@ class Mutator {
 
   const std::vector<RuleText>& files_;
   const KnownValues known_;
-  Names spared_;
+  WordSet spared_;
   std::vector<Mutant> out_;
   std::map<std::string, int> seen_;
   // Of the construct at hand:
@@ -666,23 +483,6 @@ class Mutator {
   std::map<std::string, std::string> templates_of_;
   std::map<std::string, int> occurrences_;
 };
-
-/// From the first byte of the line in which `at` lies.
-std::size_t line_begin(const std::string& text, std::size_t at) {
-  const std::size_t before = at == 0 ? text.npos : text.rfind('\n', at - 1);
-  return before == text.npos ? 0 : before + 1;
-}
-std::size_t line_end(const std::string& text, std::size_t at) { return std::min(text.find('\n', at), text.size()); }
-
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t at = 0;;) {
-    const std::size_t end = text.find('\n', at);
-    lines.push_back(text.substr(at, end == text.npos ? end : end - at));
-    if (end == text.npos) return lines;
-    at = end + 1;
-  }
-}
 
 }  // namespace
 
@@ -697,36 +497,9 @@ std::vector<Mutant> mutants_of(const std::vector<RuleText>& files) {
   return out;
 }
 
-std::string mutated(const std::string& text, const Mutant& mutant) {
-  return text.substr(0, mutant.begin) + mutant.text + text.substr(mutant.end);
-}
-
-std::string diff_of(const RuleText& file, const Mutant& mutant) {
-  constexpr std::size_t kContext = 2;  // lines
-  const std::string& text = file.text;
-  const std::size_t first = line_begin(text, mutant.begin), last = line_end(text, mutant.end);
-  const std::vector<std::string> lines = lines_in(text), was = lines_in(text.substr(first, last - first));
-  const std::vector<std::string> now =
-      lines_in(text.substr(first, mutant.begin - first) + mutant.text + text.substr(mutant.end, last - mutant.end));
-  const auto at =
-      static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
-  const std::size_t end = at + was.size(), begin = at - std::min(at, kContext);
-  const std::size_t stop =
-      std::min(end + kContext, lines.size() - (lines.back().empty() && lines.size() > end ? 1 : 0));
-  std::string out = "--- " + file.name + "\n+++ " + file.name + "\n@@ -" + std::to_string(begin + 1) + ',' +
-                    std::to_string(stop - begin) + " +" + std::to_string(begin + 1) + ',' +
-                    std::to_string(stop - begin - was.size() + now.size()) + " @@ " + mutant.kind + ' ' +
-                    mutant.construct + '\n';
-  for (std::size_t i = begin; i < at; ++i) out += ' ' + lines[i] + '\n';
-  for (const std::string& line : was) out += '-' + line + '\n';
-  for (const std::string& line : now) out += '+' + line + '\n';
-  for (std::size_t i = end; i < stop; ++i) out += ' ' + lines[i] + '\n';
-  return out;
-}
-
 std::vector<std::string> rules_that_use(const std::vector<RuleText>& files, const Mutant& mutant) {
   if (mutant.kind == "defrule") return {mutant.construct};
-  Names used{mutant.construct}, rules;
+  WordSet used{mutant.construct}, rules;
   std::vector<Form> forms;
   for (const RuleText& file : files)
     for (Form& form : read_forms(file.text, file.name).forms)
