@@ -72,7 +72,7 @@ struct StorySpec {
   std::vector<Fault> faults;
   std::vector<Step> steps;
   std::vector<Expectation> expect;
-  SimTime end{};  ///< zero: the latest time that is named
+  SimTime end{};                ///< zero: the latest time that is named
   bool leaves_nothing = false;  ///< what its agent leaves open at the end is a failure, not a note
 };
 
@@ -82,7 +82,7 @@ struct StorySetup {
   std::map<std::string, std::string> packages = {};  ///< beside those that a story names, which win
   Limits limits = {};                                ///< of the rules of each story
   std::map<std::string, std::string> own_packages =
-      {};  ///< of cxlab: have the files that packages of the same name lack
+      {};                       ///< of cxlab: have the files that packages of the same name lack
   bool patterns_known = false;  ///< the stories have been played before with the same templates
   /// Files whose content is that of others; both are absolute and without "." and "..".
   std::map<std::filesystem::path, std::filesystem::path> instead = {};

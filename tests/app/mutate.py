@@ -88,6 +88,19 @@ class Mutate(unittest.TestCase):
         self.assertEqual((row["verdict"], row["killed_by"]), ("killed", "agent/stories/door.story.yaml::a bell opens the door"))
         self.assertIn("expected fact", row["failure"])
 
+    def test_verdicts_are_those_of_stories_that_are_played_alone(self):
+        """Each mutant as a file of its own, played by `cxlab test`: agents that are loaded once for all stories play as such."""
+        original = (self.folder / "agent/door.clp").read_text()
+        for row in self.report("--all")["results"]:
+            diff = self.mutate("--show", row["id"]).stdout.splitlines()
+            first, count = map(int, re.match(r"@@ -(\d+),(\d+) ", diff[2]).groups())
+            lines = original.splitlines()
+            lines[first - 1:first - 1 + count] = [line[1:] for line in diff[3:] if line[0] in " +"]
+            (self.folder / "agent/door.clp").write_text("\n".join(lines) + "\n")
+            done = cxlab("test", "agent", "-q", cwd=self.folder)
+            self.assertEqual(done.returncode, 0 if row["verdict"] == "survived" else 1, (row, done.stdout))
+        (self.folder / "agent/door.clp").write_text(original)
+
     def test_what_does_not_load_is_no_mutant(self):
         """Without its first condition, ?b and ?name of `open` are not bound."""
         report = self.report("--all")

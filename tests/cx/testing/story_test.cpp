@@ -63,6 +63,39 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
   EXPECT_THAT(play("no_fact: (door (state OPEN)), at: 3", both).failures, IsEmpty());
 }
 
+TEST_F(Stories, WhatIsLeftOpenIsANoteOrAFailure) {
+  const std::string opens = "  steps: [{at: 1, assert: (bell)}]\n  rules: [listen.clp]\n";
+  write("listen.clp", "(defrule listen (bell) => (ros-msgs-create-subscription \"/x\" \"std_msgs/msg/String\"))\n");
+  const StoryResult noted = play("fires: listen, within_s: 1", opens);
+  EXPECT_THAT(noted.failures, IsEmpty());
+  EXPECT_EQ(noted.notes.size(), 1u);
+  const StoryResult failed = play("fires: listen, within_s: 1", opens + "  leaves_nothing: true\n");
+  EXPECT_THAT(failed.failures, ElementsAre(HasSubstr("t.story.yaml:1: left open at the end: ")));
+  EXPECT_THAT(failed.notes, IsEmpty());
+  EXPECT_THAT(play("fires: open, within_s: 1", kBell + std::string("  leaves_nothing: true\n")).failures, IsEmpty());
+}
+
+TEST_F(Stories, AStageHasOneAgentForStoriesThatDifferInWhatHappens) {
+  const auto stories = read("common: {rules: door.clp, given: [(door (state CLOSED))]}\n"
+                            "stories:\n"
+                            "  - {story: a, steps: [{at: 1, assert: (bell)}], expect: [{fires: open, within_s: 1}]}\n"
+                            "  - {story: b, expect: [{fires: open, within_s: 1}]}\n"
+                            "  - {story: c, seed: 2, expect: [{fires: open, within_s: 1}]}\n"
+                            "  - {story: d, begins_s: 5, expect: [{fires: open, within_s: 6}]}\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  EXPECT_TRUE(same_agent((*stories)[0], (*stories)[1]));
+  EXPECT_FALSE(same_agent((*stories)[0], (*stories)[2]));
+  EXPECT_FALSE(same_agent((*stories)[0], (*stories)[3]));
+  const StorySetup setup{interfaces_dir()};
+  for (std::size_t i = 0; i < 2; ++i) {
+    Stage stage((*stories)[1 - i], setup);  // loaded for the other one
+    const StoryResult staged = stage.play((*stories)[i]), alone = run_story((*stories)[i], setup);
+    EXPECT_EQ(staged.failures, alone.failures);
+    EXPECT_EQ(staged.passed(), i == 0);
+    EXPECT_EQ(staged.files, alone.files);
+  }
+}
+
 TEST_F(Stories, FiringIsCounted) {
   EXPECT_THAT(play("fires: open, within_s: 1", kBell).failures, IsEmpty());
   EXPECT_THAT(play("fires: open, count: 2, within_s: 2", kBell).failures, ElementsAre(HasSubstr("it fired at 1 s")));

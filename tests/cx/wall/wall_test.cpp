@@ -119,6 +119,39 @@ TEST_F(Walls, MostEscapesComeThroughWhereThereIsNoWall) {
   }
 }
 
+/// Whether this process can make a copy of itself.
+bool can_copy_itself() {
+  const pid_t copy = fork();
+  if (copy == 0) _exit(0);
+  int status = 0;
+  return copy > 0 && waitpid(copy, &status, 0) == copy;
+}
+
+TEST_F(Walls, AProcessCopiesItselfOnlyWhereTheWallSaysSoAndItsCopiesDoNot) {
+  Wall around = wall();
+  EXPECT_EQ(in_child(&around, can_copy_itself), 0);
+  around.copies = true;
+  EXPECT_EQ(in_child(&around, can_copy_itself), 1);
+  EXPECT_EQ(in_child(&around, [] { return forbid_copies().ok() && !can_copy_itself(); }), 1);
+}
+
+TEST_F(Walls, NoEscapeComesThroughInACopy) {
+  Process other = *Process::start({.argv = {"sleep", "600"}});
+  targets_.other = other.pid();
+  Wall around = wall();
+  around.copies = true;
+  for (const Escape& escape : escapes()) {
+    lay_out();
+    const auto in_copy = [&] {
+      const pid_t copy = fork();
+      if (copy == 0) _exit(forbid_copies().ok() && escape.succeeds(targets_) ? 1 : 0);
+      int status = 0;
+      return copy < 0 || waitpid(copy, &status, 0) != copy || (WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    };
+    EXPECT_EQ(in_child(&around, in_copy), 0) << escape.name;
+  }
+}
+
 TEST_F(Walls, ThreadsThatWereThereBeforeAreConfinedToo) {
   const Wall around = wall();
   const auto escaped = [&] {
