@@ -69,7 +69,7 @@ export class Axis {
     });
   }
 
-  title(/** @type {string} */ text, ...more) {
+  title(/** @type {string} */ text, /** @type {any[]} */ ...more) {
     this.box.append(el('div', { class: 'row title' }, el('h2', {}, text), el('div', { class: 'key' }, ...more)));
   }
 

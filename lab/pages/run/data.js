@@ -22,7 +22,7 @@
 /** The bytes of a text in base64 that gzip has compressed. */
 async function unpack(/** @type {string} */ text) {
   const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  const stream = new Blob([packed]).stream().pipeThrough(new (/** @type {any} */ (window).DecompressionStream)('gzip'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 

@@ -6,7 +6,7 @@ import { timeText } from './time.js';
  * An element with attributes ("on..." are listeners) and content: elements or texts, which are never read as HTML.
  * @returns {any}
  */
-export function el(/** @type {string} */ tag, /** @type {Object<string, any>} */ attributes = {}, ...content) {
+export function el(/** @type {string} */ tag, /** @type {Object<string, any>} */ attributes = {}, /** @type {any[]} */ ...content) {
   const svg = ['svg', 'path', 'rect', 'line', 'ellipse', 'g', 'text'].includes(tag);
   const element = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {

@@ -26,9 +26,9 @@ export class Field {
       el('div', { class: 'canvas' }, this.flat, this.solid),
       el('div', { class: 'controls' }, this.is3d, el('label', {}, this.showPaths, ' paths'), this.note));
     this.area = this.findArea();
-    this.flat.addEventListener('pointermove', (event) => this.point(event));
+    this.flat.addEventListener('pointermove', (/** @type {PointerEvent} */ event) => this.point(event));
     this.flat.addEventListener('pointerleave', () => tip.hide());
-    this.flat.addEventListener('click', (event) => {
+    this.flat.addEventListener('click', (/** @type {MouseEvent} */ event) => {
       const seen = this.under(event);
       if (seen) choice.chooseName(seen.track.name);
     });
@@ -163,7 +163,7 @@ export class Field {
     const { t } = this.clock;
     for (const { track, points } of paths)
       for (const after of [false, true]) {
-        const part = points.filter((point) => (after ? point.t >= t - STEP : point.t <= t + STEP));
+        const part = points.filter((/** @type {{t: number}} */ point) => (after ? point.t >= t - STEP : point.t <= t + STEP));
         context.beginPath();
         for (const point of part) context.lineTo(x + point.position[0] * scale, y - point.position[1] * scale);
         context.strokeStyle = pathColour(track);

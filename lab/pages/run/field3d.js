@@ -6,19 +6,22 @@ import { pathColour } from './field.js';
 /** Runs three.js, which then is `window.THREE`. Throws where the browser has no WebGL. */
 export async function make3d(/** @type {HTMLCanvasElement} */ canvas, /** @type {import('./data.js').Source} */ source,
   /** @type {{minX: number, minY: number, maxX: number, maxY: number}} */ area, /** @type {() => void} */ redraw) {
-  const tried = document.createElement('canvas');
-  if (!tried.getContext('webgl')) throw new Error('no WebGL');
+  const tried = document.createElement('canvas').getContext('webgl');
+  if (!tried) throw new Error('no WebGL');
+  const names = tried.getExtension('WEBGL_debug_renderer_info');
+  const renderer = names ? tried.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
+  tried.getExtension('WEBGL_lose_context')?.loseContext();
   const global = /** @type {any} */ (window);
   if (!global.THREE) document.head.append(el('script', {}, await source.three()));
-  return new View3d(global.THREE, canvas, area, redraw);
+  return new View3d(global.THREE, canvas, area, redraw, /swiftshader|llvmpipe|software/i.test(renderer));
 }
 
 class View3d {
-  constructor(/** @type {any} */ three, /** @type {HTMLCanvasElement} */ canvas, /** @type {any} */ area, /** @type {() => void} */ redraw) {
+  constructor(/** @type {any} */ three, /** @type {HTMLCanvasElement} */ canvas, /** @type {any} */ area, /** @type {() => void} */ redraw, /** @type {boolean} */ inSoftware) {
     this.three = three;
     this.canvas = canvas;
     this.redraw = redraw;
-    this.renderer = new three.WebGLRenderer({ canvas, alpha: true, antialias: true });
+    this.renderer = new three.WebGLRenderer({ canvas, alpha: true, antialias: !inSoftware });
     this.world = new three.Scene();
     this.world.add(new three.HemisphereLight(0xffffff, 0x777788, 0.75));
     const sun = new three.DirectionalLight(0xffffff, 0.45);
@@ -41,8 +44,7 @@ class View3d {
     this.world.add(this.ring);
     /** @type {any[]} */
     this.lines = [];
-    this.quality = 1;
-    this.slow = 0;
+    this.ratio = inSoftware ? 0.8 : Math.min(devicePixelRatio || 1, 2); // fewer pixels where the processor draws them
     this.listen();
   }
 
@@ -83,6 +85,7 @@ class View3d {
     let known = this.meshes.get(look);
     if (known) return known;
     const three = this.three;
+    /** @type {{positions: number[], normals: number[], colours: number[], index: number[]}} */
     const steady = { positions: [], normals: [], colours: [], index: [] };
     const lamps = [];
     for (const solid of solidsOf(look)) {
@@ -155,7 +158,6 @@ class View3d {
   }
 
   draw(/** @type {import('./scene.js').Seen[]} */ seen, /** @type {any[]} */ paths, /** @type {number} */ t, /** @type {string} */ chosen) {
-    const begin = performance.now();
     const there = new Set();
     this.ring.visible = false;
     for (const one of seen) {
@@ -175,7 +177,6 @@ class View3d {
     this.drawPaths(paths, t);
     this.resize();
     this.renderer.render(this.world, this.camera);
-    this.adapt(performance.now() - begin);
   }
 
   dark() {
@@ -214,7 +215,7 @@ class View3d {
 
   resize() {
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
-    const ratio = Math.min(devicePixelRatio || 1, 2) * this.quality;
+    const { ratio } = this;
     if (this.canvas.width !== Math.floor(width * ratio) || this.canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
@@ -227,13 +228,5 @@ class View3d {
     this.camera.position.set(this.middle[0] + flat * Math.sin(this.turn), this.middle[1] - flat * Math.cos(this.turn), this.distance * Math.sin(this.tilt));
     this.camera.lookAt(...this.middle);
     this.camera.updateProjectionMatrix();
-  }
-
-  /** Fewer pixels where drawing takes long, as in software. */
-  adapt(/** @type {number} */ took) {
-    this.slow = took > 28 ? this.slow + 1 : 0;
-    if (this.slow < 4 || this.quality < 0.5) return;
-    this.quality *= 0.75;
-    this.slow = 0;
   }
 }

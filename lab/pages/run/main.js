@@ -150,6 +150,7 @@ async function start() {
     event.preventDefault();
     act(event.shiftKey);
   });
+  Object.assign(window, { cxlab: { run, scene, clock, span, choice, field } }); // for the console, and for tests
   document.documentElement.dataset.ready = 'true';
   await painted();
   if (field) await field.toggle(true);

@@ -67,7 +67,7 @@ export class Now {
       return;
     }
     const there = track.there.at(Math.min(t, this.scene.until));
-    const place = there && this.scene.placeOf(track, t).position.map((value) => value.toFixed(2)).join(', ');
+    const place = there && this.scene.placeOf(track, t).position.map((/** @type {number} */ value) => value.toFixed(2)).join(', ');
     const carrier = this.scene.tracks.get(track.carrier.at(t) || 0);
     const carries = [...this.scene.tracks.values()].filter((one) => one.there.at(t) && one.carrier.at(t) === track.id);
     const row = (/** @type {string} */ head, /** @type {any} */ value) => (value ? el('tr', {}, el('th', {}, head), el('td', {}, value)) : '');

@@ -38,7 +38,7 @@ export function addTasks(/** @type {import('./axis.js').Axis} */ axis, /** @type
 /** All that is known of a task. */
 export function taskDetails(/** @type {import('./data.js').Task} */ task, /** @type {import('./axis.js').Axis} */ axis, /** @type {import('./time.js').Choice} */ choice) {
   const { clock, kinds } = axis, look = kinds.look(task.state_kind);
-  const row = (/** @type {string} */ name, ...values) => el('tr', {}, el('th', {}, name), el('td', {}, ...values));
+  const row = (/** @type {string} */ name, /** @type {any[]} */ ...values) => el('tr', {}, el('th', {}, name), el('td', {}, ...values));
   const steps = task.steps.map((step) => el('tr', {},
     el('td', {}, timeButton(clock, step.begin)), el('td', {}, step.text),
     el('td', {}, step.where ? el('button', { type: 'button', class: 'link', onclick: () => choice.chooseName(step.where || '') }, step.where) : ''),

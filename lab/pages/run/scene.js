@@ -73,7 +73,7 @@ export function lastNotAfter(/** @type {number[]} */ times, /** @type {number} *
   return low - 1;
 }
 
-class Track {
+export class Track {
   constructor(/** @type {number} */ id, /** @type {string} */ kind, /** @type {string} */ name) {
     this.id = id;
     this.kind = kind;
@@ -252,8 +252,13 @@ export class Scene {
     if (isNew || moved) known.put({ t, pose, way, cut });
   }
 
-  /** The place in the world. @returns {Place} */
-  placeOf(/** @type {Track} */ track, /** @type {number} */ t, depth = 0) {
+  /**
+   * The place in the world.
+   * @param {Track} track
+   * @param {number} t
+   * @returns {Place}
+   */
+  placeOf(track, t, depth = 0) {
     const own = track.placeAt(t), carrier = this.tracks.get(track.carrier.at(t) || 0);
     return carrier && depth < 8 ? composed(this.placeOf(carrier, t, depth + 1), own) : own;
   }

@@ -91,7 +91,7 @@ export class EventTable {
   /** To the next event of those chosen, or the one before. */
   jump(/** @type {number} */ direction) {
     const { clock } = this.axis;
-    const times = this.chosen.map((event) => event.t).filter((t) => t !== null);
+    const times = this.chosen.flatMap((event) => (event.t === null ? [] : [event.t]));
     const next = direction > 0 ? times.find((t) => t > clock.t + 1e-6) : times.filter((t) => t < clock.t - 1e-6).pop();
     if (next !== undefined) clock.seek(next);
   }
