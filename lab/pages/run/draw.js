@@ -81,7 +81,7 @@ export function sideView(/** @type {string} */ look, height = 26) {
   const picture = el('svg', { class: 'side', width: Math.ceil(2 * half * scale + 2), height: height + 2, 'aria-hidden': 'true' });
   for (const s of solids)
     picture.append(el('rect', { x: 1 + (half + s.at[1] - s.size[1] / 2) * scale, y: 1 + height - (s.at[2] + s.size[2]) * scale,
-      width: s.size[1] * scale, height: s.size[2] * scale, fill: s.colour }));
+      width: s.size[1] * scale, height: s.size[2] * scale, fill: s.colour, stroke: '#8a8a8a', 'stroke-width': 0.6 }));
   return picture;
 }
 

@@ -150,7 +150,7 @@ export class Field {
         context.arc(x + px * scale, y - py * scale, half + 4, 0, 2 * Math.PI);
         context.stroke();
       }
-      if (!seen.track.moves && scale < 25 && !chosen) continue;
+      if (!seen.track.moves && scale < 40 && !chosen) continue;
       context.lineWidth = 3;
       context.strokeStyle = 'rgba(255, 255, 255, 0.85)';
       context.fillStyle = '#111';

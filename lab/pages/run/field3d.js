@@ -223,7 +223,7 @@ class View3d {
     this.camera.aspect = width / Math.max(1, height);
     const half = Math.tan((this.camera.fov * Math.PI) / 360);
     // The whole field fills the picture.
-    if (!this.distance) this.distance = Math.max((this.width / 2 / half / this.camera.aspect) * 1.02, (this.depth / 2 / half) * 0.95) + this.depth * 0.16;
+    if (!this.distance) this.distance = Math.max((this.width / 2 / half / this.camera.aspect) * 1.02, (this.depth / 2 / half) * 1.05) + this.depth * 0.16;
     const flat = this.distance * Math.cos(this.tilt);
     this.camera.position.set(this.middle[0] + flat * Math.sin(this.turn), this.middle[1] - flat * Math.cos(this.turn), this.distance * Math.sin(this.tilt));
     this.camera.lookAt(...this.middle);
