@@ -32,6 +32,7 @@ void add_diff(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
 void add_coverage(CLI::App& app, Action& action);
 void add_profile(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Action& action);
 /// Adds a command for each question of a world in the catalogue; fails where one has the name of another command.
 Status add_world_questions(CLI::App& app, Action& action);
 void add_validate(CLI::App& app, Action& action);

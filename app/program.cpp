@@ -97,7 +97,7 @@ Error error_of(const std::exception& e) {
 void report_silence_of(const CLI::App& app) {
   static constexpr std::string_view kLong[] = {
       "run",    "env",     "test",    "bench", "plan",  "replay", "rerun", "render",   "why-not", "validate", "facts",
-      "agenda", "globals", "firings", "why",   "rules", "diff",   "check", "coverage", "profile", "mutate"};
+      "agenda", "globals", "firings", "why",   "rules", "diff",   "check", "coverage", "profile", "export",   "mutate"};
   for (const CLI::App* command : app.get_subcommands())
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }
@@ -143,6 +143,7 @@ int run(int argc, char** argv) {
   add_check(app, action);
   add_coverage(app, action);
   add_profile(app, action);
+  add_export(app, action);
   add_validate(app, action);
   add_list(app, action);
   add_doc(app, action);

@@ -11,6 +11,7 @@
 #include "lab/json_fields.h"
 #include "lab/moment.h"
 #include "lab/page.h"
+#include "lab/trace_writer.h"
 
 namespace cxlab::lab {
 
@@ -256,28 +257,14 @@ Expected<std::string> to_page(const Profile& profile, const std::string& title) 
 }
 
 std::string to_trace(const Profile& profile) {
-  std::map<std::string, int> threads;
-  Json events = Json::array();
-  for (const Profile::Span& span : profile.spans) {
-    const auto [thread, fresh] = threads.emplace(span.environment, static_cast<int>(threads.size()) + 1);
-    if (fresh)
-      events.push_back({{"name", "thread_name"},
-                        {"ph", "M"},
-                        {"pid", 1},
-                        {"tid", thread->second},
-                        {"args", {{"name", span.environment}}}});
-    events.push_back({{"name", span.name},
-                      {"cat", span.kind},
-                      {"ph", "X"},
-                      {"pid", 1},
-                      {"tid", thread->second},
-                      {"ts", 1e6 * span.begin_s},
-                      {"dur", 1e6 * (span.end_s - span.begin_s)},
-                      {"args", {{"t_s", span.t_s}}}});
-  }
-  return json_text(Json{{"traceEvents", std::move(events)},
-                        {"displayTimeUnit", "ns"},
-                        {"otherData", {{"spans_left_out", profile.spans_left_out}, {"cost", cost_text(profile)}}}});
+  std::string out;
+  TraceWriter trace(out);
+  for (const Profile::Span& span : profile.spans)
+    trace.span(trace.thread("rules", span.environment), span.name, span.kind, 1e6 * span.begin_s,
+               1e6 * (span.end_s - span.begin_s), {{"t_s", span.t_s}});
+  trace.end({{"displayTimeUnit", "ns"},
+             {"otherData", {{"spans_left_out", profile.spans_left_out}, {"cost", cost_text(profile)}}}});
+  return out;
 }
 
 }  // namespace cxlab::lab
