@@ -19,7 +19,7 @@ from rosbags.typesys import get_types_from_msg
 
 SECOND = 10**9
 RANGES = {f"{sign}int{bits}": (-(2 ** (bits - 1)) if not sign else 0, 2 ** (bits - (not sign)) - 1) for sign in ("", "u") for bits in (8, 16, 32, 64)}
-RANGES |= {"byte": (0, 255), "octet": (0, 255), "char": (0, 255)}
+RANGES |= {"byte": (0, 127), "octet": (0, 127), "char": (0, 127)}  # mcap-ros2-support takes both for an int8
 
 
 def in_rosbags(connection):
@@ -28,11 +28,12 @@ def in_rosbags(connection):
 
 
 def plain(value):
-    """A message, or a part of it, as dictionaries, lists and numbers."""
+    """A message, or a part of it, as dictionaries, lists and numbers. Names of fields are lower case, those of constants are
+    not; rosbags calls a field `from` `from_`."""
     if dataclasses.is_dataclass(value):
-        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.name != "__msgtype__"}
+        return {field.name.rstrip("_"): plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.name.islower() and field.name != "__msgtype__"}
     if hasattr(value, "__slots__") and not hasattr(value, "tolist") and not isinstance(value, (str, bytes)):
-        return {name: plain(getattr(value, name)) for name in value.__slots__}
+        return {name: plain(getattr(value, name)) for name in value.__slots__ if name.islower()}
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     if isinstance(value, (list, tuple)):
@@ -163,12 +164,12 @@ class Exports(Lab):
             self.assertTrue(same([m for _, m in messages], [m["feedback"] for _, m in read[action + "/_action/feedback"]]), action)
         for action, messages in of("goal", "goal").items():
             events = [e["request"][0]["goal"] for _, e in read[action + "/_action/send_goal/_service_event"] if e["request"]]
-            self.assertTrue(same([m for _, m in messages], events), action)
+            self.assertTrue(same([m for _, m in messages], events), f"{action}:\n{messages}\n{events}")
             ids = {bytes(s["goal_info"]["goal_id"]["uuid"]).hex() for _, m in read[action + "/_action/status"] for s in m["status_list"]}
             self.assertEqual(ids, {r["data"]["goal_id"] for r in journal if r["kind"] == "bus" and r["data"]["name"] == action and r["data"]["op"] == "goal"})
         for action, messages in of("result", "result").items():
             events = [e["response"][0]["result"] for _, e in read[action + "/_action/get_result/_service_event"] if e["response"]]
-            self.assertTrue(same([m for _, m in messages], events), action)
+            self.assertTrue(same([m for _, m in messages], events), f"{action}:\n{messages}\n{events}")
 
         # What the journal tells.
         skills = [r["data"] for r in journal if r["kind"] == "skill"]
@@ -188,12 +189,12 @@ class Exports(Lab):
             for topic in ("/tf_static", "/tf"):
                 last = [m for t, m in read[topic] if t <= round(at * SECOND)][-1]
                 poses |= {one["child_frame_id"]: one for one in last["transforms"]}
-            self.assertEqual({e["name"] for e in scene}, set(poses))
-            names = {e["id"]: e["name"] for e in scene}
-            for entity in scene:
-                pose = poses[entity["name"]]
-                carrier = entity["carried_by"]
-                self.assertEqual(pose["header"]["frame_id"], (names.get(carrier, carrier) if carrier else "map"))
+            names = [e["name"] for e in scene]
+            frames = [name if names.index(name) == n else f"{name}_{scene[n]['id']}" for n, name in enumerate(names)]
+            self.assertEqual(set(frames), set(poses))
+            for entity, frame in zip(scene, frames):
+                pose = poses[frame]
+                self.assertEqual(pose["header"]["frame_id"], entity["carried_by"] or "map")
                 place = [pose["transform"]["translation"][axis] for axis in "xyz"]
                 self.assertTrue(all(abs(a - b) < 1e-3 for a, b in zip(place, entity["seen_from_carrier"]["position"])), (entity, pose))
                 turn = pose["transform"]["rotation"]
