@@ -6,7 +6,7 @@
   (bind ?most 0.0)
   (foreach ?id ?orders
     (do-for-fact ((?o order)) (= ?o:id ?id)
-      (bind ?worth (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end (game-time)))
+      (bind ?worth (* (chance-of (transports-of ?o:rings)) (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end (game-time))))
       (if (> ?worth ?most) then (bind ?most ?worth) (bind ?best ?id))))
   ?best)
 
@@ -86,13 +86,17 @@
      then (if (or (= ?last 0) (= (best-of (create$ ?last ?id)) ?last)) then (bind ?last ?id))))
   ?last)
 
+(deffunction products-at-once ()
+  "One more while a robot has nothing to do."
+  (if (any-factp ((?r robot-to-spare)) TRUE) then (+ ?*PRODUCTS* 1) else ?*PRODUCTS*))
+
 (deffunction propose-alternatives ()
   "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
   (bind ?ours (create$))
   (foreach ?id (orders-in STARTED) (if (not (is-hopeless ?id)) then (bind ?ours (create$ ?ours ?id))))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
-  (if (>= (length$ ?ours) ?*PRODUCTS*) then (bind ?ours (delete-member$ ?ours (can-be-put-off ?ours))))
-  (if (>= (length$ ?ours) ?*PRODUCTS*) then (return))
+  (if (>= (length$ ?ours) (products-at-once)) then (bind ?ours (delete-member$ ?ours (can-be-put-off ?ours))))
+  (if (>= (length$ ?ours) (products-at-once)) then (return))
   (bind ?open (open-orders))
   (loop-for-count (?i 1 ?*ALTERNATIVES*)
     (bind ?id (best-of ?open))
@@ -139,12 +143,22 @@
   (bind ?params (fact-slot-value ?action params))
   (if (eq (worker-of (fact-slot-value ?action name)) ROBOT) then (sym-cat (nth$ (length$ ?params) ?params)) else none))
 
+(deffunction transports-in (?plan ?product)
+  "How often a robot brings the product on in the plan."
+  (length$ (find-all-facts ((?a pddl-action))
+    (and (eq ?a:plan ?plan) (member$ ?a:name (create$ transport bring-to-delivery)) (eq (nth$ 1 (params-of ?a)) ?product)))))
+
+(deffunction expected-points (?plan ?delivery)
+  "What the delivery of a plan earns, times the chance that its product is not lost before."
+  (bind ?product (nth$ 1 (params-of ?delivery)))
+  (* (chance-of (transports-in ?plan ?product))
+     (points-at ?product (+ (game-time) (fact-slot-value ?delivery planned-start-time)))))
+
 (deffunction weigh (?plan)
-  "Points and robots' work of a plan."
-  (bind ?now (game-time))
+  "Expected points and robots' work of a plan."
   (bind ?points 0.0)
   (bind ?work 0.0)
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?plan)
     (if (eq (worker-of ?a:name) ROBOT) then (bind ?work (+ ?work ?a:planned-duration)))
-    (if (eq ?a:name deliver) then (bind ?points (+ ?points (points-at (nth$ 1 (params-of ?a)) (+ ?now ?a:planned-start-time))))))
+    (if (eq ?a:name deliver) then (bind ?points (+ ?points (expected-points ?plan ?a)))))
   (create$ ?points ?work))

@@ -115,6 +115,7 @@
 (deffunction piece-placed (?step ?id)
   "The piece of a robot lies where it should."
   (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ ?id)) (retract ?p))
+  (note-brought (fact-slot-value ?step action))
   (if ?*SUB-ACTIONS*
    then (apply-part (fact-slot-value ?step action) place (fact-slot-value ?step params))
    else (apply-effects ?id END))

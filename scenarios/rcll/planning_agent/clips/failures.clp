@@ -41,13 +41,59 @@
   (apply-action empty-input (create$ ?name))
   (apply-action empty-output (create$ ?name))
   (if (eq ?kind CS) then (apply-action empty-cap-station (create$ ?name)))
-  (if (eq ?kind RS) then (apply-action empty-slide (create$ ?name))))
+  (if (eq ?kind RS) then (apply-action empty-slide (create$ ?name)))
+  (assert (replan (reason (str-cat ?machine " has broken down")))))
 
 (defrule failure-repaired
   (machine (name ?machine) (state ~BROKEN))
   ?emptied <- (emptied ?machine)
   =>
   (retract ?emptied))
+
+; --- Pieces that somebody has taken away: the machine saw one at its output and does so no more, and no robot of ours has it
+
+(defrule taken-not-yet
+  "A product, or a bare base, which no robot fetches just now."
+  (pddl-fluent (instance production) (name ?lies&at-output|bare-base-at-output) (params $? ?m))
+  (machine (name ?machine&:(eq ?m (pddl-name ?machine))) (state READY-AT-OUTPUT))
+  (not (seen ?lies ?machine))
+  =>
+  (assert (seen ?lies ?machine)))
+
+(defrule taken-by-us
+  "A robot is on its way to it, or it is lost."
+  ?seen <- (seen ?lies ?machine)
+  (not (pddl-fluent (instance production) (name ?lies) (params $? =(pddl-name ?machine))))
+  =>
+  (retract ?seen))
+
+(defrule taken-product
+  "It begins anew at once, not when a robot has come for it in vain."
+  ?seen <- (seen at-output ?machine)
+  (machine (name ?machine) (state IDLE))
+  (pddl-fluent (instance production) (name at-output) (params ?product =(pddl-name ?machine)))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  =>
+  (retract ?seen)
+  (decide (str-cat "begin " ?product " anew") (str-cat "it is gone from the output of " ?machine))
+  (apply-action empty-output (create$ (pddl-name ?machine)))
+  (assert (replan (reason (str-cat ?product " is gone from " ?machine)))))
+
+(defrule taken-bare-base
+  "Its cap station goes on without a robot, and another base has to pay."
+  ?seen <- (seen bare-base-at-output ?machine)
+  (machine (name ?machine) (state IDLE))
+  (pddl-fluent (instance production) (name bare-base-at-output) (params ?cs&:(eq ?cs (pddl-name ?machine))))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  =>
+  (retract ?seen)
+  (decide (str-cat "forget the bare base of " ?machine) "it is gone from the output")
+  (no-fluent production bare-base-at-output ?cs)
+  (fluent production output-free ?cs)
+  (look-again)
+  (assert (replan (reason (str-cat "the bare base is gone from " ?machine)))))
 
 ; --- Robots: what becomes of their jobs
 
@@ -236,6 +282,22 @@
   (decide (str-cat "reset " ?machine) "nobody knows of the piece at its output")
   (reset-machine ?machine))
 
+; --- A product before a cap station that has lost its cap
+
+(defrule failure-without-cap
+  "It broke down while a robot came with the product. No carrier can be brought while the product lies there: away with it."
+  (machine (name ?machine) (kind CS) (state IDLE))
+  (pddl-fluent (instance production) (name at-input) (params ?product ?cs&:(eq ?cs (pddl-name ?machine))))
+  (not (pddl-fluent (instance production) (name cap-loaded) (params ?cs)))
+  (not (step (action retrieve-cap) (params ?cs) (state RUNNING)))
+  (not (step (action mount-cap) (params ?product $?) (state RUNNING)))
+  (not (instruction (machine ?machine)))
+  (not (pddl-action-get-effect))
+  (not (pddl-fluent-change (instance production)))
+  =>
+  (decide (str-cat "give up " ?product) (str-cat ?machine " has lost its cap, and no carrier can be brought"))
+  (reset-machine ?machine))
+
 ; --- What becomes of the step
 
 (defrule failure-before-begin
@@ -342,6 +404,18 @@
   (if (not (or (give-up-product FALSE at-input) (give-up-product FALSE at-output)
                (give-up-product TRUE at-input) (give-up-product TRUE at-output)))
    then (if ?fewer then (assert (replan (reason "there is no plan for what we work for"))))))
+
+(defglobal ?*NEXT-WAY* = 15.0)  ; s until a plan is tried again
+
+(defrule failure-no-way-yet
+  "There was no plan, and nothing has made another one wanted."
+  ?without-plan <- (without-plan (since ?since))
+  (planning (state IDLE))
+  (not (replan))
+  (time ?now&:(> ?now (+ ?since ?*NEXT-WAY*)))
+  =>
+  (retract ?without-plan)
+  (assert (replan (reason "there was no plan for what we work for"))))
 
 ; --- Nobody does anything
 

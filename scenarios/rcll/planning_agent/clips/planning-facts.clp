@@ -87,6 +87,13 @@
   "Somebody wants a new plan."
   (slot reason (type STRING)))
 
+(deftemplate robot-to-spare
+  "The next plan may be for one product more: a robot has nothing to do.")
+
+(deftemplate without-plan
+  "There was no plan for what we work for, and since then none was wanted."
+  (slot since (type FLOAT)))
+
 (deftemplate alternative
   "A set of orders, and the plan for it."
   (slot name (type SYMBOL))

@@ -8,7 +8,7 @@
 
 (deffunction room-for-more ()
   "Whether another order could be worked for, and one is worth it."
-  (and (< (length$ (orders-in STARTED)) ?*PRODUCTS*) (> (best-of (open-orders)) 0)))
+  (and (< (length$ (orders-in STARTED)) (products-at-once)) (> (best-of (open-orders)) 0)))
 
 (defrule plan-for-new-order
   "Where there is no room for it, and nothing can be put off, it is looked at when a product is delivered."
@@ -118,6 +118,26 @@
   (skip-no-more)
   (assert (replan (reason "a product is delivered"))))
 
+(defglobal ?*IDLE-ROBOT* = 30.0)  ; s after a plan until another one is made because of an idle robot
+
+(defrule plan-for-idle-robot
+  "All places for products are taken, and yet a robot has nothing to do for a while: one more, if its plan is worth more."
+  (declare (salience 20))
+  (planning (state IDLE))
+  (not (replan))
+  (game (phase PRODUCTION))
+  (robot-waits)
+  (not (and (allowed ?id) (step (id ?id) (worker ROBOT) (state OPEN|APPROACHING))))
+  (not (step (state CHECKING)))
+  (robot (state IDLE) (idle-since ?since))
+  (planned (at ?at))
+  (game (begin ?zero))
+  (time ?now&:(> ?now (max (+ ?since ?*PATIENCE*) (+ ?zero ?at ?*IDLE-ROBOT*))))
+  (test (= (length$ (orders-in STARTED)) ?*PRODUCTS*))
+  (test (> (best-of (open-orders)) 0))
+  =>
+  (assert (robot-to-spare) (replan (reason "a robot has nothing to do"))))
+
 (defrule plan-with-fewer-robots
   (in-problem planning ?robot)
   (robot (name ?robot) (state OFF-FIELD))
@@ -149,6 +169,7 @@
     (bind ?why (list-text ?why ?r:reason))
     (retract ?r))
   (decide "plan" ?why)
+  (do-for-all-facts ((?w without-plan)) TRUE (retract ?w))
   (do-for-all-facts ((?b begun)) TRUE (retract ?b))
   (do-for-all-facts ((?s step)) (and (eq ?s:worker AGENT) (eq ?s:state RUNNING)) (modify ?s (state OPEN)))
   (modify ?planning (state COPY)))
@@ -324,7 +345,7 @@
 (deffunction go-on (?others)
   (decide "go on as before" "no plan is worth anything")
   (if ?others then (assert (replan (reason "orders are skipped"))))
-  (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way))))
+  (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way) (without-plan (since (now))))))
 
 (defrule plan-choose
   "All alternatives are planned: the best plan is carried out."
@@ -340,6 +361,7 @@
   (bind ?best (best-alternative))
   (if ?best then (carry-out ?best) else (go-on ?others))
   (do-for-all-facts ((?a alternative)) TRUE (drop-plan ?a:name))
+  (do-for-all-facts ((?r robot-to-spare)) TRUE (retract ?r))
   (modify ?planning (state IDLE)))
 
 (defrule plan-nothing-to-do

@@ -32,7 +32,7 @@
    else
     (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration shelves worth shared-machines trouble maintenance
                              repairs)
-    (load-files "rcll_planning_agent" settings planning-facts durations foresight problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
+    (load-files "rcll_planning_agent" settings planning-facts durations risk foresight problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
                                       plans refinement agenda finish failures exchange)))
 
 (load-strategy (dispatch-file))
