@@ -86,6 +86,12 @@
      then (if (or (= ?last 0) (= (best-of (create$ ?last ?id)) ?last)) then (bind ?last ?id))))
   ?last)
 
+(deffunction has-no-time (?order)
+  "Whether its product must begin anew, or has not begun, and would not be ready before the game ends."
+  (do-for-fact ((?o order)) (= ?o:id ?order)
+    (return (and (is-true not-begun (product-of ?order)) (> (+ (game-time) (time-to-make ?o:rings)) ?*GAME*))))
+  FALSE)
+
 (deffunction products-at-once ()
   "One more while a robot has nothing to do."
   (if (any-factp ((?r robot-to-spare)) TRUE) then (+ ?*PRODUCTS* 1) else ?*PRODUCTS*))
@@ -93,7 +99,7 @@
 (deffunction propose-alternatives ()
   "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
   (bind ?ours (create$))
-  (foreach ?id (orders-in STARTED) (if (not (is-hopeless ?id)) then (bind ?ours (create$ ?ours ?id))))
+  (foreach ?id (orders-in STARTED) (if (not (or (is-hopeless ?id) (has-no-time ?id))) then (bind ?ours (create$ ?ours ?id))))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
   (if (>= (length$ ?ours) (products-at-once)) then (bind ?ours (delete-member$ ?ours (can-be-put-off ?ours))))
   (if (>= (length$ ?ours) (products-at-once)) then (return))
