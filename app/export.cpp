@@ -16,17 +16,21 @@ namespace cxlab::app {
 
 namespace {
 
+// Of pictures, s.
+constexpr double kShortest = 0.1, kLongest = 100000;
+
 struct ExportChoice {
   std::string run;
-  std::optional<double> from, to;
+  std::optional<double> from, to, pictures;
+  std::string size = "640x480";
   lab::ExportOptions options;
   bool json = false;
 };
 
 int export_it(const ExportChoice& choice) {
   lab::ExportOptions options = choice.options;
-  if (!options.mcap && !options.trace && !options.csv)
-    return fail(usage_error("what is to be written is missing: --mcap, --trace or --csv"));
+  if (!options.mcap && !options.trace && !options.csv && !options.parquet)
+    return fail(usage_error("what is to be written is missing: --mcap, --trace, --csv or --parquet"));
   if (choice.from && choice.to && *choice.from > *choice.to) return fail(usage_error("--from is after --to"));
   const auto run = open_run(choice.run);
   if (!run) return fail(run.error());
@@ -35,6 +39,8 @@ int export_it(const ExportChoice& choice) {
       if (Status s = run->reaches(from_seconds(*time)); !s) return fail(lab::about_option(s.error(), option));
   if (choice.from) options.stretch.from = from_seconds(*choice.from);
   if (choice.to) options.stretch.to = from_seconds(*choice.to);
+  if (choice.pictures) options.pictures.every = from_seconds(*choice.pictures);
+  read_size(choice.size, options.pictures.width, options.pictures.height);
   Console console(choice.json);
   const auto exported = lab::export_run(*run, options, console.host());
   console.clear();
@@ -54,13 +60,27 @@ int export_it(const ExportChoice& choice) {
 void add_export(CLI::App& app, Action& action) {
   auto choice = std::make_shared<ExportChoice>();
   CLI::App* command = app.add_subcommand(
-      "export", "Writes a recorded run in the formats of Foxglove, PlotJuggler, ROS 2, Perfetto and spreadsheets");
+      "export", "Writes a recorded run in the formats of Foxglove, PlotJuggler, ROS 2, Perfetto, pandas and DuckDB");
   command->add_option("run", choice->run, "Folder of the run")->required();
-  command->add_flag("--mcap", choice->options.mcap,
-                    "Messages, poses, markers, skills, events and log as a bag of ROS 2, and a layout for Foxglove");
+  CLI::Option* mcap = command->add_flag(
+      "--mcap", choice->options.mcap,
+      "Messages, poses, markers, skills, events and log as a bag of ROS 2, and a layout for Foxglove");
   command->add_flag("--trace", choice->options.trace,
                     "Skills, states, orders and firings along time, for ui.perfetto.dev");
   command->add_flag("--csv", choice->options.csv, "Records, skills, points and the tables of the world, a file each");
+  command->add_flag("--parquet", choice->options.parquet, "The same tables as Parquet");
+  command
+      ->add_option("--pictures", choice->pictures,
+                   "With --mcap, of a run with physics: a picture each so many seconds, as a topic")
+      ->check(between(kShortest, kLongest))
+      ->needs(mcap);
+  command
+      ->add_option("--camera", choice->options.pictures.camera, "Of pictures: as of cxlab render (default: the field)")
+      ->needs("--pictures");
+  command->add_option("--size", choice->size, "Of pictures: WIDTHxHEIGHT")
+      ->check(picture_size())
+      ->capture_default_str()
+      ->needs("--pictures");
   command->add_option("--out,-o", choice->options.out,
                       "The file, or a folder for several formats (default: the folder export of the run)");
   time_option(command->add_option("--from", choice->from, "The stretch begins then (default: the start)"));

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <tuple>
 
 #include "cx/base/file.h"
 #include "cx/journal/run_folder.h"
 #include "lab/export/foxglove_layout.h"
 #include "lab/export/mcap_export.h"
+#include "lab/export/parquet_file.h"
 #include "lab/export/table_export.h"
 #include "lab/export/trace_export.h"
 
@@ -52,7 +54,7 @@ std::string name_of(const Run& run) {
 }  // namespace
 
 Expected<Exported> export_run(const Run& run, const ExportOptions& options, const Host& host) {
-  const int formats = options.mcap + options.trace + options.csv;
+  const int formats = options.mcap + options.trace + options.csv + options.parquet;
   const bool to_file = !options.out.empty() && formats == 1 && (options.mcap || options.trace);
   const fs::path out = options.out.empty() ? run.folder / "export" : options.out;
   const fs::path folder = to_file ? out.parent_path() : out;
@@ -71,7 +73,7 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
 
   const auto begin = [&]() -> Status {
     if (options.mcap) {
-      auto made = McapExport::create(run, options.stretch, parts.begin(file_of(".mcap"), "mcap"));
+      auto made = McapExport::create(run, options.stretch, options.pictures, parts.begin(file_of(".mcap"), "mcap"));
       if (!made) return made.error();
       bag = *std::move(made);
       const auto more = bag->listeners();
@@ -91,12 +93,15 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
         done.notes.push_back(
             "the trace has no firings, because the journal has only decisions: cxlab run --journal full records them");
     }
-    if (options.csv) {
-      const fs::path of_tables = formats == 1 && !options.out.empty() ? folder : folder / "csv";
+    for (const auto& [wanted, format, create] :
+         {std::tuple{options.csv, "csv", &create_csv}, {options.parquet, "parquet", &create_parquet}}) {
+      if (!wanted) continue;
+      const fs::path of_tables = formats == 1 && !options.out.empty() ? folder : folder / format;
       if (Status s = make_folder(of_tables); !s) return s;
       auto made = TableExport::create(
-          run, options.stretch, [&parts, of_tables](const std::string& name, std::vector<TableColumn> columns) {
-            return create_csv(parts.begin(of_tables / (name + ".csv"), "csv"), std::move(columns));
+          run, options.stretch,
+          [&parts, of_tables, format, create](const std::string& name, std::vector<TableColumn> columns) {
+            return create(parts.begin(of_tables / (name + '.' + format), format), std::move(columns));
           });
       if (!made) return made.error();
       tables.push_back(*std::move(made));

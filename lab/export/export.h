@@ -9,6 +9,7 @@
 
 #include "cx/base/expected.h"
 #include "cx/base/json.h"
+#include "lab/export/picture_channel.h"
 #include "lab/export/run_pass.h"
 #include "lab/host.h"
 #include "lab/run.h"
@@ -16,11 +17,12 @@
 namespace cxlab::lab {
 
 struct ExportOptions {
-  bool mcap = false, trace = false, csv = false;  ///< at least one
-  /// Empty: the folder `export` of the run. With one format it is the file (mcap, trace) or folder (csv)
+  bool mcap = false, trace = false, csv = false, parquet = false;  ///< at least one
+  /// Empty: the folder `export` of the run. With one format it is the file (mcap, trace) or folder (csv, parquet)
   /// itself, else a folder for all.
   std::filesystem::path out;
   Stretch stretch;
+  PictureChoice pictures;  ///< of the bag
 };
 
 struct Exported {

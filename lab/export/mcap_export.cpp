@@ -41,7 +41,8 @@ Expected<bus::Registry> types_of(const Run& run, const fs::path& folder) {
 
 }  // namespace
 
-Expected<std::unique_ptr<McapExport>> McapExport::create(const Run& run, const Stretch& stretch, const fs::path& file) {
+Expected<std::unique_ptr<McapExport>> McapExport::create(const Run& run, const Stretch& stretch,
+                                                         const PictureChoice& pictures, const fs::path& file) {
   auto own = own_types();
   if (!own) return own.error();
   auto scratch = ScratchFolder::create();
@@ -67,12 +68,18 @@ Expected<std::unique_ptr<McapExport>> McapExport::create(const Run& run, const S
   auto story = StoryChannels::create(out->bag_, run, stretch);
   if (!story) return story.error();
   out->story_ = std::make_unique<StoryChannels>(*std::move(story));
+  if (pictures.every > SimTime{}) {
+    auto channel = PictureChannel::create(out->bag_, run, pictures);
+    if (!channel) return channel.error();
+    out->pictures_ = std::make_unique<PictureChannel>(*std::move(channel));
+  }
   return out;
 }
 
 std::vector<PassListener*> McapExport::listeners() {
   std::vector<PassListener*> out{bus_.get(), story_.get()};
   if (scene_) out.push_back(scene_.get());
+  if (pictures_) out.push_back(pictures_.get());
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "cx/base/scratch_folder.h"
 #include "lab/export/bus_channels.h"
+#include "lab/export/picture_channel.h"
 #include "lab/export/ros_bag.h"
 #include "lab/export/run_pass.h"
 #include "lab/export/scene_channels.h"
@@ -17,7 +18,7 @@ class McapExport {
  public:
   /// Begins the file.
   static Expected<std::unique_ptr<McapExport>> create(const Run& run, const Stretch& stretch,
-                                                      const std::filesystem::path& file);
+                                                      const PictureChoice& pictures, const std::filesystem::path& file);
   /// Who listens to the pass over the run.
   std::vector<PassListener*> listeners();
   RosBag& bag() { return bag_; }
@@ -32,6 +33,7 @@ class McapExport {
   std::unique_ptr<BusChannels> bus_;
   std::unique_ptr<SceneChannels> scene_;  ///< none: the run has no scene
   std::unique_ptr<StoryChannels> story_;
+  std::unique_ptr<PictureChannel> pictures_;  ///< none: nobody asked for them
 };
 
 }  // namespace cxlab::lab

@@ -84,6 +84,21 @@ class Exports(Lab):
         self.assertEqual([(r["stream"], int(r["n"]), int(r["t_ns"]), r["kind"], json.loads(r["data"]), r["cause"].split()) for r in rows],
                          [(r["stream"], r["n"], r["t"], r["kind"], r["data"], r["cause"]) for r in self.records()])
 
+    def test_pictures_need_physics(self):
+        self.game()
+        self.assertIn("--tier physics", self.cxlab("export", "out", "--mcap", "--pictures", 5, code=3).stderr)
+        self.cxlab("export", "out", "--trace", "--pictures", 5, code=2)
+
+    def test_parquet_begins_and_ends_as_it_must(self):
+        self.agent(RULES)
+        self.run_it()
+        self.cxlab("export", "out", "--parquet", "-o", "p")
+        for path in (self.folder / "p").iterdir():
+            text = path.read_bytes()
+            self.assertEqual((text[:4], text[-4:]), (b"PAR1", b"PAR1"))
+            self.assertLess(int.from_bytes(text[-8:-4], "little"), len(text) - 12)
+        self.assertEqual({path.name for path in (self.folder / "p").iterdir()}, {"records.parquet", "skills.parquet", "points.parquet"})
+
     def test_a_stretch_has_what_lies_in_it(self):
         self.game()
         self.cxlab("export", "out", "--csv", "--from", 30, "--to", "1:00", "-o", "part")
@@ -100,7 +115,7 @@ class Exports(Lab):
     def test_errors(self):
         self.agent(RULES)
         self.run_it("--journal", "full")
-        self.assertIn("--mcap, --trace or --csv", self.cxlab("export", "out", code=2).stderr)
+        self.assertIn("--mcap, --trace, --csv or --parquet", self.cxlab("export", "out", code=2).stderr)
         self.cxlab("export", "nowhere", "--mcap", code=3)
         self.assertIn("--from: ", self.cxlab("export", "out", "--csv", "--from", 99, code=2).stderr)
         self.assertIn("--from is after --to", self.cxlab("export", "out", "--csv", "--from", 2, "--to", 1, code=2).stderr)

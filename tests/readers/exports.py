@@ -1,5 +1,7 @@
-"""mcap, mcap-ros2-support and rosbags read the bags of cxlab export; pandas reads its tables. ./dev readers"""
+"""mcap, mcap-ros2-support and rosbags read the bags of cxlab export; pandas, pyarrow and DuckDB its tables. ./dev readers"""
 
+import collections
+import csv
 import dataclasses
 import json
 import math
@@ -9,7 +11,10 @@ import struct
 import subprocess
 import unittest
 
+import duckdb
 import pandas
+import pyarrow
+import pyarrow.parquet
 from lab import CXLAB, SOURCE, Lab
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -238,6 +243,40 @@ class Exports(Lab):
         self.assertEqual(list(orders.order), [o["order"] for o in asked])
         for name in ("waits", "machines", "pieces"):
             self.assertTrue(list((self.out / "export/csv").glob(f"{name}*.csv")), name)
+
+    def test_parquet_is_what_csv_is(self):
+        self.game()
+        self.cxlab("export", "out", "--csv", "--parquet")
+        files = sorted((self.out / "export/parquet").glob("*.parquet"))
+        self.assertEqual([f.stem for f in files], sorted(f.stem for f in (self.out / "export/csv").glob("*.csv")))
+        for path in files:
+            rows = pyarrow.parquet.read_table(path)
+            for field in rows.schema:
+                self.assertIn(field.type, (pyarrow.int64(), pyarrow.float64(), pyarrow.string()))
+            with (self.out / "export/csv" / f"{path.stem}.csv").open(newline="") as file:
+                text = list(csv.reader(file))
+            self.assertEqual(rows.column_names, text[0])
+            kinds = [{pyarrow.int64(): int, pyarrow.float64(): float}.get(field.type, str) for field in rows.schema]
+            expected = [[kind(cell) if cell else None for kind, cell in zip(kinds, row)] for row in text[1:]]
+            found = [[value or None if kind is str else value for kind, value in zip(kinds, row.values())] for row in rows.to_pylist()]
+            self.assertEqual(found, expected, path.name)
+            frame = pandas.read_parquet(path)
+            self.assertEqual((len(frame), list(frame.columns)), (len(expected), text[0]))
+            asked = duckdb.sql(f"SELECT * FROM '{path}'")
+            self.assertEqual([[value or None if kind is str else value for kind, value in zip(kinds, row)] for row in asked.fetchall()], expected)
+        records = self.out / "export/parquet/records.parquet"
+        self.assertEqual(duckdb.sql(f"SELECT kind, count(*) FROM '{records}' GROUP BY kind ORDER BY kind").fetchall(),
+                         sorted(collections.Counter(r["kind"] for r in self.records()).items()))
+
+    def test_pictures(self):
+        self.write("game.yaml", "schema: 1\nworld: {kind: rcll}\ntier: physics\nduration_s: 5\n")
+        self.cxlab("run", "game.yaml", "--quiet", "--out", "out")
+        path, _ = self.bag("--pictures", 2, "--size", "160x120")
+        pictures = self.messages(path)["/cxlab/camera/field"]
+        self.assertEqual([t for t, _ in pictures], [0, 2 * SECOND, 4 * SECOND])
+        self.cxlab("render", "out", "--at", 4, "--size", "160x120", "--out", "p.png")
+        self.assertEqual(bytes(pictures[-1][1]["data"]), (self.folder / "p.png").read_bytes())
+        self.assertEqual(pictures[-1][1]["format"], "png")
 
 
 if __name__ == "__main__":

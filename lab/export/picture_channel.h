@@ -1,0 +1,43 @@
+#pragma once
+// Pictures of a run with physics, as a topic of a bag: /cxlab/camera/NAME.
+
+#include <memory>
+#include <string>
+
+#include "cx/base/scratch_folder.h"
+#include "lab/export/ros_bag.h"
+#include "lab/export/run_pass.h"
+#include "lab/physics_replay.h"
+#include "scenarios/view.h"
+
+namespace cxlab::lab {
+
+struct PictureChoice {
+  SimTime every{};     ///< 0: no pictures
+  std::string camera;  ///< empty: the view's first
+  int width = 640, height = 480;
+};
+
+/// Plays the physics of the run again, up to each picture.
+class PictureChannel final : public PassListener {
+ public:
+  /// kInput where the run has nothing to look at or no such camera.
+  static Expected<PictureChannel> create(RosBag& bag, const Run& run, const PictureChoice& choice);
+
+  bool wants(RecordKind) const override { return false; }
+  Status hear(const JournalRecord&) override { return {}; }
+  bool wants_scenes() const override { return true; }
+  Status see(const Scene& scene) override;
+
+ private:
+  PictureChannel(RosBag& bag, PhysicsOfRun physics) : bag_(bag), physics_(std::move(physics)) {}
+
+  RosBag& bag_;
+  PhysicsOfRun physics_;
+  std::unique_ptr<View> view_;
+  std::unique_ptr<ScratchFolder> scratch_;
+  std::string camera_;
+  SimTime every_{}, next_ = SimTime::min();
+};
+
+}  // namespace cxlab::lab
