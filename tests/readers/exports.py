@@ -197,9 +197,10 @@ class Exports(Lab):
             names = [e["name"] for e in scene]
             frames = [name if names.index(name) == n else f"{name}_{scene[n]['id']}" for n, name in enumerate(names)]
             self.assertEqual(set(frames), set(poses))
+            frame_of = {entity["id"]: frame for entity, frame in zip(scene, frames)} | {None: "map"}
             for entity, frame in zip(scene, frames):
                 pose = poses[frame]
-                self.assertEqual(pose["header"]["frame_id"], entity["carried_by"] or "map")
+                self.assertEqual(pose["header"]["frame_id"], frame_of[entity["carried_by"]])
                 place = [pose["transform"]["translation"][axis] for axis in "xyz"]
                 self.assertTrue(all(abs(a - b) < 1e-3 for a, b in zip(place, entity["seen_from_carrier"]["position"])), (entity, pose))
                 turn = pose["transform"]["rotation"]
