@@ -91,15 +91,14 @@ class Mutate(unittest.TestCase):
     def test_verdicts_are_those_of_stories_that_are_played_alone(self):
         """Each mutant as a file of its own, played by `cxlab test`: agents that are loaded once for all stories play as such."""
         original = (self.folder / "agent/door.clp").read_text()
-        for row in self.report("--all")["results"]:
-            diff = self.mutate("--show", row["id"]).stdout.splitlines()
+        rows = self.report("--all")["results"]
+        for row, diff in [(row, self.mutate("--show", row["id"]).stdout.splitlines()) for row in rows]:
             first, count = map(int, re.match(r"@@ -(\d+),(\d+) ", diff[2]).groups())
             lines = original.splitlines()
             lines[first - 1:first - 1 + count] = [line[1:] for line in diff[3:] if line[0] in " +"]
             (self.folder / "agent/door.clp").write_text("\n".join(lines) + "\n")
             done = cxlab("test", "agent", "-q", cwd=self.folder)
             self.assertEqual(done.returncode, 0 if row["verdict"] == "survived" else 1, (row, done.stdout))
-        (self.folder / "agent/door.clp").write_text(original)
 
     def test_what_does_not_load_is_no_mutant(self):
         """Without its first condition, ?b and ?name of `open` are not bound."""
