@@ -64,12 +64,16 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
 }
 
 TEST_F(Stories, WhatIsLeftOpenIsANoteOrAFailure) {
-  const std::string opens = "  steps: [{at: 1, assert: (bell)}]\n  rules: [listen.clp]\n";
   write("listen.clp", "(defrule listen (bell) => (ros-msgs-create-subscription \"/x\" \"std_msgs/msg/String\"))\n");
-  const StoryResult noted = play("fires: listen, within_s: 1", opens);
+  const auto listen = [&](const std::string& more) {
+    const auto stories = read("- story: s\n  rules: listen.clp\n" + more + kBell +
+                              "  expect: [{fires: listen, within_s: 1}]\n");
+    return run_story(stories->front(), {interfaces_dir()});
+  };
+  const StoryResult noted = listen("");
   EXPECT_THAT(noted.failures, IsEmpty());
   EXPECT_EQ(noted.notes.size(), 1u);
-  const StoryResult failed = play("fires: listen, within_s: 1", opens + "  leaves_nothing: true\n");
+  const StoryResult failed = listen("  leaves_nothing: true\n");
   EXPECT_THAT(failed.failures, ElementsAre(HasSubstr("t.story.yaml:1: left open at the end: ")));
   EXPECT_THAT(failed.notes, IsEmpty());
   EXPECT_THAT(play("fires: open, within_s: 1", kBell + std::string("  leaves_nothing: true\n")).failures, IsEmpty());
