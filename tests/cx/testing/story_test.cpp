@@ -66,8 +66,8 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
 TEST_F(Stories, WhatIsLeftOpenIsANoteOrAFailure) {
   write("listen.clp", "(defrule listen (bell) => (ros-msgs-create-subscription \"/x\" \"std_msgs/msg/String\"))\n");
   const auto listen = [&](const std::string& more) {
-    const auto stories = read("- story: s\n  rules: listen.clp\n" + more + kBell +
-                              "  expect: [{fires: listen, within_s: 1}]\n");
+    const auto stories =
+        read("- story: s\n  rules: listen.clp\n" + more + kBell + "  expect: [{fires: listen, within_s: 1}]\n");
     return run_story(stories->front(), {interfaces_dir()});
   };
   const StoryResult noted = listen("");
@@ -80,12 +80,13 @@ TEST_F(Stories, WhatIsLeftOpenIsANoteOrAFailure) {
 }
 
 TEST_F(Stories, AStageHasOneAgentForStoriesThatDifferInWhatHappens) {
-  const auto stories = read("common: {rules: door.clp, given: [(door (state CLOSED))]}\n"
-                            "stories:\n"
-                            "  - {story: a, steps: [{at: 1, assert: (bell)}], expect: [{fires: open, within_s: 1}]}\n"
-                            "  - {story: b, expect: [{fires: open, within_s: 1}]}\n"
-                            "  - {story: c, seed: 2, expect: [{fires: open, within_s: 1}]}\n"
-                            "  - {story: d, begins_s: 5, expect: [{fires: open, within_s: 6}]}\n");
+  const auto stories = read(
+      "common: {rules: door.clp, given: [(door (state CLOSED))]}\n"
+      "stories:\n"
+      "  - {story: a, steps: [{at: 1, assert: (bell)}], expect: [{fires: open, within_s: 1}]}\n"
+      "  - {story: b, expect: [{fires: open, within_s: 1}]}\n"
+      "  - {story: c, seed: 2, expect: [{fires: open, within_s: 1}]}\n"
+      "  - {story: d, begins_s: 5, expect: [{fires: open, within_s: 6}]}\n");
   ASSERT_TRUE(stories) << stories.error().text();
   EXPECT_TRUE(same_agent((*stories)[0], (*stories)[1]));
   EXPECT_FALSE(same_agent((*stories)[0], (*stories)[2]));
