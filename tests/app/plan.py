@@ -137,4 +137,4 @@ class Plan(Lab):
         done = self.plan(domain=domain, problem=problem)
         self.assertEqual(done.returncode, 22, done.stderr)
         self.assertIn("found more than 1000000 ground actions", done.stderr)
-        self.assertEqual(self.plan("--out", "/no/such/folder/plan").returncode, 5)
+        self.assertEqual(self.plan("--out", "/proc/none/plan").returncode, 5)

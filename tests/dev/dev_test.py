@@ -109,7 +109,7 @@ class Dev(unittest.TestCase):
         for arguments in ((), ("rules",), ("rules", "soon"), ("ruels", "5")):
             done = dev("fuzz", *arguments)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
-            self.assertRegex(done.stderr, "TARGET SECONDS .*targets: configuration .*definition .*rules .*scenario .*stimuli")
+            self.assertRegex(done.stderr, "TARGET SECONDS .*targets: .*configuration .*definition .*rules .*scenario .*stimuli")
 
     def test_fuzz_without_clang_says_what_to_install(self):
         with tempfile.TemporaryDirectory() as folder:
