@@ -89,7 +89,7 @@ class Signals(Lab):
 
     def test_a_stopped_run_has_no_hashes_to_compare(self):
         self.agent("(defrule stranger => " + LOOPS["while"] + ")\n")
-        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out)
+        self.stop(signal.SIGINT, "run", "scenario.yaml", "--quiet", "--out", self.out, "--steps", "0")
         done = subprocess.run([CXLAB, "replay", self.out], capture_output=True, text=True)
         self.assertEqual(done.returncode, 3)
         self.assertIn("the run was cut off before its end", done.stderr)
