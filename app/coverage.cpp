@@ -33,6 +33,11 @@ Expected<lab::RunsCoverage> covered_by(const RunsCoverageOptions& options, const
       paths.push_back(path);
       continue;
     }
+    if (!options.trust_programs)
+      return input_error(
+          "the games of a sweep are played again by the commands in its runs.sqlite; if you trust them, add "
+          "--trust-programs",
+          path);
     auto sweep = lab::read_sweep(path, catalogue());
     if (!sweep) return sweep.error();
     sweeps.push_back(*std::move(sweep));
@@ -105,10 +110,11 @@ void add_coverage(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, "Prints JSON");
   command->footer(
       "The rules of each run are played again from what it recorded, to its end and through deactivation. A sweep\n"
-      "keeps no runs: its games are played again before, which takes as long as the sweep and a little more.\n"
+      "keeps no runs: its games are played again before, which takes as long as the sweep and a little more;\n"
+      "their commands come from its runs.sqlite, so it wants --trust-programs.\n"
       "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage (docs/testing.md).\n"
       "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2\n"
-      "  cxlab coverage runs/bench-rcll -j 2");
+      "  cxlab coverage runs/bench-rcll --trust-programs -j 2");
   command->callback([options, &action] { action = [options] { return coverage(*options); }; });
 }
 

@@ -136,7 +136,7 @@ Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, con
   if (!scratch) return scratch.error();
   std::vector<GameAgain> games;
   for (const IndexedRow& row : sweep.rows)
-    if (!row.row.journal_hash.empty()) games.push_back({&row, (*scratch)->path() / fs::path(row.file).stem()});
+    if (!row.row.journal_hash.empty()) games.push_back({&row, (*scratch)->path() / std::to_string(games.size())});
   if (games.empty()) return input_error("no game of the sweep has ended", sweep.path.string());
   RunsCoverage out;
   const auto remarks = play_again(games, jobs, host, [&](const GameAgain& game) -> Status {

@@ -135,7 +135,10 @@ Status accept_golden(const testing::StorySpec& story, const Host& host) {
   std::error_code error;
   fs::remove_all(then, error);
   if (!error) fs::rename(golden, then, error);
-  if (!error) fs::rename(now, golden, error);
+  if (!error) {
+    fs::rename(now, golden, error);
+    if (std::error_code none; error) fs::rename(then, golden, none);
+  }
   if (!error) fs::remove_all(then, error);
   return error ? resource_error("the new run " + now.string() + " cannot be put in its place: " + error.message(),
                                 golden.string())

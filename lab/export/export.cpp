@@ -134,6 +134,7 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
     file.bytes = fs::file_size(file.path, none);
     if (file.format == "mcap") file.entries = bag->bag().file().messages();
     if (file.format == "trace") file.entries = trace->events();
+    if (file.format != "csv" && file.format != "parquet") continue;
     for (const auto& table : tables)
       if (const auto rows = table->rows().find(fs::path(file.path).stem().string()); rows != table->rows().end())
         file.entries = rows->second;

@@ -61,6 +61,7 @@ void TraceExport::put_span(const std::string& process, const std::string& thread
 }
 
 Status TraceExport::hear(const JournalRecord& record) {
+  if (record.kind == RecordKind::kReferee) put_window(record);
   if (record.kind == RecordKind::kSkill) {
     hear_skill(record);
   } else if (stretch_.has(record.t)) {
@@ -110,15 +111,19 @@ void TraceExport::hear_skill(const JournalRecord& record) {
   }
 }
 
+void TraceExport::put_window(const JournalRecord& record) {
+  const RecordValue& data = record.data;
+  if (event_of(data) == "phase" && data.text("phase") == "PRODUCTION") production_ = record.t;
+  if (!data.find("order") || !data.find("begin") || !data.find("end")) return;
+  Open window{std::string(data.text("product")), production_ + from_seconds(number_in(data, "begin")), args_of(data)};
+  put_span("orders", "order " + std::to_string(data.integer("order")), window, "order",
+           production_ + from_seconds(number_in(data, "end")));
+}
+
 void TraceExport::hear_referee(const JournalRecord& record) {
   const RecordValue& data = record.data;
   const std::string event = event_of(data);
-  if (data.find("order") && data.find("begin") && data.find("end")) {
-    // A window of time in which an order is wanted.
-    Open window{std::string(data.text("product")), from_seconds(number_in(data, "begin")), args_of(data)};
-    put_span("orders", "order " + std::to_string(data.integer("order")), window, "order",
-             from_seconds(number_in(data, "end")));
-  } else if (data.find("order") && event == "delivery") {
+  if (data.find("order") && event == "delivery") {
     trace_.mark(trace_.thread("orders", "order " + std::to_string(data.integer("order"))), event, "order",
                 microseconds(record.t), args_of(data));
   }

@@ -36,6 +36,8 @@ class TraceExport final : public PassListener {
   TraceExport(const Run& run, const Stretch& stretch, AppendFile file);
   void hear_skill(const JournalRecord& record);
   void hear_referee(const JournalRecord& record);
+  /// The window in which an order is wanted, also of one that is published before the stretch.
+  void put_window(const JournalRecord& record);
   /// Writes what has been so since `open.begin`, as far as it lies in the stretch.
   void put_span(const std::string& process, const std::string& thread, const Open& open, const std::string& category,
                 SimTime end);
@@ -44,6 +46,7 @@ class TraceExport final : public PassListener {
 
   Stretch stretch_;
   SimTime end_;
+  SimTime production_{};  ///< its begin: windows count from there
   AppendFile file_;
   std::string text_;
   TraceWriter trace_;

@@ -125,18 +125,19 @@ class Coverage(Lab):
         self.write("suite.yaml", "scenarios: [scenario.yaml]\nseeds: [1, 2]\nstrategies: {one: []}\n")
         self.cxlab("bench", "suite.yaml", "--out", "sweep", "--quiet")
         before = sorted(str(path) for path in (self.folder / "sweep").rglob("*"))
+        self.assertIn("if you trust them, add --trust-programs", self.cxlab("coverage", "sweep", expect=3).stderr)
         for more in ((), ("-j", "2")):
-            games = json.loads(self.cxlab("coverage", "sweep", "--json", *more).stdout)
+            games = json.loads(self.cxlab("coverage", "--trust-programs", "sweep", "--json", *more).stdout)
             self.assertEqual(games.pop("runs"), 2)
             self.assertEqual(games, {key: value for key, value in runs.items() if key != "runs"})
-        self.assertEqual(json.loads(self.cxlab("coverage", "sweep", "runs/a", "--json").stdout)["runs"], 3)
+        self.assertEqual(json.loads(self.cxlab("coverage", "--trust-programs", "sweep", "runs/a", "--json").stdout)["runs"], 3)
         self.assertEqual(sorted(str(path) for path in (self.folder / "sweep").rglob("*")), before, "no run stays")
-        self.cxlab("coverage", "sweep", "--html", "c.html")
+        self.cxlab("coverage", "--trust-programs", "sweep", "--html", "c.html")
         self.assertIn("Coverage of 2 runs", (self.folder / "c.html").read_text())
         rules = (self.folder / "rules/rules.clp")
         text = rules.read_text()
         rules.write_text(text.replace("(start 2)", "(start 3)"))
-        self.assertEqual(self.cxlab("coverage", "sweep").stderr.count("the game goes otherwise now"), 2)
+        self.assertEqual(self.cxlab("coverage", "--trust-programs", "sweep").stderr.count("the game goes otherwise now"), 2)
 
     def test_what_is_no_run_is_an_error(self):
         self.folder.joinpath("empty").mkdir()
