@@ -1,11 +1,11 @@
 #include "lab/child.h"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "lab/pipe.h"
 
 namespace cxlab::lab {
 
@@ -22,26 +22,14 @@ Json answer_of(const Expected<Json>& done) {
             {"code", error.code}}}};
 }
 
-bool write_all(int to, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = write(to, text.data() + done, text.size() - done);
-    if (n < 0 && errno != EINTR) return false;
-    if (n > 0) done += static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
 }  // namespace
 
 Expected<Child> Child::start(const Work& work) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-  Descriptor from(ends[0]), to(ends[1]);
-  auto process = Process::fork({}, [&] {
-    return write_all(to.number(), json_text(answer_of(work()))) ? 0 : static_cast<int>(ErrorKind::kResource);
-  });
+  auto pipe = make_pipe();
+  if (!pipe) return pipe.error();
+  auto process = Process::fork({}, [&] { return say_to(pipe->to, json_text(answer_of(work()))); });
   if (!process) return process.error();
-  return Child(std::move(from), *std::move(process));
+  return Child(std::move(pipe->from), *std::move(process));
 }
 
 Expected<Json> Child::finish(const Host& host) {

@@ -1,13 +1,11 @@
 #include "lab/mutate.h"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <list>
 
 #include "cx/base/file.h"
@@ -18,6 +16,7 @@
 #include "cx/base/servant.h"
 #include "cx/engine/form_reader.h"
 #include "cx/yaml/yaml.h"
+#include "lab/pipe.h"
 #include "lab/sweep/remaining_time.h"
 #include "scenarios/scenario.h"
 #include "scenarios/share.h"
@@ -390,16 +389,14 @@ class MutantPlayer {
 
   Status fill() {
     while (players_.size() < static_cast<std::size_t>(std::max(mutation_.plan_.jobs, 1)) && wants_more()) {
-      int ends[2];
-      if (pipe2(ends, O_CLOEXEC) != 0)
-        return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-      Descriptor from(ends[0]), to(ends[1]);
+      auto pipe = make_pipe();
+      if (!pipe) return pipe.error();
       const std::size_t mutant = order_[next_];
-      auto process = Process::fork({}, [&] { return play_in_process(mutant, to); });
+      auto process = Process::fork({}, [&] { return play_in_process(mutant, pipe->to); });
       if (!process) return process.error();
       ++next_;
       remaining_.begun(kKind);
-      players_.push_back({mutant, std::move(from), *std::move(process)});
+      players_.push_back({mutant, std::move(pipe->from), *std::move(process)});
     }
     return {};
   }
@@ -407,13 +404,7 @@ class MutantPlayer {
   int play_in_process(std::size_t number, const Descriptor& to) const {
     const auto stories = mutation_.play(mutation_.mutants()[number], folder_, false, {});
     if (!stories) return static_cast<int>(stories.error().kind);
-    const std::string line = line_of_answer(judged_mutant(*stories));
-    for (std::size_t done = 0; done < line.size();) {
-      const ssize_t n = write(to.number(), line.data() + done, line.size() - done);
-      if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
-      if (n > 0) done += static_cast<std::size_t>(n);
-    }
-    return 0;
+    return say_to(to, line_of_answer(judged_mutant(*stories)));
   }
 
   Status listen() {

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <set>
 
 #include "cx/base/json.h"
@@ -76,15 +75,6 @@ void add_answer(PlayedStory& story, std::uint64_t seed, testing::StoryResult res
   }
   story.result.coverage = std::move(coverage);
   story.result.files.assign(files.begin(), files.end());
-}
-
-int say_to(const Descriptor& to, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = write(to.number(), text.data() + done, text.size() - done);
-    if (n < 0 && errno != EINTR) return static_cast<int>(ErrorKind::kResource);
-    if (n > 0) done += static_cast<std::size_t>(n);
-  }
-  return 0;
 }
 
 }  // namespace cxlab::lab

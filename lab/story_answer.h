@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "cx/base/servant.h"
 #include "cx/testing/story.h"
 #include "lab/stories.h"
 
@@ -15,14 +14,12 @@ namespace cxlab::lab {
 std::string story_answer(const testing::StoryResult& result);
 /// The result that the text is, if it is a whole one.
 std::optional<testing::StoryResult> read_story_answer(const std::string& text);
-/// Of a process that left it unsaid: a failure of its story alone. `late`: it was ended.
+/// The result for a process that ended without an answer: only its story fails. `late`: the process was ended because
+/// it took too long.
 testing::StoryResult answer_left_unsaid(const testing::StorySpec& spec, int code, bool late, double patience_s);
 
 /// Adds how a story went with one more seed. What remains is the result of the smallest seed that failed, else of the
 /// largest, with the rules and files of all.
 void add_answer(PlayedStory& story, std::uint64_t seed, testing::StoryResult result);
-
-/// Writes all of it; the exit code of a process that does nothing else.
-int say_to(const Descriptor& to, const std::string& text);
 
 }  // namespace cxlab::lab

@@ -1,13 +1,11 @@
 // Stories played in processes: each in a copy of this one, several at a time.
 
-#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <deque>
 #include <list>
 #include <optional>
@@ -17,6 +15,7 @@
 #include "cx/base/process.h"
 #include "cx/base/servant.h"
 #include "lab/golden.h"
+#include "lab/pipe.h"
 #include "lab/stories.h"
 #include "lab/story_answer.h"
 #include "lab/story_run.h"
@@ -50,9 +49,9 @@ struct Player {
 };
 
 Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec spec, const testing::StorySetup& setup) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-  Descriptor from(ends[0]), to(ends[1]);
+  auto pipe = make_pipe();
+  if (!pipe) return pipe.error();
+  const Descriptor& to = pipe->to;
   spec.seed = job.seed;
   ProcessOptions options;
   if (!job.keep.empty()) options.out = options.err = Stream::null();  // what it says was said the first time
@@ -67,7 +66,7 @@ Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec sp
     return kept ? 0 : say_to(to, kept.error().text());
   });
   if (!process) return process.error();
-  return Player{number, std::move(job), std::move(from), *std::move(process)};
+  return Player{number, std::move(job), std::move(pipe->from), *std::move(process)};
 }
 
 /// Takes what is there; false once the process has closed its end, as it does when it ends.

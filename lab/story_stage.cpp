@@ -1,6 +1,5 @@
 #include "lab/story_stage.h"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -10,7 +9,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <list>
 #include <optional>
 #include <utility>
@@ -18,6 +16,7 @@
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
 #include "cx/base/servant.h"
+#include "lab/pipe.h"
 #include "lab/story_answer.h"
 
 namespace cxlab::lab {
@@ -138,14 +137,13 @@ class Stages {
   }
 
   Status start(std::size_t i, testing::StorySpec agent) {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return resource_error(std::string("cannot make a pipe: ") + std::strerror(errno));
-    Descriptor from(ends[0]), to(ends[1]);
+    auto pipe = make_pipe();
+    if (!pipe) return pipe.error();
     ProcessOptions options;
     options.in = Stream::pipe();
-    auto process = Process::fork(options, [&] { return keep_stage(stories_, i, agent.seed, plan_.setup, to); });
+    auto process = Process::fork(options, [&] { return keep_stage(stories_, i, agent.seed, plan_.setup, pipe->to); });
     if (!process) return process.error();
-    stages_.push_back({std::move(agent), std::move(from), *std::move(process)});
+    stages_.push_back({std::move(agent), std::move(pipe->from), *std::move(process)});
     return {};
   }
 

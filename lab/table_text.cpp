@@ -182,14 +182,14 @@ std::string latex_number(const std::string& text) {
   return text == "-" ? "--" : out;
 }
 
+}  // namespace
+
 std::string csv_text(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + '"';
 }
-
-}  // namespace
 
 std::string table_markdown(const Table& table) {
   std::string out = table.title.empty() ? "" : markdown_text(table.title) + ":\n\n", rule = "|";

@@ -24,6 +24,8 @@ std::string table_markdown(const Table& table);
 /// Comma-separated values (RFC 4180) with the keys as header and numbers in full; a stretch has two columns, KEY_low
 /// and KEY_high.
 std::string table_csv(const Table& table);
+/// A field of a CSV (RFC 4180): in quotes where it has to be.
+std::string csv_text(const std::string& text);
 /// An environment `tabular`, which needs no package.
 std::string table_latex(const Table& table);
 /// Orders the rows by the column of that key: numbers from the greatest, texts from the first letter.

@@ -31,11 +31,6 @@ void set_uuid(const bus::MessageView& uuid, std::string_view goal_id) {
     static_cast<void>(uuid.set_integer(bytes, static_cast<unsigned char>(id[i]), i));
 }
 
-void write_stamp(bus::CdrWriter& out, SimTime t) {
-  const RosTime time = ros_time(t);
-  out.number(time.sec).number(time.nanosec);
-}
-
 }  // namespace
 
 Expected<bus::Message> BusChannels::message_of(const bus::MessageType& type, const RecordValue& data,

@@ -40,8 +40,8 @@ Status PictureChannel::see(const Scene& scene) {
   bag_.put("/cxlab/camera/" + topic_part(camera_), scene.t,
            {type.name(), [&] { return bus::ros2msg_schema(type); },
             [&](bus::CdrWriter& out) {
-              const RosTime stamp = ros_time(scene.t);
-              out.number(stamp.sec).number(stamp.nanosec).text(camera_).text("png").size(png->size()).bytes(*png);
+              write_stamp(out, scene.t);
+              out.text(camera_).text("png").size(png->size()).bytes(*png);
             }});
   return {};
 }

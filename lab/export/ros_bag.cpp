@@ -28,6 +28,11 @@ void set_stamp(const bus::MessageView& stamp, SimTime t) {
   stamp.set("sec", std::int64_t{time.sec}).set("nanosec", std::int64_t{time.nanosec});
 }
 
+void write_stamp(bus::CdrWriter& out, SimTime t) {
+  const RosTime time = ros_time(t);
+  out.number(time.sec).number(time.nanosec);
+}
+
 std::string topic_part(std::string_view text) {
   std::string out(text);
   for (char& c : out)

@@ -25,6 +25,8 @@ struct RosTime {
 RosTime ros_time(SimTime t);
 /// Sets a field of the type builtin_interfaces/Time.
 void set_stamp(const bus::MessageView& stamp, SimTime t);
+/// Writes a builtin_interfaces/Time.
+void write_stamp(bus::CdrWriter& out, SimTime t);
 /// The text as a part of the name of a topic: what is no letter, digit or underscore becomes an underscore.
 std::string topic_part(std::string_view text);
 

@@ -4,27 +4,18 @@
 
 #include "cx/base/append_file.h"
 #include "cx/base/number_text.h"
+#include "lab/table_text.h"
 
 namespace cxlab::lab {
 
 namespace {
-
-void append_csv(std::string& out, const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == text.npos) {
-    out += text;
-    return;
-  }
-  out += '"';
-  for (const char c : text) (c == '"' ? out += '"' : out) += c;
-  out += '"';
-}
 
 class CsvFile final : public TableFile {
  public:
   CsvFile(AppendFile file, const std::vector<TableColumn>& columns) : file_(std::move(file)) {
     for (const TableColumn& column : columns) {
       if (&column != &columns.front()) line_ += ',';
-      append_csv(line_, column.key);
+      line_ += csv_text(column.key);
     }
     end_line();
   }
@@ -35,7 +26,7 @@ class CsvFile final : public TableFile {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (i > 0) line_ += ',';
       const auto& value = cells[i].value;
-      if (const auto* text = std::get_if<std::string>(&value)) append_csv(line_, *text);
+      if (const auto* text = std::get_if<std::string>(&value)) line_ += csv_text(*text);
       if (const auto* whole = std::get_if<std::int64_t>(&value)) line_ += std::to_string(*whole);
       if (const auto* real = std::get_if<double>(&value)) line_ += shortest_text(*real);
     }

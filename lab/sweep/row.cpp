@@ -8,6 +8,7 @@
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/journal/file_store.h"
+#include "lab/table_text.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/metric.h"
 
@@ -24,13 +25,6 @@ constexpr std::string_view kKeys[] = {
     "overrides", "status",       "exit",     "errors",       "warnings", "world",     "compared",   "metrics",
     "played",    "journal_hash", "program",  "files",        "cell",     "completed", "reason",     "tags",
     "cpu_s",     "peak_rss_mb",  "host",     "agent_commit", "command",  "row"};
-
-std::string csv_field(const std::string& field) {
-  if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
-  std::string out = "\"";
-  for (const char c : field) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
 
 }  // namespace
 
@@ -175,10 +169,10 @@ std::string to_csv(const std::vector<Row>& rows) {
       if (!figure.of_machine && std::ranges::find(metrics, figure.metric) == metrics.end())
         metrics.emplace_back(figure.metric);
   std::string out = "scenario,strategy,game,seed,status,exit";
-  for (const std::string& metric : metrics) out += ',' + csv_field(metric);
+  for (const std::string& metric : metrics) out += ',' + csv_text(metric);
   out += ",journal_hash\n";
   for (const Row& row : rows) {
-    out += csv_field(row.cell.scenario) + ',' + csv_field(row.cell.strategy) + ',' + csv_field(row.cell.game) + ',' +
+    out += csv_text(row.cell.scenario) + ',' + csv_text(row.cell.strategy) + ',' + csv_text(row.cell.game) + ',' +
            std::to_string(row.cell.seed) + ',' + row.status + ',' + std::to_string(row.exit_code);
     for (const std::string& metric : metrics) {
       const std::optional<double> value = row.figure(metric);
