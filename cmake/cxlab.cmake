@@ -15,6 +15,7 @@
 
 include_guard(GLOBAL)
 
+set(CXLAB_C_WARNINGS -Wall -Wextra -Werror)
 set(CXLAB_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Werror)
 
 # What is compiled once for all libraries (CXLAB_UNITY), for all tests, and for the check of installed headers.
@@ -67,21 +68,20 @@ function(cxlab_library target)
     add_library(${target} STATIC ${arg_SOURCES} ${arg_ALONE})
     target_include_directories(${target} PUBLIC "${headers}")
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
-    target_compile_options(${target} PRIVATE ${CXLAB_WARNINGS})
+    target_compile_options(${target} PRIVATE
+      "$<$<COMPILE_LANGUAGE:CXX>:${CXLAB_WARNINGS}>" "$<$<COMPILE_LANGUAGE:C>:${CXLAB_C_WARNINGS}>")
     set(precompiled precompiled_for_libraries)
     if(arg_COLD)
       target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
       set(precompiled precompiled_for_cold_libraries)
     endif()
-    if(CXLAB_UNITY)
+    if(CXLAB_UNITY AND arg_SOURCES MATCHES "\\.cpp")
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
       set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
       # A class of a source file is then one of an included file, which may not have members of anonymous types, and a local
       # name may be that of another file.
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
-      if(arg_SOURCES MATCHES "\\.cpp")
-        cxlab_precompiled(${precompiled} ${target} HEADERS <nlohmann/json.hpp>)
-      endif()
+      cxlab_precompiled(${precompiled} ${target} HEADERS <nlohmann/json.hpp>)
     endif()
   else()
     add_library(${target} INTERFACE)
