@@ -47,12 +47,33 @@ bool all_count(const std::vector<lab::Row>& rows) {
 }
 
 /// Writes the page of the sweep. The table is the answer, so a page that cannot be made is only reported.
-void write_page(const BenchOptions& options, const lab::Host& host) {
+void write_page(const BenchOptions& options, const lab::Host& host, const std::vector<lab::Answer>& requirements = {}) {
+  if (Status s = lab::keep_requirements(options.folder(), requirements); !s) host.note(s.error().text());
   const fs::path file = options.folder() / "index.html";
   const auto sweep = lab::read_sweep(options.folder(), catalogue());
   const auto page = sweep ? lab::sweep_page(*sweep, nullptr, {.file = file}, catalogue()) : sweep.error();
   const Status written = page ? replace_file(file, *page) : page.error();
   if (!written) host.note("no page is written: " + written.error().text());
+}
+
+/// What requirement does not hold, the games that show it most, and the command that plays the worst of them again.
+void print_worst_games(const lab::JudgedRows& judged) {
+  for (const lab::Answer& answer : judged.answers) {
+    if (answer.judgement != lab::Judgement::kWorse) continue;
+    std::string games;
+    for (const std::size_t i : lab::worst_games(answer)) {
+      const auto& [name, seed] = answer.games[i];
+      games += (games.empty() ? "" : ", ") + (name.empty() ? "" : name + " ") + "seed " + std::to_string(seed) + " (" +
+               fixed_text(answer.values[i], answer.metric.digits) + ')';
+    }
+    std::printf("%s, %s: '%s' does not hold; the worst games: %s\n", printable(answer.scenario).c_str(),
+                printable(answer.strategy).c_str(), printable(answer.asked).c_str(), printable(games).c_str());
+    const auto& [name, seed] = answer.games[lab::worst_games(answer).front()];
+    for (const lab::Row& row : judged.rows)
+      if (row.cell.scenario == answer.scenario && row.cell.strategy == answer.strategy && row.cell.game == name &&
+          row.cell.seed == seed)
+        std::printf("  %s\n", lab::command_of(row.cell).c_str());
+  }
 }
 
 /// The table, and where `judged` is given what the requirements of the suite have come to. Returns the exit code.
@@ -80,6 +101,7 @@ int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
   } else {
     std::printf("%s%s\n\n%s", lab::to_text(table).c_str(), csv.c_str(), lab::table_text(answers, line_width()).c_str());
     for (const std::string& remark : remarks) std::printf("%s\n", remark.c_str());
+    print_worst_games(*judged);
     if (judged->games < judged->planned)
       std::printf("Answered after %zu of %zu games; --all plays the others, too.\n", judged->games, judged->planned);
   }
@@ -192,7 +214,7 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
                           ? std::nullopt
                           : std::optional(lab::judged_rows(suite, found->rows));
   if (judged && !*judged) return fail(judged->error());
-  if (!found->rows.empty()) write_page(options, host);
+  if (!found->rows.empty()) write_page(options, host, judged ? (*judged)->answers : std::vector<lab::Answer>());
   const int code = print_table(found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
     return fail(
@@ -246,7 +268,7 @@ int bench(const BenchOptions& options) {
     console.clear();
     if (!judged) return fail(judged.error());
     if (const int code = interrupted(finished_text(judged->rows.size(), suite->size()))) return code;
-    write_page(options, host);
+    write_page(options, host, judged->answers);
     return print_table(judged->rows, options, &*judged);
   }
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);

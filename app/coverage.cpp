@@ -23,7 +23,7 @@ struct RunsCoverageOptions {
   bool trust_programs = false, json = false;
 };
 
-/// Of the sweeps among the paths, then of the runs.
+/// What the sweeps among the paths have covered, then the runs.
 Expected<lab::RunsCoverage> covered_by(const RunsCoverageOptions& options, const lab::Host& host) {
   std::vector<std::string> paths;
   std::vector<lab::SweepRecord> sweeps;

@@ -16,7 +16,7 @@ namespace cxlab::app {
 
 namespace {
 
-// Of pictures, s.
+// Seconds between two pictures.
 constexpr double kShortest = 0.1, kLongest = 100000;
 
 struct ExportChoice {

@@ -320,7 +320,10 @@ void add_mutate(CLI::App& app, Action& action) {
   CLI::Option* all = command->add_flag("--all", options->all, "Plays all mutants that there are")->excludes(mutants);
   seed_number(
       command->add_option("--seed", options->seed, "Of the draw (default 1): the same mutants, whatever -j is"));
-  command->add_option("--time-limit", options->time_limit_s, "After so many seconds no mutant is begun any more")
+  command
+      ->add_option("--time-limit", options->time_limit_s,
+                   "After so many seconds of mutants no other one is begun; the stories are played without any first, "
+                   "which does not count")
       ->check(positive())
       ->type_name("S");
   whole_number(command->add_option("-j", options->jobs, "Mutants at a time"), 1, 256);

@@ -112,7 +112,7 @@ Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab:
   return stories;
 }
 
-/// Of these, what failed when it was played the last time; all of them if nothing did.
+/// Those that failed when they were played the last time; all of them if none did.
 void keep_last_failed(std::vector<PlayedStory>& stories, const lab::FailedStories& failed) {
   const auto passed = [&](const PlayedStory& story) { return !failed.has(story); };
   if (std::ranges::all_of(stories, passed))

@@ -27,7 +27,7 @@ struct RunsCoverage {
 };
 /// Each run is played in a copy of this process, which must have one thread only.
 Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, const Host& host);
-/// Of all games of the sweep that ended. None of their runs stays.
+/// The same for all games of the sweep that ended. None of their runs stays.
 Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, const Host& host);
 
 }  // namespace cxlab::lab

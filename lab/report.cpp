@@ -54,7 +54,7 @@ void add_kinds(RunPage& page) {
 
 /// What agents decided, errors of their rules, and warnings of the run, which have no time.
 void add_events(const std::vector<JournalRecord>& records, const Result& result, RunPage& page) {
-  std::size_t decisions = 0;
+  std::size_t decisions = 0, errors = 0;
   for (const JournalRecord& record : records) {
     if (!record.stream.starts_with("env/")) continue;
     const std::string who = record.stream.substr(4);
@@ -63,14 +63,15 @@ void add_events(const std::vector<JournalRecord>& records, const Result& result,
       page.events.push_back(
           {to_seconds(record.t), "decision", who, slots.empty() ? "" : slots.front(), joined(slots, 1)});
     }
-    if (record.kind == RecordKind::kError)
+    if (record.kind == RecordKind::kError && ++errors <= kMostEvents)
       page.events.push_back({to_seconds(record.t), "error", who, std::string(record.data.text("message")),
                              std::string(record.data.text("rule")) + ", " + std::string(record.data.text("file")) +
                                  ':' + std::to_string(record.data.integer("line"))});
   }
-  if (decisions > kMostEvents)
-    page.events.push_back(
-        {-1, "warning", "", std::to_string(decisions - kMostEvents) + " more decisions, in journal.jsonl"});
+  for (const auto& [all, what] : {std::pair(decisions, " more decisions"), {errors, " more errors"}})
+    if (all > kMostEvents)
+      page.events.push_back(
+          {-1, "warning", "", std::to_string(all - kMostEvents) + std::string(what) + ", in journal.jsonl"});
   for (const std::string& warning : result.all_warnings()) page.events.push_back({-1, "warning", "", warning});
   if (result.reason) page.events.push_back({to_seconds(result.sim_time), "error", "", result.reason->text()});
   std::ranges::stable_sort(page.events, {}, &PageEvent::t);

@@ -213,7 +213,7 @@ class Writer {
     return {};
   }
 
-  /// Of goals and calls on their way at the moment, and what servers there are.
+  /// Finds goals and calls on their way at the moment, and what servers there are.
   void before(const JournalRecord& record) {
     const std::string name(record.data.text("name"));
     if (record.kind == RecordKind::kBus && record.data.text("op") == "goal")
@@ -228,7 +228,7 @@ class Writer {
     look(record);
   }
 
-  /// Of the client, in the slots of `ros-msgs-goal-response`.
+  /// The handle of the client, in the slots of `ros-msgs-goal-response`.
   static Value handle_in(const RecordValue& slots) {
     const RecordValue* slot = slots.find("client-goal-handle-ptr");
     return Value::handle(static_cast<Handle>(slot ? slot->integer("handle") : 0));
@@ -380,6 +380,10 @@ class Writer {
     for (const std::string& text : before)
       if (!is_of_plugin(text) && text.find("<Pointer-") == std::string::npos && ++gone <= kMost)
         expect_.push_back("{no_fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
+    for (const auto& [count, what] : {std::pair(fresh, "new facts"), {gone, "facts that went"}})
+      if (count > kMost)
+        notes_.push_back("of " + std::to_string(count) + ' ' + what + " the story expects the first " +
+                         std::to_string(kMost));
     for (const std::string& name : skipped_)
       notes_.push_back(name + " was called before: what it answered is not in the story");
     for (const std::string& other : others_) notes_.push_back("not in the story: " + other);
@@ -523,6 +527,7 @@ Expected<WrittenStory> story_of(const Run& run, const MomentStory& moment, const
 
 Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPlan& plan, const Host& host) {
   const int all = story.expectations;
+  std::vector<std::string> dropped_lines;
   while (true) {
     if (Status s = replace_file(file, story.text); !s) return s;
     auto stories = read_stories({file.string()});
@@ -538,10 +543,12 @@ Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPla
       end = story.text.find('\n', begin);
       const std::string line = story.text.substr(begin, end - begin);
       in_expect = in_expect || line == "  expect:";
-      if (wrong.contains(++number) && in_expect)
+      if (wrong.contains(++number) && in_expect) {
         ++dropped;
-      else
+        dropped_lines.push_back(line.substr(line.find_first_not_of(" -")));
+      } else {
         kept += line + '\n';
+      }
     }
     if (dropped == 0) return negative("the story cannot be played as the run was: " + played.complaints().front());
     story.text = kept;
@@ -551,9 +558,19 @@ Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPla
           "of what happened in the run nothing happens in a story: choose another time (--at), at which less "
           "is under way");
   }
-  if (all > story.expectations)
-    story.notes.push_back(std::to_string(all - story.expectations) + " of " + std::to_string(all) +
-                          " things that happened in the run do not happen in the story, and are not expected");
+  constexpr std::size_t kMostListed = 8;
+  if (!dropped_lines.empty())
+    story.notes.push_back(std::to_string(dropped_lines.size()) + " of " + std::to_string(all) +
+                          " things that happened in the run do not happen in the story, and are not expected:");
+  for (std::size_t i = 0; i < std::min(kMostListed, dropped_lines.size()); ++i)
+    story.notes.push_back("  " + dropped_lines[i]);
+  if (dropped_lines.size() > kMostListed)
+    story.notes.push_back("  and " + std::to_string(dropped_lines.size() - kMostListed) + " more");
+  if (story.text.find("\n    - {goal: ") == std::string::npos &&
+      story.text.find("\n    - {published: ") == std::string::npos)
+    story.notes.push_back(
+        "it expects rules and facts only, for the agent asked for no skill and published nothing in these seconds; "
+        "a longer --for or another --at shows more");
   return {};
 }
 

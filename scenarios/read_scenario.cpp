@@ -190,6 +190,9 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
     scenario.overrides.push_back(change.assignment);
   }
   yaml::Map map = document->root().as_map();
+  for (const auto& [key, what] : {std::pair("scenarios", "a suite, and no scenario; cxlab bench plays it"),
+                                  {"stories", "a file of stories, and no scenario; cxlab test plays them"}})
+    if (document->root().as_map().has(key)) return input_error(std::string("this is ") + what, file.string(), 1);
   if (const yaml::Value schema = map.require("schema"); schema && schema.as_integer() != 1)
     schema.fail("found " + schema.text() + ", expected 1");
   if (const yaml::Value world = map.get("world")) read_world(world, catalogue, scenario);

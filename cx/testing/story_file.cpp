@@ -161,7 +161,8 @@ Expectation read_expectation(const yaml::Value& item) {
   if (message || e.kind == Kind::kFires) map.read("count", e.count);
   if (e.count < 1) map.fail("count: expected at least 1");
   map.read_seconds("after", e.after).read_seconds("within_s", e.until);
-  if ((e.kind == Kind::kFact || e.kind == Kind::kNoFact) && map.has("at")) {
+  const bool about_fact = e.kind == Kind::kFact || e.kind == Kind::kNoFact;
+  if (about_fact && map.has("at")) {
     if (map.has("within_s") || map.has("after")) map.fail("`at` stands alone");
     map.read_seconds("at", e.until);
     e.at = true;
@@ -170,7 +171,7 @@ Expectation read_expectation(const yaml::Value& item) {
   if (kind.given != 1) map.fail("expected one of " + kind.keys);
   if (e.until < e.after) map.fail("within_s is before after");
   if (!e.at && e.until == kNever && e.kind != Kind::kNoFact && e.kind != Kind::kNotFires)
-    map.fail("key 'within_s' is missing (or 'at')");
+    map.fail(std::string("key 'within_s' is missing") + (about_fact ? " (or 'at')" : ""));
   return e;
 }
 

@@ -386,6 +386,11 @@ Error syntax_error(const YAML::Exception& thrown, const std::string& text, const
   for (int i = 0; i <= thrown.mark.line && std::getline(lines, line); ++i)
     if (const std::size_t tab = line.find('\t'); i + 1 >= thrown.mark.line && tab < line.find_first_not_of(" \t"))
       return input_error("found a tab in the indentation, expected spaces", file, i + 1);
+  if (thrown.msg == YAML::ErrorMsg::UNKNOWN_TOKEN && thrown.mark.column >= 0 &&
+      static_cast<std::size_t>(thrown.mark.column) < line.size())
+    return input_error(std::string("not YAML: found '") + line[static_cast<std::size_t>(thrown.mark.column)] +
+                           "', with which no text of YAML begins; write the text in quotes",
+                       file, thrown.mark.line + 1);
   const bool is_yaml = dynamic_cast<const YAML::RepresentationException*>(&thrown) != nullptr;
   return input_error((is_yaml ? "" : "not YAML: ") + thrown.msg, file, thrown.mark.line + 1);
 }

@@ -111,7 +111,7 @@ class ParquetFile final : public TableFile {
   }
 
  private:
-  /// Of the group under way.
+  /// A column of the group under way.
   struct ColumnData {
     std::string values;
     std::string levels;     ///< runs of cells that are there (1) or empty (0)

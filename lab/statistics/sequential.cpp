@@ -1,6 +1,7 @@
 #include "lab/statistics/sequential.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cxlab::statistics {
 
@@ -14,6 +15,16 @@ std::vector<std::size_t> looks(std::size_t planned, std::size_t together) {
     if (after > 0 && (out.empty() || after > out.back())) out.push_back(after);
   }
   return out;
+}
+
+std::size_t fewest_games(Question::About about, std::size_t questions) {
+  if (about == Question::About::kMean) return kFewestForMean;
+  std::size_t games = 1;
+  // At best all differences have one sign: of 2^n combinations of signs two are as far from 0.
+  for (double p = std::pow(2.0, 1 - static_cast<double>(games)); p * static_cast<double>(questions) > kLastLevel;
+       p /= 2)
+    ++games;
+  return games;
 }
 
 std::vector<Decision> decide(const std::vector<Question>& questions, const std::vector<std::size_t>& look_after,

@@ -35,6 +35,9 @@ struct Question {
   std::vector<std::optional<double>> values;
 };
 
+/// With fewer games than that the last look cannot decide such a question, asked as one of so many.
+std::size_t fewest_games(Question::About about, std::size_t questions);
+
 enum class Side { kUndecided, kAbove, kBelow };
 
 struct Decision {

@@ -224,8 +224,7 @@ double sign_flip_p(Values differences, const Resampling& flips) {
 }
 
 double mean_p(Values values) {
-  constexpr std::size_t kFewest = 10;
-  if (values.size() < kFewest) return 1;
+  if (values.size() < kFewestForMean) return 1;
   const double n = count(values), middle = mean(values);
   if (all_equal(values)) return middle == 0 ? 1 : std::pow(2, 1 - n);  // as if each could have the other sign
   double squares = 0, cubes = 0;

@@ -78,8 +78,9 @@ Counts count_signs(Values differences);
 /// for up to 16 differences, else random ones.
 double sign_flip_p(Values differences, const Resampling& flips = {.resamples = 99999});
 /// How probable a mean at least as far from 0 is if the true mean is 0: by Student's t and by Hall's correction of it
-/// for skewness, whichever is more cautious. 1 for fewer than ten values.
+/// for skewness, whichever is more cautious. 1 for fewer than `kFewestForMean` values.
 double mean_p(Values values);
+inline constexpr std::size_t kFewestForMean = 10;
 /// Holm's correction: the p of each, so that with `adjusted <= a` in all of them a false one is among them with
 /// a probability of at most a.
 std::vector<double> holm(Values p);

@@ -89,7 +89,10 @@ Asked ask_mean(const RowsOfGames& rows, const std::vector<Game>& games, double b
   out.answer.bound = bound;
   for (const Game& game : games) {
     const auto value = figure_of(rows, game, out.answer.metric.name);
-    if (value) out.answer.values.push_back(*value);
+    if (value) {
+      out.answer.values.push_back(*value);
+      out.answer.games.push_back(game);
+    }
     out.question.values.push_back(value ? std::optional(at_least ? *value - bound : bound - *value) : std::nullopt);
     if (!value && rows.contains(game)) ++out.answer.lost;
   }
@@ -110,6 +113,7 @@ Asked ask_difference(const RowsOfGames& first, const RowsOfGames& second, const 
     out.answer.first.push_back(*a);
     out.answer.second.push_back(*b);
     out.answer.values.push_back(*b - *a);
+    out.answer.games.push_back(game);
     out.question.values.back() = (metric.more_is_better ? *b - *a : *a - *b) + margin;
   }
   return out;

@@ -24,10 +24,11 @@ struct Answer {
   std::string asked;  ///< the requirement, or the strategy and sweep that it is compared with
   MetricOfRows metric;
   bool is_difference = false;
-  std::vector<double> values;         ///< the figures, or the differences in pairs, in the order of play
-  double bound = 0;                   ///< `values` are compared with this
-  std::vector<double> first, second;  ///< of a difference: the figures of the pairs
-  std::size_t lost = 0;               ///< games that the strategy did not complete, though what it is compared with did
+  std::vector<double> values;  ///< the figures, or the differences in pairs, in the order of play
+  std::vector<std::pair<std::string, std::uint64_t>> games;  ///< of the values: name and seed
+  double bound = 0;                                          ///< `values` are compared with this
+  std::vector<double> first, second;                         ///< of a difference: the figures of the pairs
+  std::size_t lost = 0;  ///< games that the strategy did not complete, though what it is compared with did
   Judgement judgement = Judgement::kUndecided;
   std::size_t after = 0;  ///< games
   double p = 1;           ///< corrected for the other questions

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMostDots = 300;  ///< games of a strategy that are drawn one by one
 constexpr double kRowHeight = 20, kTop = 24, kCharacter = 7, kWidth = 520;
+constexpr double kBelow = 6;  ///< games lie so far below their mean, which would hide them
 
 /// Of series, readable on white and on black.
 constexpr const char* kSeries[] = {"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1",
@@ -210,8 +211,6 @@ std::vector<std::string> names_of(const std::vector<PlotLine>& lines) {
   return out;
 }
 
-constexpr const char *kReferenceColour = "#c2187f", *kMeanColour = "#0093b8";
-
 }  // namespace
 
 Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string& metric, const std::string& against,
@@ -222,7 +221,7 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
     return input_error("there is no strategy '" + against + "'" + did_you_mean(against, all->strategies) +
                        "; there are " + some_of(all->strategies, 8));
   const std::vector<PlotLine>& lines = all->lines;
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), std::min(0.0, all->least), all->most);
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), all->least, all->most);
   bool some_only = false;
   for (const PlotLine& line : lines) some_only |= line.values.size() > kMostDots;
   out.caption(all->metric.title + " of a game: grey " +
@@ -231,13 +230,14 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PlotLine& line = lines[i];
     const bool reference = line.strategy == (against.empty() ? all->strategies.front() : against);
-    const std::string colour = reference ? kReferenceColour : kMeanColour, kind = reference ? "reference" : "mean";
+    const std::string colour = Drawing::colour_of(i), kind = Drawing::series_class(i);
     out.name(i, line.name);
     if (line.values.empty()) continue;
     const double mean = statistics::mean(line.values);
     if (reference && all->scenarios == 1)
       out.line(kind, out.x(mean), kTop - 8, out.x(mean), out.bottom(), colour, " stroke-dasharray=\"4 3\"");
-    for (const double value : quantiles_of(line.values)) out.dot("game", out.x(value), Drawing::y_of(i), 2.5, "#bbb");
+    for (const double value : quantiles_of(line.values))
+      out.dot("game", out.x(value), Drawing::y_of(i) + kBelow, 2.5, "#bbb");
     out.estimate(kind, i, mean, statistics::interval_95(line.values, statistics::mean), colour);
   }
   return out.svg();

@@ -12,9 +12,9 @@
 
 namespace cxlab::lab {
 
-/// A line for each strategy and scenario: the figure of each game in grey, and their mean with its 95 % interval in
-/// colour. A dashed line shows the mean of the first strategy, or of `against`. An empty metric is the one that the
-/// world compares. Scenarios with different metrics are an error.
+/// A line for each strategy and scenario: the figure of each game in grey, and above them their mean with its 95 %
+/// interval, in the colour that the strategy has in `profile_plot`. A dashed line shows the mean of the first strategy,
+/// or of `against`. An empty metric is the one that the world compares. Scenarios with different metrics are an error.
 Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string& metric, const std::string& against,
                                  const Catalogue& catalogue = shipped());
 /// A line for each difference: its mean with the 95 % interval, in the colour of its answer; 0 is no difference. All

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "cx/base/number_text.h"
 #include "lab/statistics/sequential.h"
@@ -413,12 +414,32 @@ Table requirement_table(const std::vector<Answer>& answers) {
 }
 
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers) {
+  using About = statistics::Question::About;
   std::vector<std::string> out;
-  for (const Answer& one : answers)
+  for (const Answer& one : answers) {
+    const std::string who = one.scenario + ", " + one.strategy + ": ";
     if (one.lost > 0)
-      out.push_back(one.scenario + ", " + one.strategy + ": " + std::to_string(one.lost) + " games were not completed" +
+      out.push_back(who + std::to_string(one.lost) + " games were not completed" +
                     (one.is_difference ? ", which it is compared with completed" : "") +
                     "; such a strategy is never better");
+    const std::size_t fewest =
+        statistics::fewest_games(one.is_difference ? About::kDifferences : About::kMean, answers.size());
+    if (one.judgement == Judgement::kUndecided && one.values.size() < fewest)
+      out.push_back(who + "found " + std::to_string(one.values.size()) + (one.is_difference ? " pairs of" : "") +
+                    " games, expected at least " + std::to_string(fewest) +
+                    " to answer anything; add seeds to the suite");
+  }
+  return out;
+}
+
+std::vector<std::size_t> worst_games(const Answer& answer) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::size_t> out(answer.values.size());
+  std::iota(out.begin(), out.end(), std::size_t{0});
+  std::ranges::stable_sort(out, {}, [&answer](std::size_t i) {
+    return answer.metric.more_is_better ? answer.values[i] : -answer.values[i];
+  });
+  out.resize(std::min(out.size(), kMost));
   return out;
 }
 

@@ -218,6 +218,10 @@ Expected<Suite> Suite::load(const fs::path& file) {
   if (!document) return document.error();
   Suite suite;
   yaml::Map map = document->root().as_map();
+  if (document->root().as_map().has("schema") && !map.has("scenarios"))
+    return input_error("this is a scenario, and no suite; cxlab run plays it, and 'scenarios: [" +
+                           file.filename().string() + "]' makes a suite of it",
+                       file.string(), 1);
   if (const yaml::Value scenarios = map.require("scenarios")) {
     std::vector<fs::path> files;
     std::vector<Origin> origins;

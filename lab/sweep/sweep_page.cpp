@@ -7,6 +7,7 @@
 #include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "cx/journal/run_folder.h"
 #include "lab/page.h"
 #include "lab/sweep/judge.h"
 #include "lab/sweep/plots.h"
@@ -22,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShownGames = 3;     ///< of each strategy, at each end
+constexpr std::size_t kShownGames = 3;  ///< of each strategy, at each end
+constexpr const char* kRequirements = "requirements.json";
 constexpr std::size_t kMostReasons = 100;  ///< lines of the table of failures and of that of warnings
 
 std::vector<Row> rows_alone(const std::vector<IndexedRow>& rows) {
@@ -267,6 +269,18 @@ Expected<SweepRecord> read_sweep(const fs::path& path, const Catalogue& catalogu
   return out;
 }
 
+Status keep_requirements(const fs::path& folder, const std::vector<Answer>& answers) {
+  const fs::path file = folder / kRequirements;
+  if (answers.empty()) {
+    std::error_code error;
+    fs::remove(file, error);
+    return error ? Status(resource_error(error.message(), file.string())) : Status();
+  }
+  Json json = json_of_table(requirement_table(answers));
+  json["remarks"] = remarks_on(answers);
+  return replace_file(file, json_text(json, 2) + '\n');
+}
+
 fs::path folder_of_game(const fs::path& sweep, const IndexedRow& row) {
   return sweep / "games" / fs::path(row.file).stem();
 }
@@ -313,6 +327,16 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
   data["warnings"] = json_of_reasons(warnings, false);
   data["more_failures"] = failures.size() - data["failures"].size();
   data["more_warnings"] = warnings.size() - data["warnings"].size();
+  data["requirements"] = nullptr;
+  if (is_folder(sweep.path) && is_file(sweep.path / kRequirements)) {
+    const auto text = read_file(sweep.path / kRequirements);
+    if (!text) return text.error();
+    const Json kept = parse_json(*text);
+    if (!kept.is_object() || !kept.contains("columns") || !kept.contains("rows"))
+      return input_error("found no table of requirements; cxlab bench writes it",
+                         (sweep.path / kRequirements).string());
+    data["requirements"] = kept;
+  }
   data["comparison"] = nullptr;
   if (before) {
     std::vector<std::string> notes;

@@ -8,6 +8,7 @@
 
 #include "cx/base/expected.h"
 #include "lab/sweep/index.h"
+#include "lab/sweep/judge.h"
 #include "lab/sweep/row.h"
 
 namespace cxlab::lab {
@@ -26,9 +27,14 @@ struct SweepPageOptions {
   std::filesystem::path file{};  ///< of the page: links are relative to its folder
 };
 
-/// Scores, differences, profiles and parts of the metric; the worst and the best games, with the commands that play
-/// them again and links to their pages where these are there (`folder_of_game`); failures and warnings; with `before`
-/// the same strategies in both sweeps. Fails where --metric or --against name nothing, not where no game was completed.
+/// Keeps what the requirements of the suite have come to in the folder of the sweep, for its page
+/// (`requirements.json`); without answers it takes the file away.
+Status keep_requirements(const std::filesystem::path& folder, const std::vector<Answer>& answers);
+
+/// What the requirements of the suite have come to, if it has some; scores, differences, profiles and parts of the
+/// metric; the worst and the best games, with the commands that play them again and links to their pages where these
+/// are there (`folder_of_game`); failures and warnings; with `before` the same strategies in both sweeps. Fails where
+/// --metric or --against name nothing, not where no game was completed.
 Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* before, const SweepPageOptions& options,
                                  const Catalogue& catalogue = shipped());
 

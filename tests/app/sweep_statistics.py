@@ -120,13 +120,16 @@ class SweepStatistics(Lab):
         circles = svg.findall(f"{tag}circle")
         self.assertEqual(len(circles), 62)
         texts = {text.text: text for text in svg.findall(f"{tag}text")}
-        left, right = float(texts["0"].get("x")), float(texts["600"].get("x"))
-        for name, y in (("first", "34"), ("<b> & c", "54")):
+        ticks = sorted((float(text), float(one.get("x"))) for text, one in texts.items() if one.get("class") == "axis")
+        (low, left), (high, right) = ticks[0], ticks[-1]
+        place = lambda points: left + (right - left) * (points - low) / (high - low)
+        for name, y, below in (("first", "34", "40"), ("<b> & c", "54", "60")):
             points = [p for of, _, p in rows if of == name]
             (mean,) = [c for c in circles if c.get("cy") == y and c.get("r") == "4.5"]
-            self.assertAlmostEqual(float(mean.get("cx")), left + (right - left) * sum(points) / 30 / 600, delta=0.2)
-            drawn = sorted(float(c.get("cx")) for c in circles if c.get("cy") == y and c.get("r") == "2.5")
-            self.assertTrue(all(abs(d - (left + (right - left) * p / 600)) < 0.2 for d, p in zip(drawn, sorted(points))))
+            self.assertAlmostEqual(float(mean.get("cx")), place(sum(points) / 30), delta=0.2)
+            drawn = sorted(float(c.get("cx")) for c in circles if c.get("cy") == below and c.get("r") == "2.5")
+            self.assertEqual(len(drawn), 30)
+            self.assertTrue(all(abs(d - place(p)) < 0.2 for d, p in zip(drawn, sorted(points))))
             (interval,) = [line for line in svg.findall(f"{tag}line") if line.get("y1") == y]
             self.assertTrue(float(interval.get("x1")) < float(mean.get("cx")) < float(interval.get("x2")))
             self.assertIn(name, texts)
@@ -140,12 +143,18 @@ class SweepStatistics(Lab):
         self.assertEqual(len((self.folder / "o/rows.csv").read_text().splitlines()), 1 + 3 * 12)
         every = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", "--all", code=1).stdout)
         self.assertEqual((every["games"], every["requirements"]), (20, answer["requirements"]))
-        self.assertIn("Answered after 12 of 20 games; --all plays the others, too.\n", self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", code=1).stdout)
+        said = self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", code=1).stdout
+        self.assertIn("Answered after 12 of 20 games; --all plays the others, too.\n", said)
+        self.assertRegex(said, r"\ns, short: 'short: not worse than long in sim_time_s' does not hold; the worst games: seed 1 \(-1\.0+\), seed 2 [^\n]*, seed 3 [^,\n]*\n"
+                               r"  cxlab run [^\n]*duration_s=1[^\n]*\n")
+        self.assertIn("not worse than long in sim_time_s", (self.folder / "o/index.html").read_text())
 
         self.write("kept.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: mean(sim_time_s) >= 1.5\n")
         self.cxlab("bench", "kept.yaml", "--out", "kept", "--quiet")
         self.write("equal.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: not worse than long in sim_time_s\n")
         self.cxlab("bench", "equal.yaml", "--out", "kept", "--quiet", code=6)
+        self.write("few.yaml", SUITE.replace("1..20", "1..5") + "require: mean(sim_time_s) >= 1.5\n")
+        self.assertIn("found 5 games, expected at least 10 to answer anything; add seeds", self.cxlab("bench", "few.yaml", "--out", "few", "--quiet", code=6).stdout)
         self.write("margin.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: not worse than long in sim_time_s by 0.1\n")
         self.cxlab("bench", "margin.yaml", "--out", "kept", "--quiet")
         self.write("before.yaml", SUITE.replace("same: []", "same: [duration_s=1]") + "earlier: {main: kept}\nrequire: not worse than main in sim_time_s\n")

@@ -238,7 +238,75 @@ TEST(Plots, DoNotGrowWithTheSweep) {
   ASSERT_TRUE(plot);
   EXPECT_EQ(found(*plot, "<circle class=\"(game)").size(), 300u);
   EXPECT_THAT(*plot, HasSubstr("300 quantiles"));
-  EXPECT_EQ(found(*plot, "<circle class=\"(mean|reference)").size(), 1u);
+  EXPECT_EQ(found(*plot, "<circle class=\"(series)").size(), 1u);
+}
+
+TEST(Plots, ScoresHaveTheColoursOfProfiles) {
+  const auto scores = score_plot(orchard(), "", "", catalogue()), profile = profile_plot(orchard(), "", catalogue());
+  ASSERT_TRUE(scores && profile);
+  const auto colours = found(*profile, "<path class=\"series[^>]* stroke=\"([^\"]*)");
+  ASSERT_EQ(colours.size(), 2u);
+  EXPECT_NE(colours[0], colours[1]);
+  EXPECT_EQ(found(*scores, "<circle class=\"series[^>]* fill=\"([^\"]*)"), colours);
+}
+
+TEST(Plots, GamesDoNotLieBehindTheirMean) {
+  const auto scores = score_plot(orchard(), "", "", catalogue());
+  ASSERT_TRUE(scores);
+  const auto means = found(*scores, "<circle class=\"series[^>]* cy=\"([^\"]*)");
+  ASSERT_EQ(means.size(), 2u);
+  for (const std::string& y : found(*scores, "<circle class=\"game[^>]* cy=\"([^\"]*)")) {
+    EXPECT_GE(std::abs(std::stod(y) - std::stod(means[0])), 5) << y;
+    EXPECT_GE(std::abs(std::stod(y) - std::stod(means[1])), 5) << y;
+  }
+}
+
+TEST(Plots, TheScaleOfScoresHasNoRoomWithoutGames) {
+  const auto scores = score_plot(orchard(), "", "", catalogue());  // 41 to 71
+  ASSERT_TRUE(scores);
+  const auto ticks = found(*scores, "<text class=\"axis[^>]*>([^<]*)");
+  ASSERT_GE(ticks.size(), 4u);
+  EXPECT_GE(std::stod(ticks.front()), 35);
+  EXPECT_LE(std::stod(ticks.front()), 41);
+}
+
+Answer answer(std::vector<double> values, Judgement judgement, bool more_is_better = true) {
+  Answer out;
+  out.scenario = "field";
+  out.strategy = "second";
+  out.asked = "mean(apples) >= 5";
+  out.metric.more_is_better = more_is_better;
+  out.values = std::move(values);
+  for (std::uint64_t seed = 1; seed <= out.values.size(); ++seed) out.games.emplace_back("", seed);
+  out.judgement = judgement;
+  return out;
+}
+
+TEST(Requirements, NameTheThreeWorstGames) {
+  const std::vector<double> values{5, 1, 9, 1, 0};
+  EXPECT_THAT(worst_games(answer(values, Judgement::kWorse)), ElementsAre(4, 1, 3));
+  EXPECT_THAT(worst_games(answer(values, Judgement::kWorse, false)), ElementsAre(2, 0, 1));
+  EXPECT_THAT(worst_games(answer({7}, Judgement::kWorse)), ElementsAre(0));
+}
+
+TEST(Requirements, SayHowManyGamesAreMissing) {
+  const std::vector<double> nine(9, 1.0), ten(10, 1.0);
+  EXPECT_THAT(remarks_on({answer(nine, Judgement::kUndecided)}),
+              ElementsAre(HasSubstr("found 9 games, expected at least 10")));
+  EXPECT_TRUE(remarks_on({answer(ten, Judgement::kUndecided)}).empty());
+  EXPECT_TRUE(remarks_on({answer(nine, Judgement::kWorse)}).empty());
+}
+
+TEST_F(SweepPageTest, KeepsTheAnswersToRequirements) {
+  const SweepRecord sweep = record(orchard());
+  EXPECT_THAT(page(sweep), Not(HasSubstr("Requirements")));
+  ASSERT_TRUE(keep_requirements(path("sweep"), {answer(std::vector<double>(9, 4.0), Judgement::kUndecided)}));
+  EXPECT_THAT(page(sweep), HasSubstr("mean(apples) &gt;= 5"));
+  EXPECT_THAT(page(sweep), HasSubstr("expected at least 10"));
+  ASSERT_TRUE(keep_requirements(path("sweep"), {}));
+  EXPECT_THAT(page(sweep), Not(HasSubstr("Requirements")));
+  write("sweep/requirements.json", "[1]");
+  EXPECT_THAT(page(sweep), HasSubstr("requirements.json"));
 }
 
 TEST(Statistics, TheIntervalOfManyValuesIsNearThatOfTheNormalDistribution) {

@@ -52,6 +52,27 @@ TEST(Decide, CorrectsForTheOtherQuestions) {
   EXPECT_EQ(both[1].side, Side::kUndecided);
 }
 
+TEST(Decide, NeedsTheFewestGames) {
+  for (const std::size_t questions : {1u, 2u, 3u, 20u, 100u}) {
+    const std::size_t fewest = fewest_games(Question::About::kDifferences, questions);
+    const auto side_after = [questions](std::size_t games) {
+      std::vector<Question> asked{differences(games, 5)};
+      asked.resize(questions, differences(games, 0));
+      return decide(asked, {games}).front().side;
+    };
+    EXPECT_EQ(side_after(fewest), Side::kAbove) << questions;
+    EXPECT_EQ(side_after(fewest - 1), Side::kUndecided) << questions;
+  }
+  const auto mean_after = [](std::size_t games) {
+    Question asked = differences(games, 5);
+    asked.about = Question::About::kMean;
+    return decide({asked}, {games}).front().side;
+  };
+  const std::size_t fewest = fewest_games(Question::About::kMean, 1);
+  EXPECT_EQ(mean_after(fewest), Side::kAbove);
+  EXPECT_EQ(mean_after(fewest - 1), Side::kUndecided);
+}
+
 TEST(Decide, KeepsADecisionWhileOthersAreOpen) {
   Question later = differences(20, 5), open = differences(20, 0);
   for (std::size_t i = 14; i < 20; ++i) later.values[i] = -50;

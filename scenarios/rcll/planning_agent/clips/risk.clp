@@ -15,6 +15,7 @@
   (+ 1 (length$ ?rings)))
 
 (deffunction note-brought (?action)
+  "Counts a product that a robot has brought on."
   (if (member$ ?action (create$ transport bring-to-delivery)) then (bind ?*BROUGHT* (+ ?*BROUGHT* 1))))
 
 (defrule risk-begins
