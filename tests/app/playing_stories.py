@@ -258,6 +258,7 @@ class FromAMoment(Stories):
         text = (self.folder / "mine/stories/ada.story.yaml").read_text()
         for part in ("begins_s: 1\n", "- '(door (state CLOSED))'", "publish: '/bell'", "published: '/door'", "fires: 'open-door'", "'(visitor \"Ada\")'"):
             self.assertIn(part, text)
+        self.assertNotIn("rules and facts only", done.stderr)
         self.assertEqual(self.cxlab("test", "mine/stories/ada.story.yaml").returncode, 0)
         rules = (self.folder / "mine/clips/agent.clp").read_text()
         for old, new in (("(door (state CLOSED))\n  =>", "(door (state OPEN))\n  =>"), ('"open for "', '"closed for "'), ('(topic "/bell")', '(topic "/bel")')):
@@ -282,6 +283,9 @@ class FromAMoment(Stories):
         self.assertRegex(text, r"- \{action: '/robot1/[a-z_]*', type: cxlab_skills/action/\w+, outcome: succeed, takes_s: ")
         self.assertRegex(text, "goal: '/robot1/")
         self.assertEqual(self.cxlab("test", "carrier/stories/early.story.yaml").returncode, 0)
+        self.assertRegex(done.stderr, r"note: (\d+) of \d+ things .* are not expected:\nnote:   \{fires: 'ignore-feedback', ")
+        short = self.cxlab("new", "story", "run", "--at", "9", "--for", "1", "--out", "short.story.yaml")
+        self.assertIn("note: it expects rules and facts only", short.stderr)
 
     def test_goals_under_way_end_as_they_did(self):
         self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
