@@ -15,6 +15,7 @@
 #include "lab/sweep/read_rows.h"
 #include "lab/sweep/score_tables.h"
 #include "lab/sweep/sweep_page.h"
+#include "lab/sweep/table.h"
 #include "lab/table_text.h"
 
 namespace cxlab::app {
@@ -60,6 +61,15 @@ std::string written(const Table& table, const std::string& format) {
   return lab::table_text(table, line_width());
 }
 
+/// Games with errors and warnings count in no table, so they are named beside it.
+void print_errors(const std::string& sweep) {
+  const auto read = lab::read_sweep(sweep, catalogue());
+  if (!read) return;  // what there is of it has been shown
+  std::vector<lab::Row> rows;
+  for (const lab::IndexedRow& one : read->rows) rows.push_back(one.row);
+  std::fputs(printable(lab::errors_text(lab::table_of(rows, catalogue()))).c_str(), stderr);
+}
+
 int show(const ShowOptions& options) {
   const std::string& format = options.written();
   if (format == "csv" && options.table.empty())
@@ -95,6 +105,7 @@ int show(const ShowOptions& options) {
   }
   for (std::size_t i = 0; i < tables.size(); ++i)
     std::printf("%s%s", i ? "\n" : "", written(tables[i], format).c_str());
+  print_errors(options.sweep);
   return 0;
 }
 

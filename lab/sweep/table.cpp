@@ -50,7 +50,7 @@ void add_errors(const Row& row, TableLine& line) {
 }
 
 /// Errors and warnings, a line each.
-std::string errors_text(const TableLine& line) {
+std::string errors_of_line(const TableLine& line) {
   constexpr std::size_t kMost = 5;
   std::string out;
   for (std::size_t i = 0; i < std::min(kMost, line.errors.size()); ++i)
@@ -190,6 +190,12 @@ std::string text_of(const TableLine& line) {
 
 }  // namespace
 
+std::string errors_text(const std::vector<TableLine>& table) {
+  std::string out;
+  for (const TableLine& line : table) out += errors_of_line(line);
+  return out;
+}
+
 std::string to_text(const std::vector<TableLine>& table) {
   std::string out, header;
   for (const TableLine& line : table) {
@@ -199,8 +205,7 @@ std::string to_text(const std::vector<TableLine>& table) {
     }
     out += text_of(line);
   }
-  std::string errors;
-  for (const TableLine& l : table) errors += errors_text(l);
+  const std::string errors = errors_text(table);
   return errors.empty() ? out : out + "\nerrors and warnings:\n" + errors + '\n';
 }
 

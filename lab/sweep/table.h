@@ -42,6 +42,8 @@ std::vector<TableLine> table_of(const std::vector<Row>& rows, const Catalogue& c
 
 /// The lines, under a header for each world in turn, and below them the errors and warnings of each.
 std::string to_text(const std::vector<TableLine>& table);
+/// The errors and warnings alone, a line each.
+std::string errors_text(const std::vector<TableLine>& table);
 std::string to_json(const std::vector<TableLine>& table);
 
 }  // namespace cxlab::lab

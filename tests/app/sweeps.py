@@ -139,6 +139,11 @@ class Sweeps(Lab):
         self.assertIn("wrong", messages[0][1])
         self.assertIn("late", messages[1][1])
         self.assertEqual(self.query(self.home / "r", "SELECT reason FROM runs WHERE cell = 5"), [(messages[0][1],)])
+        shown = subprocess.run([CXLAB, "bench", "show", "r", "--table", "scores", "--metric", "sim_time_s"], cwd=self.home, text=True, capture_output=True, timeout=60)
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertRegex(shown.stderr, r"game, duration_s=3, 2 of 2 episodes: .*wrong")
+        self.assertRegex(shown.stderr, r"game, duration_s=3, 2 of 2 episodes: .*late")
+        self.assertNotIn("episodes", shown.stdout)
         self.assertEqual(self.query(self.home / "r", "SELECT DISTINCT agent_commit FROM runs"), [("0123456789abcdef0123456789abcdef01234567",)])
         for cpu, memory, wall, host in self.query(self.home / "r", "SELECT cpu_s, peak_rss_mb, wall_time_s, host FROM runs"):
             self.assertTrue(0 < cpu < 60 and 1 < memory < 5000 and 0 < wall < 60 and host, (cpu, memory, wall, host))
