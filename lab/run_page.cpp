@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "cx/base/byte_codec.h"
 #include "cx/base/file.h"
@@ -147,14 +148,22 @@ std::string_view whole_chunks(std::string_view scene, std::size_t most) {
   return scene.substr(0, end);
 }
 
-/// The scripts of the page as one: each file is a module that says what it needs of the others, in this order.
-constexpr std::array kScripts{"data.js",  "time.js",   "scene.js", "draw.js",  "field.js", "field3d.js", "axis.js",
-                              "lanes.js", "orders.js", "chart.js", "table.js", "now.js",   "main.js"};
+/// The scripts of pages, below lab/pages: each file is a module that says what it needs of the others. A page has them as
+/// one, in this order.
+using Scripts = std::span<const char* const>;
+constexpr std::array kOfRun{"run/data.js",  "run/time.js",   "run/scene.js", "run/draw.js",  "run/field.js", "run/field3d.js", "run/axis.js",
+                            "run/lanes.js", "run/orders.js", "run/chart.js", "run/table.js", "run/now.js",   "run/theme.js", "run/main.js"};
+constexpr std::array kServedRun{"run/time.js",    "run/draw.js",   "view/served.js", "run/data.js",   "run/scene.js", "run/field.js",
+                                "run/field3d.js", "run/axis.js",   "run/lanes.js",   "run/orders.js", "run/chart.js", "run/table.js",
+                                "run/now.js", "run/theme.js",     "view/graph.js", "view/facts.js",  "view/sorted.js", "view/rules.js", "view/why.js",  "view/ask.js",
+                                "view/live.js",   "run/main.js"};
+constexpr std::array kServedRuns{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/sorted.js", "view/runs.js"};
+constexpr std::array kServedTwo{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/two.js"};
 
-Expected<std::string> scripts() {
+Expected<std::string> one_script(Scripts names) {
   std::string out;
-  for (const char* name : kScripts) {
-    const auto text = read_file(find_share().pages / "run" / name);
+  for (const char* name : names) {
+    const auto text = read_file(find_share().pages / name);
     if (!text) return text.error();
     for (std::size_t at = 0; at < text->size();) {
       const std::size_t end = std::min(text->find('\n', at), text->size() - 1) + 1;
@@ -220,7 +229,7 @@ Json tables_of(const RunPage& page) {
 Expected<std::string> run_page(const Json& head, RunPageData data) {
   auto page = render_page("run.html", json_text(head));
   if (!page) return page.error();
-  const auto script = scripts();
+  const auto script = one_script(kOfRun);
   if (!script) return script.error();
   const std::string run = packed(json_text(data.run));
   const std::string_view three = three_script();
@@ -239,6 +248,20 @@ Expected<std::string> run_page(const Json& head, RunPageData data) {
   add_element(*page, "<script type=\"module\">\n", *script);
   *page += "</html>\n";
   return page;
+}
+
+Expected<std::string> served_run_page(Json head) {
+  head["served"] = true;
+  return render_page("run.html", json_text(head));
+}
+
+Expected<std::string> served_page(const std::string& name) { return render_page("view/" + name, "{}"); }
+
+Expected<std::string> served_script(std::string_view name) {
+  if (name == "run.js") return one_script(kServedRun);
+  if (name == "runs.js") return one_script(kServedRuns);
+  if (name == "two.js") return one_script(kServedTwo);
+  return input_error("no page has a script '" + std::string(name) + "'");
 }
 
 }  // namespace cxlab::lab

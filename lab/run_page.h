@@ -31,6 +31,15 @@ Json tables_of(const RunPage& page);
 Expected<std::string> run_page(const Json& head, RunPageData data);
 inline constexpr std::size_t kLargestPage = 3'000'000;
 
+// --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/view.md)
+
+/// The page of a run. `head` as for `run_page`; its `live`: the run goes on.
+Expected<std::string> served_run_page(Json head);
+/// "runs.html", the table of the runs of a folder, or "two.html", two runs side by side.
+Expected<std::string> served_page(const std::string& name);
+/// The script that a served page loads: "run.js", "runs.js" or "two.js"; an error for any other name.
+Expected<std::string> served_script(std::string_view name);
+
 /// Bytes compressed with gzip, in base64; the same bytes give the same text.
 std::string packed(std::string_view bytes);
 

@@ -1,82 +1,25 @@
 """The page of a run in Chromium: it opens, plays, jumps and links, in 3D and where there is no WebGL. ./dev readers"""
 
 import json
-import os
 import random
-import shutil
 import subprocess
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.chrome.service import Service
 
-CXLAB = os.environ["CXLAB"]
-SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
-SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-NO_GL = ("--disable-gpu", "--disable-software-rasterizer")
+from in_browser import CXLAB, NO_GL, SOFTWARE_GL, SOURCE, Browser
 
 
-def chromium(*arguments, size=(1400, 900)):
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-background-networking", f"--window-size={size[0]},{size[1]}", *arguments):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-
-
-class Browser(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = Path(tempfile.mkdtemp(prefix="cxlab-page-"))
-        cls.addClassCleanup(shutil.rmtree, cls.folder)
-
-    @classmethod
-    def play(cls, name, *arguments):
-        run = cls.folder / name
-        if not run.exists():
-            subprocess.run([CXLAB, "run", *map(str, arguments), "--quiet", "--out", run], check=True, capture_output=True, timeout=120)
-        return run
-
+class Pages(Browser):
     def open(self, run, link="", gl=SOFTWARE_GL, size=(1400, 900)):
-        self.browser = chromium(*gl, size=size)
-        self.addCleanup(self.browser.quit)
+        self.start_browser(gl, size)
         self.show(run, link)
 
     def show(self, run, link=""):
-        self.browser.get(f"{(run / 'index.html').as_uri()}{link}")
-        self.until(lambda: self.js("document.documentElement.dataset.ready"))
-
-    def js(self, expression, *arguments):
-        return self.browser.execute_script(f"return {expression}", *arguments)
-
-    def until(self, what):
-        for _ in range(200):
-            if what():
-                return
-            time.sleep(0.05)
-        self.fail(f"has not come in 10 s; console: {self.browser.get_log('browser')}")
-
-    def press(self, *keys):
-        ActionChains(self.browser).send_keys(*keys).perform()
-
-    def shown(self):
-        return self.js("document.getElementById('time').value"), self.js("cxlab.clock.t")
-
-    def clean(self):
-        """No error in the console, and nothing but the page itself was asked for."""
-        self.assertEqual([line for line in self.browser.get_log("browser") if line["level"] in ("SEVERE", "WARNING") and "GPU stall" not in line["message"]
-                          and "GroupMarkerNotSet" not in line["message"]], [])
-        for line in self.browser.get_log("performance"):
-            message = json.loads(line["message"])["message"]
-            if message["method"] == "Network.requestWillBeSent":
-                self.assertRegex(message["params"]["request"]["url"], "^(file|data|chrome|about):")
+        self.show_address(f"{(run / 'index.html').as_uri()}{link}")
 
     def game(self):
         return self.play("game", "rcll/game", "--seed", 5)
@@ -199,7 +142,7 @@ class Browser(unittest.TestCase):
 
     def test_scripts_have_their_types(self):
         done = subprocess.run(["tsc", "--noEmit", "--allowJs", "--checkJs", "--strict", "--target", "es2022", "--lib", "es2022,dom,dom.iterable", "--module", "es2022",
-                               "--moduleResolution", "node", SOURCE / "lab/pages/run/main.js"], capture_output=True, text=True, timeout=120)
+                               "--moduleResolution", "node", *(SOURCE / "lab/pages").glob("*/*.js")], capture_output=True, text=True, timeout=120)
         self.assertEqual((done.returncode, done.stdout), (0, ""))
 
 

@@ -26,6 +26,8 @@ export class Axis {
     this.told = new WeakMap();
     /** @type {{element: HTMLElement, length: number}[]} */
     this.texts = [];
+    /** @type {(() => void)[]} */
+    this.listening = [];
     this.seeks(this.ticks);
     const told = (/** @type {Event} */ event) => this.told.get(/** @type {Element} */ (event.target));
     this.box.addEventListener('pointerover', (/** @type {PointerEvent} */ event) => {
@@ -47,6 +49,19 @@ export class Axis {
     new ResizeObserver(() => this.place()).observe(this.box);
     span.listen(() => this.place());
     clock.listen(() => this.placeCursor());
+  }
+
+  /** Without rows, for what is known of the run now. */
+  clear(/** @type {import('./data.js').Run} */ run) {
+    for (const end of this.listening) end();
+    this.listening = [];
+    this.texts = [];
+    this.run = run;
+    this.box.replaceChildren(this.head, this.cursor);
+  }
+  /** As long as the rows are there. */
+  listen(/** @type {{listen: (call: () => void) => () => void}} */ signal, /** @type {() => void} */ call) {
+    this.listening.push(signal.listen(call));
   }
 
   share(/** @type {number} */ t) {

@@ -27,7 +27,7 @@ export function addChart(/** @type {import('./axis.js').Axis} */ axis, /** @type
   track.append(el('svg', { viewBox: `0 0 ${end} ${HEIGHT}`, preserveAspectRatio: 'none', height: HEIGHT },
     ...steps.map((value) => el('line', { class: 'grid', x1: 0, x2: end, y1: y(value), y2: y(value) })),
     ...shown.filter((one) => one.line.part).map((one) => one.path), ...shown.filter((one) => !one.line.part).map((one) => one.path)));
-  axis.clock.listen(() => {
+  axis.listen(axis.clock, () => {
     for (const { line, times, value } of shown) {
       const i = lastNotAfter(times, axis.clock.t);
       value.textContent = String(i < 0 ? 0 : line.steps[i][1]);

@@ -1,5 +1,5 @@
 // Where the page has its run from: from itself. A program that serves the page may set `window.cxlabSource` to an object with
-// the same three functions before this script runs.
+// the same three functions before this script runs; `three` runs three.js.
 
 /**
  * @typedef {{ shape: string, kind: string, begin: number, end: number, text: string, remark?: string, task?: string }} Bar
@@ -16,7 +16,7 @@
  * @typedef {{ name: string, fill: string, ink: string, hatched: boolean }} Kind
  * @typedef {{ end: number, kinds: Kind[], shades: {kind: string, begin: number, end: number, text: string}[], parts: Part[],
  *   events: RunEvent[] }} Run
- * @typedef {{ run: () => Promise<Run>, scene: () => Promise<Uint8Array|null>, three: () => Promise<string> }} Source
+ * @typedef {{ run: () => Promise<Run>, scene: () => Promise<Uint8Array|null>, three: () => Promise<void> }} Source
  */
 
 /** The bytes of a text in base64 that gzip has compressed. */
@@ -37,5 +37,13 @@ const decode = (/** @type {Uint8Array|null} */ bytes) => new TextDecoder().decod
 export const source = /** @type {any} */ (window).cxlabSource || {
   run: async () => JSON.parse(decode(await bytesIn('run-data'))),
   scene: () => bytesIn('run-scene'),
-  three: async () => decode(await bytesIn('three-js')),
+  three: async () => {
+    const script = document.createElement('script');
+    script.append(decode(await bytesIn('three-js')));
+    document.head.append(script);
+  },
 };
+
+/** What a program that serves the page adds to it: called with the page when all its parts are there.
+ * @type {((page: import('./main.js').Page) => void)[]} */
+export const additions = [];

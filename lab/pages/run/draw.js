@@ -7,7 +7,7 @@ import { timeText } from './time.js';
  * @returns {any}
  */
 export function el(/** @type {string} */ tag, /** @type {Object<string, any>} */ attributes = {}, /** @type {any[]} */ ...content) {
-  const svg = ['svg', 'path', 'rect', 'line', 'ellipse', 'g', 'text'].includes(tag);
+  const svg = ['svg', 'path', 'rect', 'line', 'ellipse', 'circle', 'g', 'text', 'foreignObject'].includes(tag);
   const element = svg ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith('on')) element.addEventListener(name.slice(2), value);

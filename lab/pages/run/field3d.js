@@ -12,7 +12,7 @@ export async function make3d(/** @type {HTMLCanvasElement} */ canvas, /** @type 
   const renderer = names ? tried.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
   tried.getExtension('WEBGL_lose_context')?.loseContext();
   const global = /** @type {any} */ (window);
-  if (!global.THREE) document.head.append(el('script', {}, await source.three()));
+  if (!global.THREE) await source.three();
   return new View3d(global.THREE, canvas, area, redraw, /swiftshader|llvmpipe|software/i.test(renderer));
 }
 

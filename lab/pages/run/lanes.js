@@ -24,7 +24,7 @@ export function addLanes(/** @type {import('./axis.js').Axis} */ axis, /** @type
       }));
     }
     for (const mark of lane.marks) track.append(axis.mark(mark, [mark.text]));
-    choice.listen(() => row.classList.toggle('chosen', choice.name === lane.name));
+    axis.listen(choice, () => row.classList.toggle('chosen', choice.name === lane.name));
   }
 }
 

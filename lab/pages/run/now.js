@@ -36,8 +36,8 @@ export class Now {
     this.details = el('div', { class: 'selection', 'aria-live': 'polite' });
     this.box = el('section', { class: 'now' }, this.details, el('div', { class: 'scroll' }, list));
     this.box.hidden = !this.lines.length && scene.empty;
-    axis.clock.listen(() => this.show());
-    choice.listen(() => this.showChosen());
+    axis.listen(axis.clock, () => this.show());
+    axis.listen(choice, () => this.showChosen());
   }
 
   show() {

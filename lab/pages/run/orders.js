@@ -31,7 +31,7 @@ export function addTasks(/** @type {import('./axis.js').Axis} */ axis, /** @type
         axis.clock.seek(t);
       }));
     }
-    choice.listen(() => row.classList.toggle('chosen', choice.task === task));
+    axis.listen(choice, () => row.classList.toggle('chosen', choice.task === task));
   }
 }
 

@@ -161,20 +161,28 @@ export class Scene {
     /** @type {Map<number, Track>} */
     this.tracks = new Map();
     this.until = 0;
+    this.size = 0; // bytes that have been read
     if (bytes) this.read(bytes);
   }
   get empty() {
     return this.tracks.size === 0;
   }
 
+  /** The file from byte `size` on, as far as its chunks are whole. */
   read(/** @type {Uint8Array} */ bytes) {
-    if (new TextDecoder().decode(bytes.subarray(0, MAGIC.length)) !== MAGIC) throw new Error('the scene is none');
+    let at = 0;
+    if (!this.size) {
+      if (new TextDecoder().decode(bytes.subarray(0, MAGIC.length)) !== MAGIC) throw new Error('the scene is none');
+      at = MAGIC.length;
+    }
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-    for (let at = MAGIC.length; at + CHUNK_HEAD <= bytes.length;) {
+    while (at + CHUNK_HEAD <= bytes.length) {
       const end = at + CHUNK_HEAD + view.getUint32(at, true);
+      if (end > bytes.length) break;
       this.readChunk(new Reader(bytes.subarray(0, end), at + CHUNK_HEAD));
       at = end;
     }
+    this.size += at;
   }
 
   readChunk(/** @type {Reader} */ input) {

@@ -24,7 +24,8 @@ export function addEventRows(/** @type {import('./axis.js').Axis} */ axis, /** @
 
 export class EventTable {
   constructor(/** @type {import('./axis.js').Axis} */ axis, /** @type {import('./data.js').RunEvent[]} */ events,
-    /** @type {import('./time.js').Choice} */ choice, /** @type {(id: string|undefined) => import('./data.js').Task|null} */ taskOf) {
+    /** @type {import('./time.js').Choice} */ choice, /** @type {(id: string|undefined) => import('./data.js').Task|null} */ taskOf,
+    /** @type {EventTable|null} */ before = null) {
     this.axis = axis;
     this.events = events;
     this.choice = choice;
@@ -35,10 +36,11 @@ export class EventTable {
       this.show();
     };
     const names = [...new Set(events.map((event) => event.kind))];
-    this.kinds = new Map(names.map((kind) => [kind, el('input', { type: 'checkbox', checked: true, onchange: changed })]));
+    this.kinds = new Map(names.map((kind) => [kind, el('input', { type: 'checkbox', checked: before?.kinds.get(kind)?.checked ?? true, onchange: changed })]));
     this.who = el('select', { 'aria-label': 'of whom', onchange: changed }, el('option', { value: '' }, 'everybody'),
-      ...[...new Set(events.map((event) => event.who || ''))].filter(Boolean).sort().map((who) => el('option', { value: who }, who)));
+      ...[...new Set(events.map((event) => event.who || ''))].filter(Boolean).sort().map((who) => el('option', { value: who, selected: who === before?.who.value }, who)));
     this.text = el('input', { type: 'search', placeholder: 'text', 'aria-label': 'text of events', oninput: changed });
+    this.text.value = before?.text.value || '';
     this.count = el('span', { class: 'note' });
     this.body = el('tbody', {});
     this.more = el('button', { type: 'button', onclick: () => { this.most *= 4; this.show(); } }, 'show more');
@@ -51,7 +53,7 @@ export class EventTable {
       el('div', { class: 'scroll' }, el('table', {},
         el('thead', {}, el('tr', {}, ...['time', 'kind', 'who', 'what', 'why'].map((head) => el('th', {}, head)))), this.body)), this.more);
     this.show();
-    axis.clock.listen(() => this.follow());
+    axis.listen(axis.clock, () => this.follow());
   }
 
   get chosen() {

@@ -20,9 +20,11 @@ class Signal {
     /** @type {(() => void)[]} */
     this.listeners = [];
   }
+  /** Returns what ends it. */
   listen(/** @type {() => void} */ call) {
     this.listeners.push(call);
     call();
+    return () => { this.listeners = this.listeners.filter((one) => one !== call); };
   }
   emit() {
     for (const call of this.listeners) call();
@@ -37,6 +39,11 @@ export class Clock extends Signal {
     this.speed = 10;
     this.playing = false;
     this.last = 0;
+  }
+  /** The run has gone on. */
+  grow(/** @type {number} */ end) {
+    this.end = end;
+    this.emit();
   }
   seek(/** @type {number} */ t) {
     this.t = Math.min(this.end, Math.max(0, t));
@@ -85,6 +92,12 @@ export class Span extends Signal {
     const share = Math.min(1, Math.max(0, (around - this.from) / this.length));
     const length = Math.min(this.clock.end, Math.max(Math.min(2, this.clock.end), this.length * factor));
     this.show(around - share * length, length);
+  }
+  /** The run has gone on: what showed the whole run shows the whole run. */
+  grow(/** @type {number} */ end) {
+    const all = this.from === 0 && this.to === this.clock.end;
+    this.clock.grow(end);
+    if (all) this.show(0, end);
   }
   /** A page further when the time leaves it. */
   follow() {
