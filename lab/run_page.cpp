@@ -155,7 +155,7 @@ constexpr std::array kOfRun{"run/data.js",  "run/time.js",   "run/scene.js", "ru
                             "run/lanes.js", "run/orders.js", "run/chart.js", "run/table.js", "run/now.js",   "run/theme.js", "run/main.js"};
 constexpr std::array kServedRun{"run/time.js",    "run/draw.js",   "view/served.js", "run/data.js",   "run/scene.js", "run/field.js",
                                 "run/field3d.js", "run/axis.js",   "run/lanes.js",   "run/orders.js", "run/chart.js", "run/table.js",
-                                "run/now.js", "run/theme.js",     "view/graph.js", "view/facts.js",  "view/sorted.js", "view/rules.js", "view/why.js",  "view/ask.js",
+                                "run/now.js", "run/theme.js",     "view/graph.js", "view/facts.js",  "view/sorted.js", "view/rules.js", "view/why.js", "view/users.js", "view/ask.js",
                                 "view/live.js",   "run/main.js"};
 constexpr std::array kServedRuns{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/sorted.js", "view/runs.js"};
 constexpr std::array kServedTwo{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/two.js"};

@@ -7,6 +7,7 @@ import { askButton, factDetails, Facts, ruleButton } from './facts.js';
 import { Live } from './live.js';
 import { Agenda, Firings, Globals, Rules, sourceView, valuesText } from './rules.js';
 import { request, Turns } from './served.js';
+import { Users } from './users.js';
 import { Why, WhyNot } from './why.js';
 
 const REST_MS = 200; // the slider rests so long before something is asked
@@ -32,7 +33,7 @@ export class Ask {
     this.backwards = [button('◀ firing', 'to before the last rule that fired (,)', () => this.go({ back: 1 })), button('◀ until', 'back to where that happened last (Shift+Enter)', () => this.go({ back_until: this.until.value.trim() }))];
     this.moves = el('span', { class: 'moves' }, this.backwards[0], button('firing ▶', 'until one rule has fired (.)', () => this.go({ step: 1 })), this.backwards[1], this.until,
       button('until ▶', 'to where that happens next (Enter)', () => this.go({ until: this.until.value.trim() })));
-    this.tabs = [new Facts(this), new Agenda(this), new Rules(this), new Firings(this), new Globals(this), new Why(this), new WhyNot(this)];
+    this.tabs = [new Facts(this), new Agenda(this), new Rules(this), new Firings(this), new Globals(this), new Why(this), new WhyNot(this), new Users(this)];
     /** @type {any} */
     this.tab = this.tabs[0];
     this.bar = el('div', { class: 'tabs', role: 'tablist', onkeydown: (/** @type {KeyboardEvent} */ event) => this.turn(event) });
@@ -127,7 +128,7 @@ export class Ask {
   async findEnvironments() {
     const answer = await this.question('envs', {});
     if (!answer) return;
-    const names = answer.envs.map((/** @type {any} */ one) => one.name);
+    const names = answer.environments.map((/** @type {any} */ one) => one.environment);
     if (names.join() !== [...this.envs.options].map((/** @type {any} */ one) => one.value).join()) {
       this.envs.replaceChildren(...names.map((/** @type {string} */ name) => el('option', { value: name }, name)));
       if (!names.includes(this.env)) this.env = '';
@@ -143,7 +144,7 @@ export class Ask {
     this.completing = setTimeout(async () => {
       const answer = await this.question('words', { begun }).catch(() => undefined);
       const before = text.slice(0, text.length - begun.length);
-      if (answer) this.words.replaceChildren(...answer.words.slice(0, 50).map((/** @type {string} */ word) => el('option', { value: before + word })));
+      if (answer) this.words.replaceChildren(...answer.words.slice(0, 50).map((/** @type {any} */ one) => el('option', { value: before + one.word, label: one.kind })));
     }, REST_MS);
   }
 
@@ -221,7 +222,7 @@ export class Ask {
       const answer = await this.question('changes', { what });
       if (!answer) return;
       if (!answer.facts.length) throw new Error(what + ' is not there at ' + timeText(this.page.clock.t) + '.');
-      this.showDetail(what, ...factDetails(answer.facts[0], this));
+      this.showDetail(what, ...factDetails(answer.facts[answer.facts.length - 1], this));
     });
   }
   why(/** @type {string} */ what) {
@@ -229,6 +230,10 @@ export class Ask {
   }
   whyNot(/** @type {string} */ what) {
     return this.graphOf('why-not', what);
+  }
+  /** Rules that make such facts, and those that need them. */
+  usersOf(/** @type {string} */ what) {
+    return this.graphOf('users', what);
   }
   graphOf(/** @type {string} */ name, /** @type {string} */ what) {
     this.what = what;
@@ -241,7 +246,7 @@ export class Ask {
   address() {
     const { tab } = this, t = tab.follows ? null : tab.t;
     /** @type {Object<string, string>} */
-    const out = { ask: tab === this.tabs[0] && !this.env ? '' : tab.name, what: tab.follows ? '' : this.what, env: this.envs.options.length > 1 ? this.env : '' };
+    const out = { ask: tab === this.tabs[0] && !this.env ? '' : tab.name, what: tab.asks ? this.what : '', env: this.envs.options.length > 1 ? this.env : '' };
     // A graph stays as of the time at which it was asked.
     if (t !== null && t !== undefined && t !== this.page.clock.t) out.at = String(Number(t.toFixed(2)));
     return out;
@@ -251,7 +256,7 @@ export class Ask {
     const env = wanted.get('env'), what = wanted.get('what') || '';
     if (!tab || (tab === this.tab && what === this.what && (!env || env === this.env))) return;
     if (env) this.env = env;
-    if (!tab.follows) this.what = what;
+    if (tab.asks) this.what = what;
     const at = Number(wanted.get('at'));
     if (wanted.has('at') && at >= 0) this.page.clock.seek(at);
     this.choose(tab.name);

@@ -66,7 +66,9 @@ export function factDetails(/** @type {import('./served.js').Fact} */ fact, /** 
     el('td', {}, timeButton(clock, Math.max(0, change.t_s))),
     el('td', {}, el('div', {}, done(change.what), ...doerText(change.by, ask)), factText(change.text, i ? fact.changes[i - 1].text : undefined))));
   return [el('h3', {}, fact.fact || fact.template, fact.present ? '' : el('span', { class: 'note' }, ' has gone')), factText(text),
-    el('p', { class: 'buttons' }, askButton('why', 'how it came about', () => ask.why(what)), fact.present ? askButton('who waits for it', 'rules that need it, and what they lack', () => ask.whyNot(what)) : ''),
+    el('p', { class: 'buttons' }, askButton('why', 'how it came about', () => ask.why(what)),
+      fact.present ? askButton('who waits for it', 'rules that need it, and what they lack', () => ask.whyNot(what)) : '',
+      askButton('makers and users', 'rules that make such facts, and those that need them', () => ask.usersOf(what))),
     changes.length ? el('table', { class: 'changes' }, ...changes) : el('p', { class: 'note' }, 'nothing was recorded of it')];
 }
 
@@ -104,7 +106,7 @@ export class Facts {
 
   async load() {
     const pattern = this.pattern;
-    const answer = await this.ask.question('facts', { what: pattern, limit: MOST_FACTS });
+    const answer = await this.ask.question('facts', { what: pattern, limit: MOST_FACTS, brief: true });
     if (!answer) return;
     this.facts = answer.facts;
     this.total = answer.total ?? answer.facts.length;
@@ -130,7 +132,7 @@ export class Facts {
     const made = (/** @type {import('./served.js').Change} */ change) => [done(change.what) + ' ', timeButton(ask.page.clock, Math.max(0, change.t_s)), ...doerText(change.by, ask)];
     return el('tr', {},
       el('td', {}, el('button', { type: 'button', class: 'link', title: 'why it is there', onclick: () => ask.why(fact.fact || text) }, fact.fact || '')),
-      el('td', {}, el('button', { type: 'button', class: 'plain', title: 'its history', onclick: () => ask.showDetail('', ...factDetails(fact, ask)) }, factText(text)),
-        el('div', { class: 'note' }, ...(first ? made(first) : []), ...(last && last !== first ? ['; ' + (fact.changes.length - 1) + ' changes, the last: ', ...made(last)] : []))));
+      el('td', {}, el('button', { type: 'button', class: 'plain', title: 'its history', onclick: () => ask.showFact(fact.fact || text) }, factText(text)),
+        el('div', { class: 'note' }, ...(first ? made(first) : []), ...(last && last !== first ? ['; last ', ...made(last)] : []))));
   }
 }

@@ -4,8 +4,8 @@
 import { el, tip } from '../run/draw.js';
 
 /**
- * @typedef {{ text: string, kind?: string, more?: string, act?: () => void, open?: () => Node[]|Promise<Node[]>, to?: string[] }} Row
- *   `open` gives the boxes that it leads to; `to`: their keys, once it is open
+ * @typedef {{ text: string, kind?: string, more?: string, act?: () => void, open?: () => Node[]|Promise<Node[]>, to?: string[], atOnce?: boolean }} Row
+ *   `open` gives the boxes that it leads to, `atOnce` without a click; `to`: their keys, once it is open
  * @typedef {{ key: string, kind: string, title: string, lines: string[], rows: Row[], act?: () => void, column?: number, x?: number, y?: number }} Node
  */
 

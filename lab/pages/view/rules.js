@@ -7,8 +7,8 @@ import { sortedTable } from './sorted.js';
 const MOST_FIRINGS = 300;
 
 /**
- * @typedef {{ number: number, line: number, end_line: number, holds: boolean|null }} Condition
- * @typedef {{ rule: string, file: string, first_line: number, text: string, conditions: Condition[], because: string|null }} Source
+ * @typedef {{ condition: number, text: string, line: number, end_line: number, holds: boolean|null }} Condition
+ * @typedef {{ rule: string, file: string|null, first_line: number, text: string, conditions?: Condition[]|null, because?: string|null }} Source
  */
 
 /** The rule as it is written. With `marks`: which conditions hold, and the first that does not. */
@@ -16,12 +16,12 @@ export function sourceView(/** @type {Source} */ source, marks = true) {
   const lines = source.text.split('\n');
   return el('div', { class: 'source scroll', tabindex: 0, role: 'group', 'aria-label': 'source of ' + source.rule }, ...lines.flatMap((line, i) => {
     const number = source.first_line + i;
-    const of = marks ? source.conditions.find((one) => one.line <= number && number <= one.end_line) : undefined;
+    const of = marks ? (source.conditions || []).find((one) => one.line <= number && number <= one.end_line) : undefined;
     const state = !of ? '' : of.holds === true ? 'holds' : of.holds === false ? 'fails' : 'open';
-    const row = el('div', { class: 'code ' + state, 'data-condition': of ? of.number : undefined, title: of ? 'condition ' + of.number + ({ holds: ' holds', fails: ' does not hold', open: ': not looked at, one before it does not hold' })[state] : undefined },
+    const row = el('div', { class: 'code ' + state, 'data-condition': of ? of.condition : undefined, title: of ? 'condition ' + of.condition + ({ holds: ' holds', fails: ' does not hold', open: ': not looked at, one before it does not hold' })[state] : undefined },
       el('span', { class: 'number', 'aria-hidden': 'true' }, number), el('code', {}, line || ' '));
     const ends = of && state === 'fails' && number === of.end_line;
-    return ends && source.because ? [row, el('div', { class: 'because' }, 'condition ' + of.number + ' does not hold: ' + source.because)] : [row];
+    return ends && source.because ? [row, el('div', { class: 'because' }, 'condition ' + of.condition + ' does not hold: ' + source.because)] : [row];
   }));
 }
 

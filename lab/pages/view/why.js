@@ -24,6 +24,7 @@ class GraphTab {
     this.name = name;
     this.title = title;
     this.follows = false;
+    this.asks = true;
     this.hint = hint;
     this.graph = new Graph();
     this.what = el('input', { type: 'search', placeholder: hint, 'aria-label': title, list: 'words', onchange: () => this.begin(), oninput: () => ask.complete(this.what.value) });
@@ -150,15 +151,23 @@ export class WhyNot extends GraphTab {
     return isAboutFact(what) ? this.factNode(what, answer) : this.ruleNode(what, answer);
   }
 
+  async follow(/** @type {Node} */ root) {
+    for (const row of root.rows) if (row.atOnce) await this.graph.open(root, row);
+    await super.follow(root);
+  }
+
   /** A rule and its conditions; the one that does not hold leads to the rules that could change that. @returns {Node} */
   ruleNode(/** @type {string} */ rule, /** @type {any} */ answer) {
     const found = answer.explanations[0], unmet = found.first_unmet;
     const lines = [found.file + ':' + found.line, verdictText(found), found.fired ? 'fired ' + found.fired + ' times, the last at ' + timeText(found.last_fired_s, 3) : 'has not fired so far'];
     /** @type {Row[]} */
     const rows = [];
+    for (const one of found.conditions || (unmet ? [{ condition: unmet.condition, text: unmet.pattern || '', holds: false }] : [])) {
+      const fails = one.condition === unmet?.condition;
+      rows.push({ kind: fails ? 'fails' : one.holds ? 'holds' : 'open', text: one.condition + '  ' + one.text, more: fails ? unmet.because : '', atOnce: fails, open: fails && found.makers ? () => this.makerNodes(found.makers) : undefined });
+      if (fails) rows.push({ kind: 'fails', text: unmet.because, more: unmet.fact || '' });
+    }
     if (unmet) {
-      rows.push({ kind: 'fails', text: 'condition ' + unmet.condition + ': ' + (unmet.pattern || ''), more: unmet.because, open: found.makers ? () => this.makerNodes(found.makers) : undefined });
-      rows.push({ kind: 'fails', text: unmet.because, more: unmet.fact || '' });
       if (unmet.fact) rows.push({ kind: 'fact', text: unmet.fact, act: () => this.ask.showDetail(unmet.fact, el('h3', {}, 'the nearest fact'), factText(unmet.fact), el('p', { class: 'buttons' }, el('button', { type: 'button', class: 'ask', onclick: () => this.ask.why(unmet.fact) }, 'why'))) });
     }
     for (const fact of (found.holds?.facts || [])) rows.push({ kind: 'fact', text: fact });
@@ -199,7 +208,7 @@ export class WhyNot extends GraphTab {
   factNode(/** @type {string} */ what, /** @type {any} */ answer) {
     if (!answer.fact) {
       /** @type {Row[]} */
-      const rows = answer.makers ? [{ text: 'rules that could make it', kind: 'fails', open: () => this.makerNodes(answer.makers) }] : [];
+      const rows = answer.makers ? [{ text: 'rules that could make it', kind: 'fails', atOnce: true, open: () => this.makerNodes(answer.makers) }] : [];
       return { key: 'fact', kind: 'fact', title: what, lines: ['no fact matches', answer.nearest || ''].filter(Boolean), rows };
     }
     const row = (/** @type {any} */ user, /** @type {string} */ kind, /** @type {string} */ text) => ({ kind, text: user.rule + text, more: user.place + '  ' + user.condition,
