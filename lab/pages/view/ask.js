@@ -51,9 +51,9 @@ export class Ask {
 
   addTabs() {
     this.bar.replaceChildren(...this.tabs.map((tab) => el('button', { type: 'button', role: 'tab', id: 'ask-' + tab.name, onclick: () => this.choose(tab.name) }, tab.title)));
-    this.choose(this.tab.name);
+    this.turnTo(this.tab.name);
   }
-  choose(/** @type {string} */ name) {
+  turnTo(/** @type {string} */ name) {
     this.tab = this.tabs.find((tab) => tab.name === name) || this.tabs[0];
     for (const button of this.bar.children) {
       const chosen = button.id === 'ask-' + this.tab.name;
@@ -62,6 +62,9 @@ export class Ask {
     }
     this.pane.replaceChildren(this.tab.box);
     this.pane.setAttribute('aria-labelledby', 'ask-' + this.tab.name);
+  }
+  choose(/** @type {string} */ name) {
+    this.turnTo(name);
     this.page.address.later();
     return this.refresh();
   }
@@ -108,10 +111,9 @@ export class Ask {
         if ('t' in when && !('t' in order)) await request('go', when);
         const { place } = await request('go', order);
         this.stand(place);
-        if (!this.live) {
-          this.page.clock.seek(Math.max(0, place.t));
-          this.stood = this.page.clock.t;
-        }
+        if (this.live) return;
+        this.t = this.stood = Math.min(this.page.clock.end, Math.max(0, place.t));
+        this.page.clock.seek(this.stood);
       });
       await this.load();
     } catch (error) {
@@ -173,9 +175,11 @@ export class Ask {
     }
   }
   async load() {
+    const turn = this.asked;
     this.problem.hidden = true;
     this.t = this.page.clock.t;
     if (!this.envs.options.length) await this.findEnvironments();
+    if (turn !== this.asked) return;
     await this.tab.load();
     this.page.address.later();
   }
@@ -191,7 +195,6 @@ export class Ask {
     const close = el('button', { type: 'button', class: 'close', title: 'close', 'aria-label': 'close', onclick: () => { this.detail.hidden = true; } }, '×');
     this.detail.replaceChildren(close, ...content);
     this.detail.hidden = !content.length;
-    this.detail.title = '';
     this.detail.scrollTo(0, 0);
     this.detail.dataset.of = title;
   }
@@ -254,12 +257,15 @@ export class Ask {
   read(/** @type {URLSearchParams} */ wanted) {
     const name = wanted.get('ask'), tab = this.tabs.find((one) => one.name === name);
     const env = wanted.get('env'), what = wanted.get('what') || '';
-    if (!tab || (tab === this.tab && what === this.what && (!env || env === this.env))) return;
+    const same = !tab || (tab === this.tab && what === this.what && (!env || env === this.env));
+    if (same && this.begun) return;
+    this.begun = true;
     if (env) this.env = env;
-    if (tab.asks) this.what = what;
-    const at = Number(wanted.get('at'));
-    if (wanted.has('at') && at >= 0) this.page.clock.seek(at);
-    this.choose(tab.name);
+    if (tab?.asks) this.what = what;
+    const { clock } = this.page, { t } = clock, at = Number(wanted.get('at'));
+    const elsewhere = wanted.has('at') && at >= 0;
+    if (elsewhere) clock.seek(at);
+    this.choose(tab?.name || this.tab.name).then(() => elsewhere && clock.seek(t));
   }
 }
 

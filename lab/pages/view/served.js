@@ -34,7 +34,8 @@ export async function request(/** @type {string} */ path, /** @type {any} */ bod
 /** Bytes; null where there are none. */
 export async function bytesOf(/** @type {string} */ path) {
   const response = await answerOf(path, undefined);
-  return response.ok ? new Uint8Array(await response.arrayBuffer()) : null;
+  const bytes = new Uint8Array(await response.arrayBuffer());
+  return response.ok && bytes.length ? bytes : null;
 }
 
 const loadScript = (/** @type {string} */ address) => new Promise((done, failed) => {
