@@ -25,7 +25,7 @@ export function addEventRows(/** @type {import('./axis.js').Axis} */ axis, /** @
 export class EventTable {
   constructor(/** @type {import('./axis.js').Axis} */ axis, /** @type {import('./data.js').RunEvent[]} */ events,
     /** @type {import('./time.js').Choice} */ choice, /** @type {(id: string|undefined) => import('./data.js').Task|null} */ taskOf,
-    /** @type {EventTable|null} */ before = null) {
+    /** @type {any} the table that this one replaces */ before = null) {
     this.axis = axis;
     this.events = events;
     this.choice = choice;
@@ -36,6 +36,7 @@ export class EventTable {
       this.show();
     };
     const names = [...new Set(events.map((event) => event.kind))];
+    /** @type {Map<string, any>} */
     this.kinds = new Map(names.map((kind) => [kind, el('input', { type: 'checkbox', checked: before?.kinds.get(kind)?.checked ?? true, onchange: changed })]));
     this.who = el('select', { 'aria-label': 'of whom', onchange: changed }, el('option', { value: '' }, 'everybody'),
       ...[...new Set(events.map((event) => event.who || ''))].filter(Boolean).sort().map((who) => el('option', { value: who, selected: who === before?.who.value }, who)));

@@ -33,8 +33,8 @@ export class Ask {
     this.backwards = [button('◀ firing', 'to before the last rule that fired (,)', () => this.go({ back: 1 })), button('◀ until', 'back to where that happened last (Shift+Enter)', () => this.go({ back_until: this.until.value.trim() }))];
     this.moves = el('span', { class: 'moves' }, this.backwards[0], button('firing ▶', 'until one rule has fired (.)', () => this.go({ step: 1 })), this.backwards[1], this.until,
       button('until ▶', 'to where that happens next (Enter)', () => this.go({ until: this.until.value.trim() })));
+    /** @type {any[]} */
     this.tabs = [new Facts(this), new Agenda(this), new Rules(this), new Firings(this), new Globals(this), new Why(this), new WhyNot(this), new Users(this)];
-    /** @type {any} */
     this.tab = this.tabs[0];
     this.bar = el('div', { class: 'tabs', role: 'tablist', onkeydown: (/** @type {KeyboardEvent} */ event) => this.turn(event) });
     this.pane = el('div', { class: 'pane', role: 'tabpanel', tabindex: -1 });
@@ -88,7 +88,10 @@ export class Ask {
   when(/** @type {number} */ t) {
     return this.live || t === this.stood ? {} : { t };
   }
-  /** Asks about a time, that of the slider by default. @returns {Promise<any>} nothing if something else has been asked meanwhile */
+  /**
+   * Asks about a time, that of the slider by default.
+   * @returns {Promise<any>} nothing if something else has been asked meanwhile
+   */
   async question(/** @type {string} */ name, /** @type {any} */ fields, /** @type {number|null} */ t = null) {
     const turn = this.asked;
     const answer = await this.turns.take(async () => {
@@ -125,7 +128,13 @@ export class Ask {
   stand(/** @type {import('./served.js').Stand} */ place) {
     this.stands = place;
     this.place.textContent = place.text;
+    if (this.live && !place.live) this.wentOver();
     if (!this.env && place.env) this.envs.value = place.env;
+  }
+  /** A run in progress has ended: from now on it is played again, and goes both ways. */
+  wentOver() {
+    this.live = false;
+    for (const one of this.backwards) one.hidden = false;
   }
   async findEnvironments() {
     const answer = await this.question('envs', {});
@@ -240,7 +249,7 @@ export class Ask {
   }
   graphOf(/** @type {string} */ name, /** @type {string} */ what) {
     this.what = what;
-    /** @type {any} */ (this.tabs.find((tab) => tab.name === name)).t = null;
+    this.tabs.find((tab) => tab.name === name).t = null;
     return this.choose(name);
   }
 

@@ -119,6 +119,7 @@ export class Facts {
   }
 
   list() {
+    /** @type {string[]} */
     const words = this.shown || this.what.value.trim().startsWith('(') ? [] : this.what.value.toLowerCase().split(/\s+/).filter(Boolean);
     let found = this.facts.map((fact) => ({ fact, text: textOfFact(fact) })).filter((one) => words.every((word) => ((one.fact.fact || '') + ' ' + one.text).toLowerCase().includes(word)));
     const lastOf = (/** @type {import('./served.js').Fact} */ fact) => fact.changes[fact.changes.length - 1]?.n ?? -1;

@@ -33,7 +33,10 @@ export class Graph {
     this.draw();
   }
 
-  /** Shows what a row leads to. @returns {Promise<Node[]>} those that were not there */
+  /**
+   * Shows what a row leads to.
+   * @returns {Promise<Node[]>} those that were not there
+   */
   async open(/** @type {Node} */ node, /** @type {Row} */ row) {
     if (!row.open || row.to) return [];
     const found = await row.open();
@@ -60,6 +63,7 @@ export class Graph {
 
   /** Columns from left to right; a box stands beside the row that leads to it, or below what stands there already. */
   place() {
+    /** @type {any[]} */
     const columns = [];
     for (const node of this.nodes.values()) (columns[node.column || 0] = columns[node.column || 0] || []).push(node);
     let bottom = 0;
@@ -86,6 +90,7 @@ export class Graph {
   draw() {
     tip.hide();
     const { width, height } = this.place();
+    /** @type {any[]} */
     const edges = [];
     for (const from of this.nodes.values())
       from.rows.forEach((row, i) => {

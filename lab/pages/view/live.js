@@ -5,7 +5,7 @@ import { el } from '../run/draw.js';
 import { timeText } from '../run/time.js';
 import { bytesOf, request } from './served.js';
 
-const SPEEDS_OF_RUN = [0, 0.5, 1, 2, 5, 10, 20, 50], REFILL_MS = 3000, RETRY_MS = 1000, MOST_LINES = 1000;
+const SPEEDS_OF_RUN = [0, 0.5, 1, 2, 5, 10, 20, 50], REFILL_MS = 3000, RETRY_MS = 1000, WAIT_S = 0.5, LONGEST_WAIT_S = 20, MOST_LINES = 1000;
 
 /** The last lines that were logged. */
 class Log {
@@ -14,7 +14,6 @@ class Log {
     this.name = 'log';
     this.title = 'Log';
     this.follows = false;
-    this.t = null;
     /** @type {any[]} */
     this.lines = [];
     this.text = el('input', { type: 'search', placeholder: 'text', 'aria-label': 'text of the log', oninput: () => this.load() });
@@ -40,7 +39,7 @@ export class Live {
     ask.live = true;
     for (const one of ask.backwards) one.hidden = true; // a run in progress goes one way
     this.log = new Log(ask);
-    ask.tabs.push(/** @type {any} */ (this.log));
+    ask.tabs.push(this.log);
     ask.addTabs();
     this.running = false;
     this.ended = false;
@@ -75,7 +74,7 @@ export class Live {
   async listen() {
     while (!this.ended) {
       try {
-        const news = await request('events?after=' + this.next);
+        const news = await request('events?after=' + this.next + '&wait=' + (this.running ? WAIT_S : LONGEST_WAIT_S));
         this.next = news.next;
         await this.take(news);
       } catch (error) {
@@ -92,6 +91,7 @@ export class Live {
       if (event.event === 'stopped') this.ask.place.textContent = event.text;
       if (event.event === 'end') this.ended = true;
     }
+    if (news.live === false) this.ended = true;
     this.show(news.t);
     const due = performance.now() - (this.filled || 0) > REFILL_MS;
     if (stopped || this.ended || due) await this.grow(news.t);

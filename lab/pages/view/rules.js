@@ -11,6 +11,9 @@ const MOST_FIRINGS = 300;
  * @typedef {{ rule: string, file: string|null, first_line: number, text: string, conditions?: Condition[]|null, because?: string|null }} Source
  */
 
+/** @type {Object<string, string>} */
+const SAID = { holds: ' holds', fails: ' does not hold', open: ': not looked at, because one before it does not hold' };
+
 /** The rule as it is written. With `marks`: which conditions hold, and the first that does not. */
 export function sourceView(/** @type {Source} */ source, marks = true) {
   const lines = source.text.split('\n');
@@ -18,7 +21,7 @@ export function sourceView(/** @type {Source} */ source, marks = true) {
     const number = source.first_line + i;
     const of = marks ? (source.conditions || []).find((one) => one.line <= number && number <= one.end_line) : undefined;
     const state = !of ? '' : of.holds === true ? 'holds' : of.holds === false ? 'fails' : 'open';
-    const row = el('div', { class: 'code ' + state, 'data-condition': of ? of.condition : undefined, title: of ? 'condition ' + of.condition + ({ holds: ' holds', fails: ' does not hold', open: ': not looked at, one before it does not hold' })[state] : undefined },
+    const row = el('div', { class: 'code ' + state, 'data-condition': of ? of.condition : undefined, title: of ? 'condition ' + of.condition + SAID[state] : undefined },
       el('span', { class: 'number', 'aria-hidden': 'true' }, number), el('code', {}, line || ' '));
     const ends = of && state === 'fails' && number === of.end_line;
     return ends && source.because ? [row, el('div', { class: 'because' }, 'condition ' + of.condition + ' does not hold: ' + source.because)] : [row];

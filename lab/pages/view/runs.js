@@ -8,7 +8,7 @@ import { sortedTable } from './sorted.js';
 
 /**
  * @typedef {{ id: string, name: string, scenario: string, seed: number, status: string, tier: string, sim_time_s: number, metrics: Object<string, number>,
- *   warnings: number, errors: number, strategy?: string, parameters?: Object<string, any>, live?: boolean, problem?: string }} ListedRun
+ *   warnings: number, errors: number, strategy?: string, parameters?: Object<string, any>, live?: boolean, error?: string, reason?: string }} ListedRun
  * @typedef {{ name: string, unit?: string, more_is_better?: boolean }} Metric
  */
 
@@ -17,7 +17,8 @@ const shortNumber = (/** @type {number|null|undefined} */ value) => (value === n
 
 class RunsTable {
   constructor(/** @type {{folder: string, runs: ListedRun[], metrics: Metric[]}} */ listed) {
-    this.runs = listed.runs;
+    // A run that cannot be read has a name and says why.
+    this.runs = listed.runs.map((run) => ({ ...{ scenario: '', tier: '', metrics: {}, warnings: 0, errors: 0 }, ...run }));
     this.metrics = listed.metrics;
     /** @type {string[]} */
     this.chosen = [];
@@ -40,6 +41,7 @@ class RunsTable {
   }
 
   show() {
+    /** @type {string[]} */
     const words = this.text.value.toLowerCase().split(/\s+/).filter(Boolean);
     const found = this.runs.filter((run) => this.filters.every(({ select, of }) => !select.value || of(run) === select.value) && (!this.troubled.checked || run.warnings + run.errors > 0 || !GOOD.includes(run.status)) &&
       words.every((word) => [run.name, run.scenario, run.strategy, run.status, run.tier, 'seed ' + run.seed, JSON.stringify(run.parameters || {})].join(' ').toLowerCase().includes(word)));
@@ -49,12 +51,12 @@ class RunsTable {
     const columns = [
       { head: '', cell: (run) => this.choice(run), key: () => null },
       { head: 'run', cell: (run) => el('a', { href: '/run/' + encodeURIComponent(run.id) + '/' }, run.name), key: (run) => run.name },
-      { head: 'scenario', cell: (run) => run.scenario, key: (run) => run.scenario },
+      { head: 'scenario', cell: (run) => run.scenario, key: (run) => run.scenario || null },
       ...(has((run) => run.strategy) ? [{ head: 'strategy', cell: (/** @type {ListedRun} */ run) => run.strategy || '', key: (/** @type {ListedRun} */ run) => run.strategy || null }] : []),
-      { head: 'seed', cell: (run) => run.seed, key: (run) => run.seed },
+      { head: 'seed', cell: (run) => run.seed ?? '', key: (run) => run.seed ?? null },
       { head: 'tier', cell: (run) => run.tier, key: (run) => run.tier || null },
-      { head: 'status', cell: (run) => el('span', { class: GOOD.includes(run.status) ? '' : 'bad', title: run.problem || undefined }, run.live ? 'live' : run.status), key: (run) => run.status },
-      { head: 'time', cell: (run) => timeText(run.sim_time_s, 0), key: (run) => run.sim_time_s },
+      { head: 'status', cell: (run) => el('span', { class: GOOD.includes(run.status) ? '' : 'bad', title: run.error || run.reason || undefined }, run.live ? 'live' : run.status), key: (run) => run.status },
+      { head: 'time', cell: (run) => (run.sim_time_s ? timeText(run.sim_time_s, 0) : ''), key: (run) => run.sim_time_s ?? null },
       ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''), cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
       { head: 'warnings', cell: (run) => run.warnings || '', key: (run) => run.warnings },
       { head: 'errors', cell: (run) => (run.errors ? el('b', { class: 'bad' }, run.errors) : ''), key: (run) => run.errors },

@@ -16,7 +16,10 @@ class Side {
     this.frame = el('iframe', { src: '/run/' + encodeURIComponent(id) + '/?beside', title: 'run ' + letter });
     this.box = el('div', { class: 'side-run' }, el('h2', {}, letter + ': ', this.title), this.said, this.frame);
   }
-  /** The page in the frame, as soon as it is there. @returns {any} */
+  /**
+   * The page in the frame, as soon as it is there.
+   * @returns {any}
+   */
   get page() {
     return this.frame.contentWindow?.cxlab;
   }

@@ -13,7 +13,6 @@ export class Users {
     this.title = 'Makers and users';
     this.follows = true;
     this.asks = true;
-    this.t = null;
     this.what = el('input', { type: 'search', placeholder: HINT, 'aria-label': 'of which facts', list: 'words', oninput: () => ask.complete(this.what.value), onchange: () => { ask.what = this.what.value.trim(); ask.refresh(); } });
     this.list = el('div', {});
     this.box = el('div', {}, el('div', { class: 'filters' }, this.what), this.list);

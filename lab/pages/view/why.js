@@ -33,6 +33,9 @@ class GraphTab {
     this.box = el('div', { class: 'asked' }, el('div', { class: 'filters' }, this.what, el('button', { type: 'button', onclick: () => this.begin() }, 'ask'), this.again, this.asked), this.graph.problem, this.graph.box);
     /** @type {number|null} */
     this.t = null;
+    this.shown = '';
+    /** @type {Step[]} */
+    this.steps = [];
     ask.page.clock.listen(() => this.compare());
   }
   /** Asks about the time that is shown. */
@@ -85,11 +88,13 @@ export class Why extends GraphTab {
   async answer(/** @type {string} */ what) {
     const answer = await this.ask.question('why', { what });
     if (!answer) return undefined;
-    /** @type {Step[]} */
     this.steps = answer.steps;
     return this.nodeOf(0);
   }
-  /** The box of a firing, of the fact that was asked about, or of what came from outside. @returns {Node} */
+  /**
+   * The box of a firing, of the fact that was asked about, or of what came from outside.
+   * @returns {Node}
+   */
   nodeOf(/** @type {number} */ index) {
     const step = this.steps[index], key = String(step.n), at = timeText(Math.max(0, step.t_s), 3);
     const show = () => this.show(step);
@@ -99,7 +104,10 @@ export class Why extends GraphTab {
     const lines = [done(step.kind) + ' at ' + at, step.note || '', step.asserted ? 'asserted at ' + timeText(Math.max(0, step.asserted.t_s), 3) : ''];
     return { key, kind: 'fact', title: step.text, lines: lines.filter(Boolean), rows: step.because.length ? [{ text: done(step.kind) + ' by', open: () => step.because.map((one) => this.nodeOf(one)) }] : this.outsideRow(step), act: show };
   }
-  /** A fact that a rule matched; it leads to the rule that made it so. @returns {Row} */
+  /**
+   * A fact that a rule matched; it leads to the rule that made it so.
+   * @returns {Row}
+   */
   rowOf(/** @type {number} */ index) {
     const step = this.steps[index];
     if (!FACT_KINDS.includes(step.kind)) return { text: step.text, open: () => [this.nodeOf(index)] };
@@ -156,7 +164,10 @@ export class WhyNot extends GraphTab {
     await super.follow(root);
   }
 
-  /** A rule and its conditions; the one that does not hold leads to the rules that could change that. @returns {Node} */
+  /**
+   * A rule and its conditions; the one that does not hold leads to the rules that could change that.
+   * @returns {Node}
+   */
   ruleNode(/** @type {string} */ rule, /** @type {any} */ answer) {
     const found = answer.explanations[0], unmet = found.first_unmet;
     const lines = [found.file + ':' + found.line, verdictText(found), found.fired ? 'fired ' + found.fired + ' times, the last at ' + timeText(found.last_fired_s, 3) : 'has not fired so far'];
@@ -176,7 +187,10 @@ export class WhyNot extends GraphTab {
     return { key: 'rule ' + rule, kind: 'rule', title: rule, lines, rows, act: () => this.ask.showRule(rule, { t: this.t }) };
   }
 
-  /** Rules that could bring it about, and what became of the fact that was there. @returns {Node[]} */
+  /**
+   * Rules that could bring it about, and what became of the fact that was there.
+   * @returns {Node[]}
+   */
   makerNodes(/** @type {any} */ makers) {
     /** @type {Node[]} */
     const nodes = [];
@@ -204,7 +218,10 @@ export class WhyNot extends GraphTab {
     } };
   }
 
-  /** A fact and the rules that need it; a fact that is missing and the rules that could make it. @returns {Node} */
+  /**
+   * A fact and the rules that need it; a fact that is missing and the rules that could make it.
+   * @returns {Node}
+   */
   factNode(/** @type {string} */ what, /** @type {any} */ answer) {
     if (!answer.fact) {
       /** @type {Row[]} */
