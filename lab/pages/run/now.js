@@ -41,7 +41,8 @@ export class Now {
   }
 
   show() {
-    const { t } = this.axis.clock;
+    // At the end there is what was so last.
+    const t = Math.min(this.axis.clock.t, this.axis.clock.end - 1e-3);
     for (const line of this.lines) {
       const [text, age, kind] = line.text(t);
       if (line.cells[0].textContent !== text) {

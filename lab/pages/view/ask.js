@@ -23,6 +23,7 @@ export class Ask {
     /** The time of the slider that stands for a place between two firings. @type {number|null} */
     this.stood = null;
     this.asked = 0;
+    this.waits = 0;
     this.envs = el('select', { 'aria-label': 'environment', onchange: () => { this.env = this.envs.value; this.refresh(); } });
     this.place = el('output', { class: 'place' });
     this.problem = el('p', { class: 'bad', role: 'alert', hidden: true });
@@ -180,7 +181,7 @@ export class Ask {
     } catch (error) {
       if (turn === this.asked) this.fail(error);
     } finally {
-      if (turn === this.asked) this.busy(false);
+      this.busy(false);
     }
   }
   async load() {
@@ -197,7 +198,8 @@ export class Ask {
     this.problem.hidden = false;
   }
   busy(/** @type {boolean} */ on) {
-    this.box.setAttribute('aria-busy', String(on));
+    this.waits += on ? 1 : -1;
+    this.box.setAttribute('aria-busy', String(this.waits > 0));
   }
 
   showDetail(/** @type {string} */ title, /** @type {any[]} */ ...content) {

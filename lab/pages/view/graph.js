@@ -4,14 +4,15 @@
 import { el, tip } from '../run/draw.js';
 
 /**
- * @typedef {{ text: string, kind?: string, more?: string, act?: () => void, open?: () => Node[]|Promise<Node[]>, to?: string[], atOnce?: boolean }} Row
+ * @typedef {{ text: string, below?: string, kind?: string, more?: string, act?: () => void, open?: () => Node[]|Promise<Node[]>, to?: string[], atOnce?: boolean }} Row
  *   `open` gives the boxes that it leads to, `atOnce` without a click; `to`: their keys, once it is open
  * @typedef {{ key: string, kind: string, title: string, lines: string[], rows: Row[], act?: () => void, column?: number, x?: number, y?: number }} Node
  */
 
-const WIDTH = 280, GAP = 56, TITLE = 26, LINE = 18, ROW = 24, BETWEEN = 14, EDGE = 8;
-const heightOf = (/** @type {Node} */ node) => TITLE + LINE * node.lines.length + ROW * node.rows.length + 6;
-const rowTop = (/** @type {Node} */ node, /** @type {number} */ i) => TITLE + LINE * node.lines.length + ROW * i;
+const WIDTH = 300, GAP = 56, TITLE = 26, LINE = 18, ROW = 24, BETWEEN = 14, EDGE = 8;
+const rowHeight = (/** @type {Row} */ row) => ROW + (row.below ? LINE : 0);
+const rowTop = (/** @type {Node} */ node, /** @type {number} */ i) => node.rows.slice(0, i).reduce((sum, row) => sum + rowHeight(row), TITLE + LINE * node.lines.length);
+const heightOf = (/** @type {Node} */ node) => rowTop(node, node.rows.length) + 4;
 
 export class Graph {
   constructor() {
@@ -129,9 +130,9 @@ export class Graph {
       ...node.rows.map((row) => this.rowOf(node, row, told)));
   }
   rowOf(/** @type {Node} */ node, /** @type {Row} */ row, /** @type {(lines: string[]) => any} */ told) {
-    const more = row.open && !row.to && el('button', { type: 'button', class: 'open', 'aria-label': 'what led to ' + row.text, title: 'what led to it',
+    const more = !row.open || row.to ? '' : el('button', { type: 'button', class: 'open', 'aria-label': 'what led to ' + row.text, title: 'what led to it',
       onclick: (/** @type {Event} */ event) => { event.stopPropagation(); this.openByHand(node, row); } }, '+');
     const text = row.act ? el('button', { type: 'button', class: 'text', onclick: (/** @type {Event} */ event) => { event.stopPropagation(); row.act?.(); } }, row.text) : el('span', { class: 'text' }, row.text);
-    return el('div', { class: 'of ' + (row.kind || ''), ...told([row.text, row.more || '']) }, text, more);
+    return el('div', { class: 'of ' + (row.kind || ''), ...told([row.text, row.below || '', row.more || '']) }, el('div', { class: 'row-head' }, text, more), row.below ? el('div', { class: 'below' }, row.below) : '');
   }
 }

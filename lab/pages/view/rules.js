@@ -12,7 +12,7 @@ const MOST_FIRINGS = 300;
  */
 
 /** @type {Object<string, string>} */
-const SAID = { holds: ' holds', fails: ' does not hold', open: ': not looked at, because one before it does not hold' };
+const SAID = { holds: ' holds', fails: ' does not hold', unsure: ': not looked at, because one before it does not hold' };
 
 /** The rule as it is written. With `marks`: which conditions hold, and the first that does not. */
 export function sourceView(/** @type {Source} */ source, marks = true) {
@@ -20,7 +20,7 @@ export function sourceView(/** @type {Source} */ source, marks = true) {
   return el('div', { class: 'source scroll', tabindex: 0, role: 'group', 'aria-label': 'source of ' + source.rule }, ...lines.flatMap((line, i) => {
     const number = source.first_line + i;
     const of = marks ? (source.conditions || []).find((one) => one.line <= number && number <= one.end_line) : undefined;
-    const state = !of ? '' : of.holds === true ? 'holds' : of.holds === false ? 'fails' : 'open';
+    const state = !of ? '' : of.holds === true ? 'holds' : of.holds === false ? 'fails' : 'unsure';
     const row = el('div', { class: 'code ' + state, 'data-condition': of ? of.condition : undefined, title: of ? 'condition ' + of.condition + SAID[state] : undefined },
       el('span', { class: 'number', 'aria-hidden': 'true' }, number), el('code', {}, line || ' '));
     const ends = of && state === 'fails' && number === of.end_line;

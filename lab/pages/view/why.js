@@ -175,8 +175,7 @@ export class WhyNot extends GraphTab {
     const rows = [];
     for (const one of found.conditions || (unmet ? [{ condition: unmet.condition, text: unmet.pattern || '', holds: false }] : [])) {
       const fails = one.condition === unmet?.condition;
-      rows.push({ kind: fails ? 'fails' : one.holds ? 'holds' : 'open', text: one.condition + '  ' + one.text, more: fails ? unmet.because : '', atOnce: fails, open: fails && found.makers ? () => this.makerNodes(found.makers) : undefined });
-      if (fails) rows.push({ kind: 'fails', text: unmet.because, more: unmet.fact || '' });
+      rows.push({ kind: fails ? 'fails' : one.holds ? 'holds' : 'unsure', text: one.condition + '  ' + one.text, below: fails ? unmet.because : '', atOnce: fails, open: fails && found.makers ? () => this.makerNodes(found.makers) : undefined });
     }
     if (unmet) {
       if (unmet.fact) rows.push({ kind: 'fact', text: unmet.fact, act: () => this.ask.showDetail(unmet.fact, el('h3', {}, 'the nearest fact'), factText(unmet.fact), el('p', { class: 'buttons' }, el('button', { type: 'button', class: 'ask', onclick: () => this.ask.why(unmet.fact) }, 'why'))) });
@@ -211,7 +210,7 @@ export class WhyNot extends GraphTab {
   }
   /** @returns {Row} */
   lacksRow(/** @type {string} */ rule, /** @type {string} */ lacks) {
-    return { kind: 'fails', text: 'lacks ' + lacks, act: () => this.ask.showRule(rule, { t: this.t }), open: async () => {
+    return { kind: 'fails', text: 'lacks ' + lacks.split(': ')[0], below: lacks.slice(lacks.indexOf(': ') + 2), act: () => this.ask.showRule(rule, { t: this.t }), open: async () => {
       const answer = await this.ask.question('why_not', { what: rule }, this.t);
       const found = answer.explanations[0];
       return found.makers ? this.makerNodes(found.makers) : [];
@@ -228,13 +227,13 @@ export class WhyNot extends GraphTab {
       const rows = answer.makers ? [{ text: 'rules that could make it', kind: 'fails', atOnce: true, open: () => this.makerNodes(answer.makers) }] : [];
       return { key: 'fact', kind: 'fact', title: what, lines: ['no fact matches', answer.nearest || ''].filter(Boolean), rows };
     }
-    const row = (/** @type {any} */ user, /** @type {string} */ kind, /** @type {string} */ text) => ({ kind, text: user.rule + text, more: user.place + '  ' + user.condition,
+    const row = (/** @type {any} */ user, /** @type {string} */ kind, /** @type {string} */ below) => ({ kind, text: user.rule, below, more: user.place + '  ' + user.condition,
       act: () => this.ask.showRule(user.rule, { t: this.t }), open: async () => [this.ruleNode(user.rule, await this.ask.question('why_not', { what: user.rule }, this.t))] });
-    const fired = (/** @type {any} */ user) => (user.fired ? ' has fired for it' + (user.last_s ? ' at ' + timeText(user.last_s, 3) : '') : ' has not fired for it') + (user.lacks ? ', lacks ' + user.lacks : '');
+    const fired = (/** @type {any} */ user) => (user.fired ? 'has fired for it' + (user.last_s ? ' at ' + timeText(user.last_s, 3) : '') : 'has not fired for it') + (user.lacks ? ', lacks ' + user.lacks : '');
     return { key: 'fact', kind: 'fact', title: answer.text, lines: [answer.fact + ', rules that need it:'], act: () => this.ask.showFact(answer.fact), rows: [
       ...answer.waiting.map((/** @type {any} */ user) => row(user, user.lacks ? 'fails' : 'holds', fired(user))),
-      ...answer.nearly.map((/** @type {any} */ user) => row(user, 'open', ' needs another value: ' + user.differs)),
-      ...(answer.forbidden || []).map((/** @type {any} */ user) => row(user, 'open', ' must not have it'))] };
+      ...answer.nearly.map((/** @type {any} */ user) => row(user, 'unsure', 'needs another value: ' + user.differs)),
+      ...(answer.forbidden || []).map((/** @type {any} */ user) => row(user, 'unsure', 'must not have it'))] };
   }
 }
 
