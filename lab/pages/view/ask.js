@@ -30,6 +30,7 @@ export class Ask {
     this.until = el('input', { type: 'search', list: 'words', placeholder: 'rule, (fact) or time', 'aria-label': 'up to which rule, fact or time',
       oninput: () => this.complete(this.until.value), onkeydown: (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') this.go({ [event.shiftKey ? 'back_until' : 'until']: this.until.value.trim() }); } });
     this.words = el('datalist', { id: 'words' });
+    this.about = el('button', { type: 'button', class: 'about', hidden: true, onclick: () => this.factsAbout() });
     const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ act) => el('button', { type: 'button', title, onclick: act }, text);
     this.backwards = [button('◀ firing', 'to before the last rule that fired (,)', () => this.go({ back: 1 })), button('◀ until', 'back to where that happened last (Shift+Enter)', () => this.go({ back_until: this.until.value.trim() }))];
     this.moves = el('span', { class: 'moves' }, this.backwards[0], button('firing ▶', 'until one rule has fired (.)', () => this.go({ step: 1 })), this.backwards[1], this.until,
@@ -41,13 +42,14 @@ export class Ask {
     this.pane = el('div', { class: 'pane', role: 'tabpanel', tabindex: -1 });
     this.detail = el('div', { class: 'detail', 'aria-live': 'polite', hidden: true });
     this.box = el('section', { class: 'ask', 'aria-label': 'questions about the rules' },
-      el('div', { class: 'head' }, el('h2', {}, 'Rules'), this.envs, this.moves, this.place), this.problem, this.words, this.bar, el('div', { class: 'answer' }, this.pane, this.detail));
+      el('div', { class: 'head' }, el('h2', {}, 'Rules'), this.envs, this.moves, this.about, this.place), this.problem, this.words, this.bar, el('div', { class: 'answer' }, this.pane, this.detail));
     page.top.after(this.box);
     this.addTabs();
     Object.assign(page.acts, { ',': () => this.go({ back: 1 }), '.': () => this.go({ step: 1 }), a: () => this.focus() });
     page.keys.append(...KEYS_OF_ASK.map(([key, what]) => page.keyRow(key, what)));
     page.address.others.push({ names: ['ask', 'what', 'env', 'at'], text: () => this.address(), read: (wanted) => this.read(wanted) });
     page.clock.listen(() => this.moved());
+    page.choice.listen(() => this.chosen());
   }
 
   addTabs() {
@@ -169,6 +171,18 @@ export class Ask {
     if (clock.t !== this.stood) this.stood = null;
     clearTimeout(this.timer);
     if (!clock.playing) this.timer = setTimeout(() => this.tab.follows && this.refresh(), REST_MS);
+  }
+  /** An order, a robot or a machine has been chosen: its facts can be shown. */
+  chosen() {
+    const { task, name } = this.page.choice;
+    this.about.hidden = !task && !name;
+    this.about.textContent = 'facts about ' + (task ? task.name : name);
+  }
+  factsAbout() {
+    const { task, name } = this.page.choice;
+    // With two teams, an order's name begins with that of its team.
+    this.tabs[0].what.value = task ? (task.word || '') + '=' + task.id.replace(/^.*-/, '') : '=' + name;
+    this.choose(this.tabs[0].name);
   }
   /** Asks again what is shown. */
   async refresh() {

@@ -32,6 +32,18 @@ export function factText(/** @type {string} */ text, /** @type {string|undefined
   return el('code', { class: 'fact' }, '(', el('b', {}, head), ...slots.flatMap((slot) => [' ', known && !known.has(slot) ? el('mark', {}, slot) : slot]), ')');
 }
 
+/** Whether a fact has that word: a part of its text, or `state=DONE` (a slot, or any slot of the template), or `=robot1` (any slot). */
+export function hasWord(/** @type {string} */ word, /** @type {string} */ text) {
+  const at = word.indexOf('=');
+  if (at < 0) return text.toLowerCase().includes(word.toLowerCase());
+  const name = word.slice(0, at), value = word.slice(at + 1), { head, slots } = partsOf(text);
+  return slots.some((slot) => {
+    const inner = slot.startsWith('(') ? slot.slice(1, -1) : slot, space = inner.indexOf(' ');
+    const values = slot.startsWith('(') ? inner.slice(space + 1) : inner;
+    return (!name || head === name || (slot.startsWith('(') && inner.slice(0, space) === name)) && values.split(' ').some((one) => one === value || one === '"' + value + '"');
+  });
+}
+
 const spelled = (/** @type {any} */ value) => (Array.isArray(value) ? value.map(String).join(' ') : String(value));
 /** As rules write it. */
 export function textOfFact(/** @type {import('./served.js').Fact} */ fact) {
@@ -78,10 +90,10 @@ export class Facts {
     this.name = 'facts';
     this.title = 'Facts';
     this.follows = true;
-    this.what = el('input', { type: 'search', placeholder: 'words, a template, (order (id 3)) or f-12', 'aria-label': 'which facts', list: 'templates',
+    this.what = el('input', { type: 'search', placeholder: 'words, order=3, a template, (order (id 3)) or f-12', 'aria-label': 'which facts', list: 'templates',
       oninput: () => this.typed(), onchange: () => this.ask.refresh() });
     this.templates = el('datalist', { id: 'templates' });
-    this.changed = el('input', { type: 'checkbox', onchange: () => this.list() });
+    this.changed = el('input', { type: 'checkbox', checked: true, onchange: () => this.list() });
     this.count = el('span', { class: 'note' });
     this.body = el('tbody', {});
     this.more = el('button', { type: 'button', hidden: true, onclick: () => { this.most *= 4; this.list(); } }, 'show more');
@@ -120,8 +132,8 @@ export class Facts {
 
   list() {
     /** @type {string[]} */
-    const words = this.shown || this.what.value.trim().startsWith('(') ? [] : this.what.value.toLowerCase().split(/\s+/).filter(Boolean);
-    let found = this.facts.map((fact) => ({ fact, text: textOfFact(fact) })).filter((one) => words.every((word) => ((one.fact.fact || '') + ' ' + one.text).toLowerCase().includes(word)));
+    const words = this.shown || this.what.value.trim().startsWith('(') ? [] : this.what.value.split(/\s+/).filter(Boolean);
+    let found = this.facts.map((fact) => ({ fact, text: textOfFact(fact) })).filter((one) => words.every((word) => hasWord(word, one.text)));
     const lastOf = (/** @type {import('./served.js').Fact} */ fact) => fact.changes[fact.changes.length - 1]?.n ?? -1;
     if (this.changed.checked) found = found.sort((a, b) => lastOf(b.fact) - lastOf(a.fact));
     this.count.textContent = found.length + ' of ' + (this.total || this.facts.length) + ' facts';
