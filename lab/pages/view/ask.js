@@ -274,7 +274,7 @@ export class Ask {
   address() {
     const { tab } = this, t = tab.follows ? null : tab.t;
     /** @type {Object<string, string>} */
-    const out = { ask: tab === this.tabs[0] && !this.env ? '' : tab.name, what: tab.asks ? this.what : '', env: this.envs.options.length > 1 ? this.env : '' };
+    const out = { ask: tab.name, what: tab.asks ? this.what : tab.what?.value || '', env: this.envs.options.length > 1 ? this.env : '' };
     // A graph stays as of the time at which it was asked.
     if (t !== null && t !== undefined && t !== this.page.clock.t) out.at = String(Number(t.toFixed(2)));
     return out;
@@ -282,11 +282,12 @@ export class Ask {
   read(/** @type {URLSearchParams} */ wanted) {
     const name = wanted.get('ask'), tab = this.tabs.find((one) => one.name === name);
     const env = wanted.get('env'), what = wanted.get('what') || '';
-    const same = !tab || (tab === this.tab && what === this.what && (!env || env === this.env));
+    const same = !tab || (tab === this.tab && what === this.address().what && (!env || env === this.env));
     if (same && this.begun) return;
     this.begun = true;
     if (env) this.env = env;
     if (tab?.asks) this.what = what;
+    else if (tab?.what) tab.what.value = what;
     const { clock } = this.page, { t } = clock, at = Number(wanted.get('at'));
     const elsewhere = wanted.has('at') && at >= 0;
     if (elsewhere) clock.seek(at);

@@ -114,6 +114,7 @@ export class Facts {
   typed() {
     // A pattern is asked for when it is complete: with Enter.
     if (!this.what.value.trim().startsWith('(')) this.list();
+    this.ask.page.address.later();
   }
 
   async load() {
