@@ -148,16 +148,19 @@ std::string_view whole_chunks(std::string_view scene, std::size_t most) {
   return scene.substr(0, end);
 }
 
-/// The scripts of pages, below lab/pages: each file is a module that says what it needs of the others. A page has them as
-/// one, in this order.
+/// The scripts of pages, below lab/pages: each file is a module that says what it needs of the others. A page has them
+/// as one, in this order.
 using Scripts = std::span<const char* const>;
-constexpr std::array kOfRun{"run/data.js",  "run/time.js",   "run/scene.js", "run/draw.js",  "run/field.js", "run/field3d.js", "run/axis.js",
-                            "run/lanes.js", "run/orders.js", "run/chart.js", "run/table.js", "run/now.js",   "run/theme.js", "run/main.js"};
-constexpr std::array kServedRun{"run/time.js",    "run/draw.js",   "view/served.js", "run/data.js",   "run/scene.js", "run/field.js",
-                                "run/field3d.js", "run/axis.js",   "run/lanes.js",   "run/orders.js", "run/chart.js", "run/table.js",
-                                "run/now.js", "run/theme.js",     "view/graph.js", "view/facts.js",  "view/sorted.js", "view/rules.js", "view/why.js", "view/users.js", "view/ask.js",
-                                "view/live.js",   "run/main.js"};
-constexpr std::array kServedRuns{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/sorted.js", "view/runs.js"};
+constexpr std::array kOfRun{"run/data.js",    "run/time.js", "run/scene.js", "run/draw.js",   "run/field.js",
+                            "run/field3d.js", "run/axis.js", "run/lanes.js", "run/orders.js", "run/chart.js",
+                            "run/table.js",   "run/now.js",  "run/theme.js", "run/main.js"};
+constexpr std::array kServedRun{"run/time.js",   "run/draw.js",    "view/served.js", "run/data.js",  "run/scene.js",
+                                "run/field.js",  "run/field3d.js", "run/axis.js",    "run/lanes.js", "run/orders.js",
+                                "run/chart.js",  "run/table.js",   "run/now.js",     "run/theme.js", "view/graph.js",
+                                "view/facts.js", "view/sorted.js", "view/rules.js",  "view/why.js",  "view/users.js",
+                                "view/ask.js",   "view/live.js",   "run/main.js"};
+constexpr std::array kServedRuns{"run/time.js",    "run/draw.js",    "run/theme.js",
+                                 "view/served.js", "view/sorted.js", "view/runs.js"};
 constexpr std::array kServedTwo{"run/time.js", "run/draw.js", "run/theme.js", "view/served.js", "view/two.js"};
 
 Expected<std::string> one_script(Scripts names) {

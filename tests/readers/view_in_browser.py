@@ -194,6 +194,29 @@ class View(Browser):
         self.assertTrue(any(row["text"].startswith(rule) and "RNIG" in row["text"] for row in rows), rows)
         self.all_is_well()
 
+    def test_the_tutorial_finds_the_bug_with_clicks_alone(self):
+        """docs/tutorial-find-a-bug.md"""
+        run = self.faulty()
+        self.view(run)
+        click = lambda css, text="": self.js("[...document.querySelectorAll(arguments[0])].find((one) => one.textContent.includes(arguments[1])).click()", css, text)
+        self.press(Keys.END)
+        click(".tasks .name", "order 2")
+        self.assertIn("no product is known", self.js("document.querySelector('.details').textContent"))
+        click(".ask .about", "facts about order 2")
+        self.settled()
+        click("table.facts .plain", "(product")
+        self.settled()
+        self.assertIn("order-begin", self.js("document.querySelector('.changes').textContent"))
+        click(".detail button.ask", "who waits for it")
+        self.settled()
+        click(".graph button.text", "product-to-ring-station")
+        self.settled()
+        self.assertIn("RNIG", self.js("document.querySelector('.code.fails').textContent"))
+        self.assertEqual(self.js("document.querySelectorAll('.code.holds').length > 0"), True)
+        self.js("[...document.querySelectorAll('.graph .of')].find((row) => row.textContent.includes('product-to-ring-station')).querySelector('.open').click()")
+        self.until(lambda: any("in the nearest fact kind is RS" in text for text in self.js("[...document.querySelectorAll('.graph .below')].map((one) => one.textContent)")))
+        self.all_is_well()
+
     def test_what_the_server_refuses_is_said_where_it_was_asked(self):
         self.view(self.game(), link="#t=100")
         field = self.browser.find_element(By.CSS_SELECTOR, ".moves input")
