@@ -5,7 +5,7 @@ import { el } from '../run/draw.js';
 import { timeText } from '../run/time.js';
 import { bytesOf, request } from './served.js';
 
-const SPEEDS_OF_RUN = [0, 0.5, 1, 2, 5, 10, 20, 50], REFILL_MS = 3000, RETRY_MS = 1000, WAIT_S = 0.5, LONGEST_WAIT_S = 20, MOST_LINES = 1000;
+const SPEEDS_OF_RUN = [0, 0.5, 1, 2, 5, 10, 20, 50], REFILL_MS = 3000, RETRY_MS = 1000, MOST_LINES = 1000;
 
 /** The last lines that were logged. */
 class Log {
@@ -74,7 +74,7 @@ export class Live {
   async listen() {
     while (!this.ended) {
       try {
-        const news = await request('events?after=' + this.next + '&wait=' + (this.running ? WAIT_S : LONGEST_WAIT_S));
+        const news = await request('events?after=' + this.next);
         this.next = news.next;
         await this.take(news);
       } catch (error) {
@@ -92,9 +92,10 @@ export class Live {
       if (event.event === 'end') this.ended = true;
     }
     if (news.live === false) this.ended = true;
-    this.show(news.t);
+    const t = news.t ?? this.page.clock.end;
+    this.show(t);
     const due = performance.now() - (this.filled || 0) > REFILL_MS;
-    if (stopped || this.ended || due) await this.grow(news.t);
+    if (stopped || this.ended || due) await this.grow(t);
     if (this.ask.tab === this.log) this.log?.load();
     else if (this.ask.tab.follows && (stopped || this.ended || (due && !this.ask.box.matches(':focus-within')))) this.ask.refresh();
   }

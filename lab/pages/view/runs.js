@@ -7,8 +7,8 @@ import { request } from './served.js';
 import { sortedTable } from './sorted.js';
 
 /**
- * @typedef {{ id: string, name: string, scenario: string, seed: number, status: string, tier: string, sim_time_s: number, metrics: Object<string, number>,
- *   warnings: number, errors: number, strategy?: string, parameters?: Object<string, any>, live?: boolean, error?: string, reason?: string }} ListedRun
+ * @typedef {{ id: string|null, name: string, scenario: string, seed: number, status: string, tier: string, sim_time_s: number, metrics: Object<string, number>,
+ *   warnings: number, errors: number, strategy?: string, parameters?: Object<string, any>, live?: boolean, problem?: string, command?: string }} ListedRun
  * @typedef {{ name: string, unit?: string, more_is_better?: boolean }} Metric
  */
 
@@ -17,7 +17,7 @@ const shortNumber = (/** @type {number|null|undefined} */ value) => (value === n
 
 class RunsTable {
   constructor(/** @type {{folder: string, runs: ListedRun[], metrics: Metric[]}} */ listed) {
-    // A run that cannot be read has a name and says why.
+    // A run that cannot be read has a name and says why; a row of a sweep may have no folder, and then no id.
     this.runs = listed.runs.map((run) => ({ ...{ scenario: '', tier: '', metrics: {}, warnings: 0, errors: 0 }, ...run }));
     this.metrics = listed.metrics;
     /** @type {string[]} */
@@ -49,26 +49,27 @@ class RunsTable {
     const has = (/** @type {(run: ListedRun) => any} */ of) => this.runs.some((run) => of(run));
     /** @type {{head: string, cell: (run: ListedRun) => any, key: (run: ListedRun) => string|number|null}[]} */
     const columns = [
-      { head: '', cell: (run) => this.choice(run), key: () => null },
-      { head: 'run', cell: (run) => el('a', { href: '/run/' + encodeURIComponent(run.id) + '/' }, run.name), key: (run) => run.name },
+      { head: '', cell: (run) => (run.id === null ? '' : this.choice(run)), key: () => null },
+      { head: 'run', cell: (run) => (run.id === null ? el('span', { title: run.command ? 'plays it again: ' + run.command : undefined }, run.name) : el('a', { href: '/run/' + encodeURIComponent(run.id) + '/' }, run.name)), key: (run) => run.name },
       { head: 'scenario', cell: (run) => run.scenario, key: (run) => run.scenario || null },
       ...(has((run) => run.strategy) ? [{ head: 'strategy', cell: (/** @type {ListedRun} */ run) => run.strategy || '', key: (/** @type {ListedRun} */ run) => run.strategy || null }] : []),
       { head: 'seed', cell: (run) => run.seed ?? '', key: (run) => run.seed ?? null },
       { head: 'tier', cell: (run) => run.tier, key: (run) => run.tier || null },
-      { head: 'status', cell: (run) => el('span', { class: GOOD.includes(run.status) ? '' : 'bad', title: run.error || run.reason || undefined }, run.live ? 'live' : run.status), key: (run) => run.status },
+      { head: 'status', cell: (run) => el('span', { class: GOOD.includes(run.status) ? '' : 'bad', title: run.problem || undefined }, run.live ? 'live' : run.status), key: (run) => run.status },
       { head: 'time', cell: (run) => (run.sim_time_s ? timeText(run.sim_time_s, 0) : ''), key: (run) => run.sim_time_s ?? null },
       ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''), cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
       { head: 'warnings', cell: (run) => run.warnings || '', key: (run) => run.warnings },
       { head: 'errors', cell: (run) => (run.errors ? el('b', { class: 'bad' }, run.errors) : ''), key: (run) => run.errors },
     ];
-    this.list.replaceChildren(found.length ? sortedTable(columns.map((one) => one.head), found.map((run) => ({ cells: columns.map((one) => one.cell(run)), keys: columns.map((one) => one.key(run)), class: this.chosen.includes(run.id) ? 'chosen' : '' })),
+    this.list.replaceChildren(found.length ? sortedTable(columns.map((one) => one.head), found.map((run) => ({ cells: columns.map((one) => one.cell(run)), keys: columns.map((one) => one.key(run)), class: '' })),
       this.order, (order) => { this.order = order; }) : el('p', {}, this.runs.length ? 'No run fits.' : 'There is no run in this folder.'));
     this.showChosen();
   }
   choice(/** @type {ListedRun} */ run) {
-    const box = el('input', { type: 'checkbox', 'data-id': run.id, 'aria-label': 'compare ' + run.name, checked: this.chosen.includes(run.id), onchange: () => {
-      this.chosen = this.chosen.filter((id) => id !== run.id);
-      if (box.checked) this.chosen = [...this.chosen.slice(-1), run.id];
+    const box = el('input', { type: 'checkbox', 'data-id': run.id, 'aria-label': 'compare ' + run.name, onchange: () => {
+      const id = run.id || '';
+      this.chosen = this.chosen.filter((one) => one !== id);
+      if (box.checked) this.chosen = [...this.chosen.slice(-1), id];
       this.showChosen();
     } });
     return box;
