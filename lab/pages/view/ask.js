@@ -115,7 +115,7 @@ export class Ask {
       await this.turns.take(async () => {
         const when = this.when(this.page.clock.t);
         if ('t' in when && !('t' in order)) await request('go', when);
-        const { place } = await request('go', order);
+        const { place } = await request('go', this.envs.options.length > 1 ? { ...order, env: this.env } : order);
         this.stand(place);
         if (this.live) return;
         this.t = this.stood = Math.min(this.page.clock.end, Math.max(0, place.t));
