@@ -2,75 +2,17 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <map>
 
 #include "app/arguments.h"
 #include "app/console.h"
 #include "app/question.h"
 #include "cx/base/json.h"
 #include "cx/inspect/text.h"
+#include "lab/answers.h"
 
 namespace cxlab::app {
 
 namespace {
-
-Json json_of(const Value& value) {
-  switch (value.type()) {
-    case ValueType::kInteger: return value.as_integer();
-    case ValueType::kFloat: return value.as_number();
-    case ValueType::kMultifield: {
-      Json list = Json::array();
-      for (const Value& item : value.items()) list.push_back(json_of(item));
-      return list;
-    }
-    default: return value.print();
-  }
-}
-
-Json json_of(const FactCopy& fact) {
-  Json slots = Json::object();
-  for (const auto& [name, value] : fact.slots) slots[name] = json_of(value);
-  Json json;
-  if (fact.index > 0) json["fact"] = "f-" + std::to_string(fact.index);
-  json["template"] = fact.template_name;
-  json["slots"] = std::move(slots);
-  return json;
-}
-
-Json json_of(const inspect::Values& values) {
-  Json json = Json::object();
-  for (const auto& [name, value] : values) json[name] = value;
-  return json;
-}
-
-Json json_of(const inspect::Doer& doer) {
-  static const std::map<inspect::Doer::Kind, const char*> kKinds{
-      {inspect::Doer::Kind::kRule, "rule"},     {inspect::Doer::Kind::kInput, "input"},
-      {inspect::Doer::Kind::kPerson, "person"}, {inspect::Doer::Kind::kWhatIf, "what_if"},
-      {inspect::Doer::Kind::kStart, "start"},   {inspect::Doer::Kind::kOutside, "executive"}};
-  Json json{{"kind", kKinds.at(doer.kind)}};
-  if (!doer.name.empty()) json["name"] = doer.name;
-  if (doer.n) json["n"] = *doer.n;
-  return json;
-}
-
-Json json_of(const inspect::FactHistory& history) {
-  Json json = json_of(history.fact);
-  json["present"] = history.present;
-  Json changes = Json::array();
-  for (const inspect::FactChange& change : history.changes)
-    changes.push_back({{"n", change.n},
-                       {"t_s", to_seconds(change.t)},
-                       {"what", std::string(to_string(change.kind))},
-                       {"by", json_of(change.by)},
-                       {"text", change.after.print()}});
-  json["changes"] = std::move(changes);
-  return json;
-}
-
-Json place(const std::string& file, int line) {
-  return file.empty() ? Json() : Json(file + ':' + std::to_string(line));
-}
 
 // --- facts
 
@@ -87,11 +29,8 @@ int facts(const FactsOptions& options) {
     auto found =
         stretch ? inspector.facts(options.what, from_of(question), to_of(question)) : inspector.facts(options.what);
     if (!found) return found.error();
-    Json list = Json::array();
-    if (question.json)
-      for (const inspect::FactHistory& history : *found) list.push_back(json_of(history));
     return Answer{found->empty() ? "none\n" : inspect::text_of(*found, options.changes || stretch),
-                  {{"facts", std::move(list)}}};
+                  question.json ? lab::facts_json(*found) : Json::object()};
   });
 }
 
@@ -101,16 +40,6 @@ struct RulesOptions {
   Question question;
   std::string against;
 };
-
-Json json_of(const inspect::RuleUse& use) {
-  Json json{{"rule", use.rule}, {"place", place(use.file, use.line)}, {"fired", use.fired}};
-  json["activated"] = use.activated ? Json(*use.activated) : Json();
-  json["first_s"] = use.first ? Json(to_seconds(*use.first)) : Json();
-  json["last_s"] = use.last ? Json(to_seconds(*use.last)) : Json();
-  if (use.unmet)
-    json["unmet"] = {{"condition", use.unmet->number}, {"text", use.unmet->text}, {"because", use.unmet->because}};
-  return json;
-}
 
 /// What fires in only one of two runs.
 int rules_against(const RulesOptions& options) {
@@ -163,13 +92,8 @@ int rules(const RulesOptions& options) {
   if (!options.against.empty()) return rules_against(options);
   return ask(options.question,
              [&](inspect::Inspector& inspector) -> Expected<Answer> {
-               std::vector<inspect::RuleUse> uses = inspector.rules(false);
-               inspector.assert_time();  // after what was counted
-               const std::vector<inspect::RuleUse> explained = inspector.rules(true);
-               for (std::size_t i = 0; i < uses.size(); ++i) uses[i].unmet = explained[i].unmet;
-               Json list = Json::array();
-               for (const inspect::RuleUse& use : uses) list.push_back(json_of(use));
-               return Answer{inspect::text_of(uses), {{"rules", std::move(list)}}};
+               const std::vector<inspect::RuleUse> uses = inspector.rules_explained();
+               return Answer{inspect::text_of(uses), lab::rules_json(uses)};
              },
              {.counting = Counting::kUse});
 }
@@ -187,22 +111,9 @@ int why(const WhyOptions& options) {
     auto derivation = inspector.why(options.what);
     if (!derivation) return derivation.error();
     if (options.svg) return Answer{inspect::svg_of(inspect::tree_of(*derivation, options.whole)), {}};
-    Json steps = Json::array();
-    for (const inspect::Derivation::Step& step : derivation->steps) {
-      Json json{
-          {"n", step.n}, {"t_s", to_seconds(step.t)}, {"kind", std::string(to_string(step.kind))}, {"text", step.text}};
-      if (step.index > 0) json["fact"] = "f-" + std::to_string(step.index);
-      if (!step.file.empty()) json["place"] = place(step.file, step.line);
-      if (!step.values.empty()) json["values"] = json_of(step.values);
-      json["because"] = step.because;
-      if (step.outside) json["outside"] = *step.outside;
-      if (!step.note.empty()) json["note"] = step.note;
-      if (step.asserted) json["asserted"] = {{"t_s", to_seconds(step.asserted->t)}, {"by", json_of(step.asserted->by)}};
-      steps.push_back(std::move(json));
-    }
     return Answer{
         options.whole ? inspect::whole_text(*derivation) : inspect::text_of(inspect::tree_of(*derivation, false)),
-        {{"steps", std::move(steps)}}};
+        lab::why_json(*derivation)};
   });
 }
 
@@ -231,19 +142,12 @@ void add_agenda(CLI::App& app, Action& action) {
     action = [question] {
       return ask(*question, [](inspect::Inspector& inspector) -> Expected<Answer> {
         const auto agenda = inspector.agenda();
-        Json list = Json::array();
-        for (const ActivationInfo& a : agenda) {
-          Json facts = Json::array();
-          for (const std::int64_t fact : a.facts)
-            facts.push_back(fact < 0 ? Json() : Json("f-" + std::to_string(fact)));
-          list.push_back({{"module", a.module}, {"rule", a.rule}, {"salience", a.salience}, {"facts", facts}});
-        }
         const std::string text = inspect::text_of(agenda, inspector.focus());
         return Answer{
             agenda.empty()
                 ? text + "no rule waits when the tick is over; inside it: cxlab attach RUN -c 'at T' -c agenda\n"
                 : text,
-            {{"focus", inspector.focus()}, {"agenda", std::move(list)}}};
+            lab::agenda_json(agenda, inspector.focus())};
       });
     };
   });
@@ -256,10 +160,8 @@ void add_globals(CLI::App& app, Action& action) {
   command->callback([question, &action] {
     action = [question] {
       return ask(*question, [](inspect::Inspector& inspector) -> Expected<Answer> {
-        Json json = Json::object();
-        for (const auto& [name, value] : inspector.globals()) json[name] = json_of(value);
-        const std::string text = inspect::text_of(inspector.globals());
-        return Answer{text.empty() ? "none\n" : text, {{"globals", std::move(json)}}};
+        const auto globals = inspector.globals();
+        return Answer{globals.empty() ? "none\n" : inspect::text_of(globals), lab::globals_json(globals)};
       });
     };
   });
@@ -281,19 +183,8 @@ void add_firings(CLI::App& app, Action& action) {
       return ask(options->question, [&](inspect::Inspector& inspector) -> Expected<Answer> {
         auto found = inspector.firings(options->rule, from_of(options->question), to_of(options->question));
         if (!found) return found.error();
-        Json list = Json::array();
-        if (options->question.json)
-          for (const inspect::FiringCopy& firing : *found) {
-            Json facts = Json::array();
-            for (const FactCopy& fact : firing.facts) facts.push_back(fact.print());
-            list.push_back({{"n", firing.n},
-                            {"t_s", to_seconds(firing.t)},
-                            {"rule", firing.rule},
-                            {"place", place(firing.file, firing.line)},
-                            {"values", json_of(firing.values)},
-                            {"facts", std::move(facts)}});
-          }
-        return Answer{found->empty() ? "none\n" : inspect::text_of(*found), {{"firings", std::move(list)}}};
+        return Answer{found->empty() ? "none\n" : inspect::text_of(*found),
+                      options->question.json ? lab::firings_json(*found) : Json::object()};
       });
     };
   });

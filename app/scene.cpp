@@ -28,16 +28,15 @@ int show(const SceneOptions& options) {
   if (!run) return fail(run.error());
   auto found = run->scene(options.at ? std::optional(from_seconds(*options.at)) : std::nullopt);
   if (!found) return fail(lab::about_option(found.error(), "--at"));
+  if (options.json) {
+    const auto json = lab::scene_json(*std::move(found), options.what);
+    if (!json) return fail(json.error());
+    std::printf("%s\n", json_text(*json, 2).c_str());
+    return 0;
+  }
   const SimTime t = found->scene.t;
   const auto asked = lab::SceneAnswer::choose(std::move(found->scene), options.what);
   if (!asked) return fail(asked.error());
-  if (options.json) {
-    Json json{{"at_s", to_seconds(t)}};
-    if (found->cut_off) json["cut_off"] = true;
-    json["entities"] = asked->json();
-    std::printf("%s\n", json_text(json, 2).c_str());
-    return 0;
-  }
   std::printf("at %s%s:\n%s", time_text(t).c_str(), found->cut_off ? run->cut_off_text("scene").c_str() : "",
               asked->text("cxlab scene RUN", line_width()).c_str());
   return 0;

@@ -12,6 +12,7 @@
 #include "cx/inspect/layout.h"
 #include "cx/inspect/text.h"
 #include "cx/inspect/users.h"
+#include "lab/answers.h"
 #include "lab/why_not.h"
 
 namespace cxlab::app {
@@ -124,20 +125,6 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
   return wanted;
 }
 
-Json json_of(const std::vector<inspect::FactUser>& users) {
-  Json list = Json::array();
-  for (const inspect::FactUser& user : users) {
-    list.push_back({{"rule", user.rule},
-                    {"place", user.file + ':' + std::to_string(user.line)},
-                    {"condition", user.condition},
-                    {"fired", user.fired}});
-    if (user.last) list.back()["last_s"] = to_seconds(*user.last);
-    if (!user.differs.empty()) list.back()["differs"] = user.differs;
-    if (user.lacks) list.back()["lacks"] = lab::to_text(*user.lacks);
-  }
-  return list;
-}
-
 /// Answers for a fact instead of a rule.
 int why_not_fact(const WhyNotOptions& options) {
   if (!options.where.empty()) return fail(usage_error("--where asks about a rule, not about a fact"));
@@ -145,17 +132,7 @@ int why_not_fact(const WhyNotOptions& options) {
     inspector.assert_time();
     auto future = inspect::future_of(inspector, options.rule);
     if (!future) return future.error();
-    Json json = Json::object();
-    if (future->fact) {
-      json["fact"] = "f-" + std::to_string(future->fact->fact.index);
-      json["text"] = future->fact->fact.print();
-      json["waiting"] = json_of(future->waiting);
-      json["nearly"] = json_of(future->nearly);
-      json["forbidden"] = json_of(future->forbidden);
-    }
-    if (!future->nearest.empty()) json["nearest"] = future->nearest;
-    if (future->makers) json["makers"] = lab::to_json(*future->makers);
-    return Answer{future->text(), std::move(json)};
+    return Answer{future->text(), lab::future_json(*future)};
   });
 }
 

@@ -19,4 +19,26 @@ inline std::string base64(std::string_view bytes) {
   return out;
 }
 
+/// The bytes of a text in base64, up to where it is none.
+inline std::string bytes_of_base64(std::string_view text) {
+  std::string out;
+  out.reserve(text.size() / 4 * 3);
+  unsigned value = 0, bits = 0;
+  for (const char c : text) {
+    const unsigned digit = c >= 'A' && c <= 'Z'   ? static_cast<unsigned>(c - 'A')
+                           : c >= 'a' && c <= 'z' ? static_cast<unsigned>(c - 'a') + 26
+                           : c >= '0' && c <= '9' ? static_cast<unsigned>(c - '0') + 52
+                           : c == '+'             ? 62u
+                           : c == '/'             ? 63u
+                                                  : 64u;
+    if (digit == 64) break;
+    value = (value << 6 | digit) & 0xffffff;
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    out += static_cast<char>(value >> bits & 0xff);
+  }
+  return out;
+}
+
 }  // namespace cxlab::lab

@@ -14,18 +14,6 @@ namespace cxlab::lab {
 
 namespace {
 
-/// Files that a person reads, relative to the run's folder.
-Json readable_files(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  std::vector<std::string> logs;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
-    if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
-  std::ranges::sort(logs);
-  Json out = {"result.json", "report.json", "manifest.json", "journal.jsonl"};
-  for (std::string& log : logs) out.push_back(std::move(log));
-  return out;
-}
-
 /// The decisions of agents.
 Json decisions_of(const std::vector<JournalRecord>& records) {
   Json out = Json::array();
@@ -77,21 +65,23 @@ void add_events(const std::vector<JournalRecord>& records, const Result& result,
   std::ranges::stable_sort(page.events, {}, &PageEvent::t);
 }
 
-Expected<RunPage> page_of_world(const Played& played, const std::vector<JournalRecord>& records) {
-  const WorldKind& world = *played.scenario.world.kind;
-  if (!world.page) return RunPage();
-  const Result& result = played.result;
-  const bool ended = result.status == RunStatus::kCompleted;
-  return world.page({played.folder, played.scenario, records, {}, result.sim_time, ended, {}}, result);
-}
-
-Status write_page(const Played& played, const std::vector<JournalRecord>& records, RunPage page, const Json& report) {
-  const std::filesystem::path& folder = played.folder;
+/// The fields of a report that the page shows without its scripts, and the tables of its world.
+Json head_of(const RunPage& page, const Json& report) {
   Json head;
   for (const char* key : {"result", "reason", "files", "film", "pictures"}) head[key] = report[key];
   head["tables"] = tables_of(page);
   head["kinds"] = Json::array();
   for (const PageKind& kind : page.kinds) head["kinds"].push_back({{"name", kind.name}, {"ink", kind.ink}});
+  return head;
+}
+
+Expected<RunPage> page_of_world(const Scenario& scenario, const AskedRun& asked, const Result& result) {
+  return scenario.world.kind->page ? scenario.world.kind->page(asked, result) : RunPage();
+}
+
+Status write_page(const Played& played, const std::vector<JournalRecord>& records, RunPage page, const Json& report) {
+  const std::filesystem::path& folder = played.folder;
+  Json head = head_of(page, report);
   // The page is whole without its folder.
   for (std::size_t i = 0; i < played.pictures.size(); ++i)
     if (const auto bytes = read_file(played.pictures[i].file)) head["pictures"][i]["png"] = base64(*bytes);
@@ -104,7 +94,58 @@ Status write_page(const Played& played, const std::vector<JournalRecord>& record
   return replace_file(folder / "index.html", *html);
 }
 
+/// result.json of a recorded run, as far as pages of worlds and their events read it.
+Result result_of(const Run& run, const Scenario& scenario, const Json& json) {
+  Result result = initial_result(scenario);
+  const Json common = parse_json(Result().to_json());
+  for (const auto& [key, value] : json.items())
+    if (!common.contains(key)) result.set(key, json_text(value));
+  result.sim_time = run.sim_time;
+  result.reason = run.failure;
+  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array())
+    for (const Json& warning : *warnings)
+      if (warning.is_string()) result.warnings.push_back(warning);
+  return result;
+}
+
 }  // namespace
+
+/// Files that a person reads, relative to the run's folder.
+Json readable_files(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::vector<std::string> logs;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "logs", ignored))
+    if (!entry.is_symlink()) logs.push_back("logs/" + entry.path().filename().string());
+  std::ranges::sort(logs);
+  Json out = {"result.json", "report.json", "manifest.json", "journal.jsonl"};
+  for (std::string& log : logs) out.push_back(std::move(log));
+  return out;
+}
+
+Expected<PageParts> page_of_recorded(const Run& run) {
+  const auto scenario = run.scenario();
+  if (!scenario) return scenario.error();
+  Json report{{"result", parse_json(run.result)},
+              {"reason", run.failure ? run.failure->text() : ""},
+              {"files", readable_files(run.folder)},
+              {"film", ""},
+              {"pictures", Json::array()}};
+  const Result result = result_of(run, *scenario, report["result"]);
+  auto recorded = run.records_up_to(std::nullopt, {.kinds = kRecordsOfQuestions});
+  // A run without a journal has a page without its events.
+  if (!recorded) recorded = Run::RecordsUpTo{{}, run.sim_time, run.finished, true};
+  auto page = page_of_world(
+      *scenario, {run.folder, *scenario, recorded->records, {}, recorded->t, recorded->ended, {}}, result);
+  if (!page) return page.error();
+  PageParts parts;
+  parts.head = head_of(*page, report);
+  add_kinds(*page);
+  add_events(recorded->records, result, *page);
+  SimTime end = std::max(recorded->t, run.sim_time);
+  if (const auto scenes = run.scenes(); scenes && !run.finished) end = std::max(end, scenes->end());
+  parts.run = run_data(*page, to_seconds(end));
+  return parts;
+}
 
 Status write_report(const Played& played) {
   const std::filesystem::path& folder = played.folder;
@@ -114,7 +155,9 @@ Status write_report(const Played& played) {
   report["reason"] = played.result.reason ? played.result.reason->text() : "";
   const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
-  auto page = page_of_world(played, *records);
+  const bool ended = played.result.status == RunStatus::kCompleted;
+  auto page = page_of_world(
+      played.scenario, {folder, played.scenario, *records, {}, played.result.sim_time, ended, {}}, played.result);
   if (!page) return page.error();
   for (const Result::Section& section : page->data) report[section.key] = parse_json(section.json);
   report["decisions"] = decisions_of(*records);

@@ -100,6 +100,15 @@ std::string SceneAnswer::text(const std::string& command, std::size_t width) con
          some_of(kinds, kinds.size()) + ")\n";
 }
 
+Expected<Json> scene_json(Run::SceneAt seen, const std::string& what) {
+  Json json{{"at_s", to_seconds(seen.scene.t)}};
+  if (seen.cut_off) json["cut_off"] = true;
+  const auto asked = SceneAnswer::choose(std::move(seen.scene), what);
+  if (!asked) return asked.error();
+  json["entities"] = asked->json();
+  return json;
+}
+
 Expected<std::string> scene_text(Run::SceneAt seen, const std::string& what) {
   const std::string at = "at " + time_text(seen.scene.t) + (seen.cut_off ? ", where the scene is cut off" : "");
   const auto asked = SceneAnswer::choose(std::move(seen.scene), what);

@@ -34,5 +34,7 @@ class SceneAnswer {
 
 /// What `scene` of `cxlab attach` says.
 Expected<std::string> scene_text(Run::SceneAt seen, const std::string& what);
+/// What `cxlab scene --json` says.
+Expected<Json> scene_json(Run::SceneAt seen, const std::string& what);
 
 }  // namespace cxlab::lab

@@ -162,9 +162,13 @@ Status open_control(RunAtPlay& run) {
   };
   control.debugger = std::make_unique<Debugger>(*control.server, std::move(debugger));
   control.debugger->watch(
-      [&run] { return environments_of(run); },
-      [&run](cx::Environment& environment) { return inspector_of(environment, *run.episode, run.control.timelines); },
-      [&run](const std::string& what) { return scene_text({run.episode->scene()}, what); });
+      {.environments = [&run] { return environments_of(run); },
+       .inspect =
+           [&run](cx::Environment& environment) {
+             return inspector_of(environment, *run.episode, run.control.timelines);
+           },
+       .look = [&run](const std::string& what) { return scene_text({run.episode->scene()}, what); },
+       .look_json = [&run](const std::string& what) { return scene_json({run.episode->scene()}, what); }});
   run.host.log = control.debugger.get();
   return {};
 }

@@ -15,11 +15,18 @@ namespace cxlab::lab {
 /// Plays in a process of its own, which is confined as each that plays rules.
 class TimeTravel {
  public:
+  struct Options {
+    Counting counting = Counting::kNothing;  ///< kUse for how often rules were put on the agenda
+    bool quiet = false;                      ///< errors of that process are kept for `said`
+  };
   /// Errors of the run are reported by that process, on standard error; see `ended`.
-  static Expected<std::unique_ptr<TimeTravel>> start(const Run& run, const Host& host);
+  static Expected<std::unique_ptr<TimeTravel>> start(const Run& run, const Host& host, Options options);
+  static Expected<std::unique_ptr<TimeTravel>> start(const Run& run, const Host& host) { return start(run, host, {}); }
   const ControlAddress& address() const { return address_; }
   /// The exit code, if the process has ended.
   std::optional<int> ended() { return process_.wait_for(0); }
+  /// What the process has written on standard error, if it is quiet: at most the last 10,000 bytes.
+  std::string said() const;
 
  private:
   TimeTravel(std::unique_ptr<ScratchFolder> folder, ControlAddress address, Process process)

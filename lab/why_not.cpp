@@ -7,59 +7,68 @@
 
 #include "cx/engine/form_reader.h"
 #include "cx/explain/json.h"
+#include "lab/answers.h"
 #include "lab/moment.h"
 
 namespace cxlab::lab {
 
-namespace {
-
-/// Hears of all firings: the facts of the run, and what waits on the agendas.
-class Witness final : public JournalListener {
- public:
-  Witness(Episode& episode, const std::string& rule)
-      : episode_(episode), rule_(without_module(rule)), histories_({.past_facts = false, .rule = rule_}) {
-    episode_.journal().observe(*this);
+struct RuleWitness::State final : JournalListener {
+  State(Episode& of, const std::string& name)
+      : episode(of), rule(without_module(name)), histories({.past_facts = false, .rule = rule}) {
+    episode.journal().observe(*this);
   }
-  ~Witness() override { episode_.journal().ignore(*this); }
-  Witness(const Witness&) = delete;
-  Witness& operator=(const Witness&) = delete;
+  ~State() override { episode.journal().ignore(*this); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
-  bool wants(std::string_view stream, RecordKind kind) const override { return histories_.wants(stream, kind); }
+  bool wants(std::string_view stream, RecordKind kind) const override { return histories.wants(stream, kind); }
   void heard(const JournalRecord& record) override {
     if (record.kind == RecordKind::kFire) {
-      const StreamId stream = episode_.journal().open_stream(record.stream);  // finds it
-      for (const cx::Environment* environment : episode_.environments())
+      const StreamId stream = episode.journal().open_stream(record.stream);  // finds it
+      for (const cx::Environment* environment : episode.environments())
         if (environment->engine().stream() == stream)
           watch(record.stream)
               .look(environment->engine(), record.t, explain::module_of(record), std::string(record.data.text("rule")));
     }
-    histories_.heard(record);
+    histories.heard(record);
   }
-  void tick_is_over() {
-    for (const cx::Environment* environment : episode_.environments())
-      watch(stream_of(*environment)).look(environment->engine(), episode_.now());
-  }
-  const explain::History& history(const cx::Environment& environment) { return histories_.of(stream_of(environment)); }
-  /// Since its last firing.
-  std::optional<explain::LostActivation> lost(const cx::Environment& environment, const explain::WhyNot& answer) {
-    const explain::LostActivation* last = watch(stream_of(environment)).last(answer.module);
-    if (!last || (answer.fired > 0 && last->t < answer.last_fired)) return std::nullopt;
-    return *last;
-  }
-
- private:
   std::string stream_of(const cx::Environment& environment) const {
-    return episode_.journal().stream_name(environment.engine().stream());
+    return episode.journal().stream_name(environment.engine().stream());
   }
   explain::AgendaWatch& watch(const std::string& stream) {
-    return watches_.try_emplace(stream, explain::AgendaWatch(rule_)).first->second;
+    return watches.try_emplace(stream, explain::AgendaWatch(rule)).first->second;
   }
 
-  Episode& episode_;
-  std::string rule_;
-  explain::Histories histories_;
-  std::map<std::string, explain::AgendaWatch> watches_;
+  Episode& episode;
+  std::string rule;
+  explain::Histories histories;
+  std::map<std::string, explain::AgendaWatch> watches;
 };
+
+RuleWitness::RuleWitness(Episode& episode, const std::string& rule)
+    : state_(std::make_unique<State>(episode, rule)) {}
+RuleWitness::~RuleWitness() = default;
+
+void RuleWitness::tick_is_over() {
+  for (const cx::Environment* environment : state_->episode.environments())
+    state_->watch(state_->stream_of(*environment)).look(environment->engine(), state_->episode.now());
+}
+
+bool RuleWitness::follows(const std::string& rule) const { return without_module(rule) == state_->rule; }
+
+Expected<explain::WhyNot> RuleWitness::why_not(cx::Environment& environment, const ConstructInfo& rule,
+                                               const explain::Wanted& wanted) const {
+  const std::string stream = state_->stream_of(environment);
+  auto found = explain::why_not(environment.engine(), rule, state_->histories.of(stream), wanted);
+  if (!found) return found;
+  // Of activations only those since the last firing.
+  const explain::LostActivation* last = state_->watch(stream).last(found->module);
+  if (last && (found->fired == 0 || last->t >= found->last_fired)) found->lost = *last;
+  found->file = environment.files().journal_name(found->file);
+  return found;
+}
+
+namespace {
 
 Error unknown_rule(const Run& run, Episode& episode, const std::string& rule) {
   const std::string module = rule.substr(0, rule.size() - without_module(rule).size());  // "A::"
@@ -86,7 +95,7 @@ Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, c
   auto moment = Moment::open(run, host);
   if (!moment) return moment.error();
   Episode& episode = (*moment)->episode();
-  Witness witness(episode, question.rule);
+  RuleWitness witness(episode, question.rule);
   (*moment)->after_tick = [&witness] { witness.tick_is_over(); };
   WhyNotAnswer answer;
   if (Status played = (*moment)->seek(question.at); !played) return about_option(played.error(), "--at");
@@ -98,18 +107,15 @@ Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, c
   if (!environments) return environments.error();
   for (cx::Environment* environment : *environments) {
     RuleEngine& engine = environment->engine();
-    const explain::History& history = witness.history(*environment);
     bool first = true;
     for (const ConstructInfo& rule : engine.find_constructs("defrule", question.rule)) {
       if (!engine.has("defrule", rule.module + "::" + rule.name)) continue;  // rules removed it
       if (std::exchange(first, false)) (*moment)->inspector(*environment).assert_time();
-      auto found = explain::why_not(engine, rule, history, question.wanted);
+      auto found = witness.why_not(*environment, rule, question.wanted);
       if (!found) {
         refused = found.error();
         continue;
       }
-      found->lost = witness.lost(*environment, *found);
-      found->file = environment->files().journal_name(found->file);
       std::optional<inspect::Makers> makers;
       if (found->unmet) makers = inspect::makers_of((*moment)->inspector(*environment), *found->unmet);
       answer.environments.push_back({environment->unique_name(), *std::move(found), std::move(makers)});
@@ -117,40 +123,6 @@ Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, c
   }
   if (answer.environments.empty()) return refused ? *refused : unknown_rule(run, episode, question.rule);
   return answer;
-}
-
-namespace {
-
-Json to_json(const inspect::FactChange& change) {
-  return {{"fact", change.after.print()},
-          {"what", std::string(to_string(change.kind))},
-          {"t_s", to_seconds(change.t)},
-          {"by", change.by.text()}};
-}
-
-}  // namespace
-
-std::string to_text(const explain::UnmetCondition& lacks) {
-  return "condition " + std::to_string(lacks.number) + ": " + lacks.print();
-}
-
-Json to_json(const inspect::Makers& makers) {
-  Json json{{"pattern", makers.pattern}, {"forbids", makers.forbids}};
-  if (makers.changed) json["nearest_changed"] = to_json(*makers.changed);
-  if (makers.made) json["last_made"] = to_json(*makers.made);
-  if (makers.gone) json["then"] = to_json(*makers.gone);
-  auto rules = Json::array();
-  for (const auto& maker : makers.makers) {
-    rules.push_back({{"rule", maker.rule},
-                     {"place", maker.file + ':' + std::to_string(maker.line)},
-                     {"how", maker.how},
-                     {"fired", maker.fired}});
-    if (!maker.through.empty()) rules.back()["through"] = maker.through;
-    if (maker.last) rules.back()["last_s"] = to_seconds(*maker.last);
-    if (maker.lacks) rules.back()["lacks"] = to_text(*maker.lacks);
-  }
-  json["rules"] = std::move(rules);
-  return json;
 }
 
 Json to_json(const WhyNotAnswer& answer) {

@@ -1,10 +1,10 @@
 #pragma once
 // Why a rule of a recorded run has not fired at a time: the run's rules are played again up to then.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-#include "cx/base/json.h"
 
 #include "cx/base/expected.h"
 #include "cx/base/json.h"
@@ -12,8 +12,30 @@
 #include "cx/inspect/makers.h"
 #include "lab/host.h"
 #include "lab/run.h"
+#include "scenarios/episode.h"
 
 namespace cxlab::lab {
+
+/// Hears from the start of a run of what a rule did: its firings, and what it had on the agenda and lost.
+class RuleWitness {
+ public:
+  /// `rule` may have a module: the rules of that name in all modules are followed.
+  RuleWitness(Episode& episode, const std::string& rule);
+  ~RuleWitness();
+  RuleWitness(const RuleWitness&) = delete;
+  RuleWitness& operator=(const RuleWitness&) = delete;
+
+  /// To be called after each tick.
+  void tick_is_over();
+  bool follows(const std::string& rule) const;
+  /// Why the rule has not fired in that environment, as it is now; the file as people know it.
+  Expected<explain::WhyNot> why_not(cx::Environment& environment, const ConstructInfo& rule,
+                                    const explain::Wanted& wanted) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 struct WhyNotQuestion {
   std::string rule;           ///< may have a module; without one, rules of this name in all modules
@@ -34,9 +56,6 @@ struct WhyNotAnswer {
   bool stopped = false;                     ///< by the host; then there is no answer
 };
 Json to_json(const WhyNotAnswer& answer);
-Json to_json(const inspect::Makers& makers);
-/// "condition 2: (order (id 3)): there is no fact of order", as JSON has it.
-std::string to_text(const explain::UnmetCondition& lacks);
 
 Expected<WhyNotAnswer> why_not(const Run& run, const WhyNotQuestion& question, const Host& host = {});
 

@@ -27,6 +27,16 @@ Values values_of(const Bindings& bindings) {
   return values;
 }
 
+/// How many facts match a pattern whatever the conditions before it match.
+std::size_t matching_alone(const Pattern& pattern, Matcher& matcher) {
+  std::size_t count = 0;
+  for (const FactCopy* fact : matcher.facts().of(pattern)) {
+    Bindings none;
+    count += pattern.match(*fact, none, &matcher.evaluator(), [] { return true; });
+  }
+  return count;
+}
+
 /// Finds the first condition of a list that nothing gets past, and what is wrong with it.
 class Explainer {
  public:
@@ -90,11 +100,7 @@ class Explainer {
   UnmetCondition describe_pattern(const Pattern& pattern, const Matcher::Reach& reach) {
     UnmetCondition unmet;
     const std::vector<const FactCopy*> facts = matcher_.facts().of(pattern);
-    unmet.matches_alone = 0;
-    for (const FactCopy* fact : facts) {
-      Bindings none;
-      *unmet.matches_alone += pattern.match(*fact, none, &matcher_.evaluator(), [] { return true; });
-    }
+    unmet.matches_alone = matching_alone(pattern, matcher_);
     Nearest best;
     const Combination* with = &reach.combinations.front();
     for (const Combination& combination : reach.combinations) {
@@ -347,6 +353,33 @@ bool put_fired(const Look& found, const ConstructInfo& rule, const History& hist
 std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule, const Wanted& wanted) {
   const Expected<Look> found = look(engine, rule, wanted);
   return found ? found->unmet : std::nullopt;
+}
+
+Expected<std::vector<ConditionNow>> conditions_now(RuleEngine& engine, ConstructInfo rule) {
+  const auto conditions = conditions_of(rule.text, rule.file, rule.line);
+  if (!conditions) return conditions.error();
+  const Facts facts(engine, rule.module);
+  Evaluator evaluator(engine, rule.module);
+  Matcher matcher(facts, evaluator);
+  const int after_last = static_cast<int>(conditions->size()) + 1;
+  int fails = 0;  // the furthest of the first ones that do not hold, of all alternatives
+  for (const Alternative& alternative : alternatives_of(*conditions)) {
+    const std::size_t depth = matcher.reach(alternative.conditions, {}).depth;
+    fails = std::max(fails, depth < alternative.numbers.size() ? alternative.numbers[depth] : after_last);
+  }
+  const auto line_at = [&](std::size_t character) {
+    const auto begin = rule.text.begin();
+    return rule.line + static_cast<int>(std::count(begin, begin + static_cast<std::ptrdiff_t>(character), '\n'));
+  };
+  std::vector<ConditionNow> out;
+  for (const Condition& condition : *conditions) {
+    ConditionNow now{static_cast<int>(out.size()) + 1, condition.text, line_at(condition.begin),
+                     line_at(condition.end), {}, {}};
+    if (now.number <= fails && !matcher.exhausted()) now.holds = now.number < fails;
+    if (condition.kind == Kind::kPattern) now.matches_alone = matching_alone(condition.pattern, matcher);
+    out.push_back(std::move(now));
+  }
+  return out;
 }
 
 Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& history, const Wanted& wanted) {

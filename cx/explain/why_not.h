@@ -78,4 +78,17 @@ Expected<WhyNot> why_not(RuleEngine& engine, ConstructInfo rule, const History& 
 /// nothing that is wanted.
 std::optional<UnmetCondition> unmet_condition(RuleEngine& engine, ConstructInfo rule, const Wanted& wanted = {});
 
+/// A condition of a rule as it is now.
+struct ConditionNow {
+  int number = 0;  ///< from 1
+  std::string text;
+  int line = 0, end_line = 0;  ///< of the rule's file
+  /// Whether the conditions up to it hold together; of an `or` whether an alternative does. None: one before it fails,
+  /// or there are too many combinations to tell.
+  std::optional<bool> holds;
+  std::optional<std::size_t> matches_alone;  ///< of a pattern: facts that match it without the conditions before
+};
+/// All conditions of a rule, in their order. Its first one that does not hold is the one of `unmet_condition`.
+Expected<std::vector<ConditionNow>> conditions_now(RuleEngine& engine, ConstructInfo rule);
+
 }  // namespace cxlab::explain

@@ -174,15 +174,18 @@ Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what, Sim
   return found;
 }
 
-void Inspector::assert_time() const {
+bool Inspector::assert_time() const {
   const auto was_there = [&] {
     for (std::uint64_t n = timeline_->begin(); n < timeline_->end(); ++n)
       if (timeline_->fact(n) > 0 && timeline_->name(n) == "time") return true;
     return false;
   };
-  if (!engine_->find_construct("defrule", "time-retract") || !engine_->facts("time").empty() || !was_there()) return;
+  if (!engine_->find_construct("defrule", "time-retract") || !engine_->facts("time").empty() || !was_there())
+    return false;
   const Value time = Value::number(to_seconds(engine_->now()));
-  if (engine_->assert_ordered("time", {&time, 1})) engine_->refresh_all_agendas();
+  if (!engine_->assert_ordered("time", {&time, 1})) return false;
+  engine_->refresh_all_agendas();
+  return true;
 }
 
 // --- Rules
@@ -326,6 +329,14 @@ std::vector<RuleUse> Inspector::rules(bool explain) const {
     const std::size_t mark = name.find("::");
     add(name, mark == name.npos ? "MAIN" : name.substr(0, mark), nullptr);
   }
+  return uses;
+}
+
+std::vector<RuleUse> Inspector::rules_explained() const {
+  std::vector<RuleUse> uses = rules(false);
+  assert_time();  // after what was counted
+  const std::vector<RuleUse> explained = rules(true);
+  for (std::size_t i = 0; i < uses.size(); ++i) uses[i].unmet = explained[i].unmet;
   return uses;
 }
 

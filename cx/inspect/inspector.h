@@ -119,8 +119,8 @@ class Inspector {
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
 
   /// The executive takes its time fact back after each run of the rules: asserts what the next run would find, where
-  /// one has been there. Before conditions are looked at; facts and agenda are others afterwards.
-  void assert_time() const;
+  /// one has been there. Before conditions are looked at; facts and agenda are others afterwards. Whether it did so.
+  bool assert_time() const;
 
   std::vector<ActivationInfo> agenda() const { return engine_->agenda(); }
   std::vector<std::string> focus() const { return engine_->focus(); }
@@ -132,6 +132,8 @@ class Inspector {
 
   /// In order of definition. `unmet` is set where `explain` says so.
   std::vector<RuleUse> rules(bool explain) const;
+  /// The same as it is now, with what each lacks when the time is there (`assert_time`).
+  std::vector<RuleUse> rules_explained() const;
 
   /// `what`: `f-12`, a pattern (its fact that changed last), or a rule (its last firing). A pattern that no fact
   /// matches now may name one that has gone.

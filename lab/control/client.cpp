@@ -1,6 +1,7 @@
 #include "lab/control/client.h"
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <asio/buffer.hpp>
 #include <asio/generic/stream_protocol.hpp>
@@ -77,9 +78,12 @@ struct ControlClient::State {
     return event;
   }
 
-  Expected<Json> ask(const char* what, const std::string& text) {
+  Expected<Json> ask(const char* what, const std::string& text) { return ask({{what, text}}); }
+
+  Expected<Json> ask(Json request) {
     const std::uint64_t id = ++last_id;
-    if (Status s = send({{"id", id}, {what, text}}); !s) return s.error();
+    request["id"] = id;
+    if (Status s = send(request); !s) return s.error();
     while (true) {
       auto line = receive();
       if (!line) return line.error();
@@ -130,6 +134,13 @@ Expected<ControlClient::Answer> ControlClient::carry_out(const std::string& line
   return Answer{flag_of(*answer, "ok"), text_of(*answer, "text"), goes_on};
 }
 
+Expected<std::string> ControlClient::ask(const std::string& question) {
+  const auto answer = state_->ask(parse_json(question));
+  if (!answer) return answer.error();
+  if (!flag_of(*answer, "ok")) return input_error(text_of(*answer, "text"));
+  return json_text((*answer)["answer"]);
+}
+
 Expected<std::vector<std::string>> ControlClient::completions(const std::string& begun) {
   auto answer = state_->ask("complete", begun);
   if (!answer) return answer.error();
@@ -158,6 +169,8 @@ Status ControlClient::take_events() {
   }
   return {};
 }
+
+void ControlClient::hang_up() { shutdown(state_->socket.native_handle(), SHUT_RDWR); }
 
 int ControlClient::descriptor() const { return state_->socket.native_handle(); }
 

@@ -37,6 +37,9 @@ class ControlClient {
   void on_event(std::function<void(const Event&)> call);
 
   Expected<Answer> carry_out(const std::string& line);
+  /// A question of a program: a JSON object with "ask" and what belongs to it, without its id. Gives the answer's text,
+  /// also JSON; an error of kind kInput where the run refuses it, of kind kResource where the run has gone.
+  Expected<std::string> ask(const std::string& question);
   /// Words that begin so.
   Expected<std::vector<std::string>> completions(const std::string& begun);
   /// Waits until the run stops or ends.
@@ -45,6 +48,8 @@ class ControlClient {
   Status take_events();
   /// To wait for input, as with poll.
   int descriptor() const;
+  /// Ends the conversation: whatever waits for the run, in any thread, gets an error.
+  void hang_up();
 
  private:
   struct State;

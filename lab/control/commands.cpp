@@ -74,7 +74,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
   };
   static const auto ask = [](D& d, auto show) -> A {
     return look(d, [&](cx::Environment& e) -> Expected<std::string> {
-      inspect::Inspector inspector = d.inspect_(e);
+      inspect::Inspector inspector = d.inspect(e);
       auto text = show(inspector);
       if (text && text->ends_with('\n')) text->pop_back();
       return text;
@@ -92,7 +92,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
       {"envs", "", "the environments, with their facts and rules on the agenda",
        [](D& d, const std::string&) -> A {
          std::vector<std::string> lines;
-         for (const cx::Environment* e : d.environments_())
+         for (const cx::Environment* e : d.environments())
            lines.push_back(e->unique_name() + "  " + std::to_string(e->engine().fact_count()) + " facts, " +
                            std::to_string(e->engine().agenda().size()) + " on the agenda" +
                            (e->unique_name() == d.selected_ ? "  (in use)" : ""));
@@ -101,12 +101,13 @@ const std::vector<Debugger::Command>& Debugger::commands() {
       {"use", "ENV|all", "looks at this environment, and stops only there",
        [](D& d, const std::string& rest) -> A {
          std::vector<std::string> known{"all"};
-         for (const cx::Environment* e : d.environments_()) known.push_back(e->unique_name());
+         for (const cx::Environment* e : d.environments()) known.push_back(e->unique_name());
          if (std::find(known.begin(), known.end(), rest) == known.end())
            return {false, "there is no environment '" + rest + "'" + did_you_mean(rest, known)};
          d.selected_ = rest == "all" ? std::string() : rest;
          return {true, "uses " + rest};
-       }},
+       },
+       true},
       {"facts", "[TEMPLATE|PATTERN]", "facts: all, of a template, or those that match: facts (order (id 3))",
        [](D& d, const std::string& rest) {
          return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
@@ -156,7 +157,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        }},
       {"scene", "[NAME|KIND]", "what there is to see: what stands, moves or is carried where, and its state",
        [](D& d, const std::string& rest) -> A {
-         auto text = d.look_(rest);
+         auto text = d.knows_.look(rest);
          if (!text) return {false, text.error().kind == ErrorKind::kUsage ? text.error().message : text.error().text()};
          if (text->ends_with('\n')) text->pop_back();
          return {true, *std::move(text)};
@@ -206,7 +207,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
            if (unmet) {
              std::string text =
                  inspect::text_of(*unmet, "condition " + std::to_string(unmet->number) + " does not hold", "");
-             if (const auto makers = inspect::makers_of(d.inspect_(e), *unmet)) text += makers->text();
+             if (const auto makers = inspect::makers_of(d.inspect(e), *unmet)) text += makers->text();
              if (text.ends_with('\n')) text.pop_back();
              return text;
            }
@@ -225,10 +226,14 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string& rest) { return count(d, rest, &D::ticks_); }},
       {"at", "T", "of a recorded run: goes to the first tick from T on, 312.4 or 5:12.4",
        [](D& d, const std::string& rest) { return d.go_to_time(rest); }, true},
+      {"after", "T", "of a recorded run: goes to after the last tick up to T, where cxlab facts --at T looks",
+       [](D& d, const std::string& rest) { return d.go_after(rest); }, true},
       {"back", "[N]", "of a recorded run: goes back to before the last rule that fired, or the N-th last",
        [](D& d, const std::string& rest) { return d.back(rest); }, true},
       {"back-until", "RULE|PATTERN", "of a recorded run: goes back to before that rule fired, or the fact was made",
        [](D& d, const std::string& rest) { return d.back_until(rest); }, true},
+      {"speed", "[X]", "plays at most X times as fast as the wall clock; 0: as fast as it can",
+       [](D& d, const std::string& rest) { return d.set_speed(rest); }, true},
       {"until", "T|RULE|PATTERN", "goes on until a time, before a rule fires, or until a fact is there",
        [](D& d, const std::string& rest) {
          A set = d.set_break(rest, true);
@@ -265,7 +270,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
          }
          const auto environment = d.looked_at();
          if (!environment) return {false, environment.error().message};
-         const auto facts = d.inspect_(**environment).present(rest);
+         const auto facts = d.inspect(**environment).present(rest);
          if (!facts) return {false, facts.error().text()};
          if (facts->empty()) return {false, "no fact matches " + rest};
          std::string indices;
@@ -334,7 +339,7 @@ std::vector<std::string> Debugger::completions(const std::string& begun) {
     if (word.starts_with(begun)) words.push_back(word);
   };
   for (const Command& command : commands()) add(command.name);
-  for (const cx::Environment* e : environments_()) add(e->unique_name());
+  for (const cx::Environment* e : environments()) add(e->unique_name());
   if (const auto environment = looked_at()) {
     for (const ConstructInfo& info : (*environment)->engine().constructs()) add(info.name);
     for (const FunctionSpec& function : (*environment)->engine().functions()) add(function.name);
@@ -345,7 +350,7 @@ std::vector<std::string> Debugger::completions(const std::string& begun) {
 }
 
 Expected<cx::Environment*> Debugger::looked_at() const {
-  const auto all = environments_();
+  const auto all = environments();
   for (cx::Environment* environment : all)
     if (selected_.empty() ? here_ == nullptr || environment == here_ : environment->unique_name() == selected_)
       return environment;
@@ -383,7 +388,7 @@ std::optional<SimTime> Debugger::time_in(const std::string& text) {
 
 Status Debugger::check_rule(const std::string& rule) const {
   std::vector<std::string> known;
-  for (const cx::Environment* e : environments_())
+  for (const cx::Environment* e : environments())
     for (const ConstructInfo& info : e->engine().constructs())
       if (info.kind == "defrule") known.insert(known.end(), {info.name, info.module + "::" + info.name});
   if (std::ranges::find(known, rule) != known.end()) return {};
@@ -394,7 +399,7 @@ Expected<explain::Pattern> Debugger::pattern_of(const std::string& text) const {
   auto pattern = explain::Pattern::parse_plain(text, {}, 0);
   if (!pattern) return pattern;
   Status possible = input_error("there is no environment");
-  for (const cx::Environment* e : environments_()) {
+  for (const cx::Environment* e : environments()) {
     if (possible) break;
     possible = explain::check_names(*pattern, e->engine());
     const std::vector<FactCopy> facts = e->engine().facts(pattern->template_name());
@@ -419,7 +424,7 @@ Debugger::Answer Debugger::set_break(const std::string& what, bool once) {
     if (!pattern) return {false, pattern.error().message};
     point.kind = BreakPoint::Kind::kFact;
     point.pattern = *std::move(pattern);
-    for (const cx::Environment* e : environments_())
+    for (const cx::Environment* e : environments())
       if (holds(point, *e)) point.held.insert(e);
     if (once && here_ && point.held.contains(here_)) return {false, "that fact is there already"};
   } else if (!what.empty()) {
@@ -453,6 +458,31 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
   return {true, {}, true};
 }
 
+Debugger::Answer Debugger::go_after(const std::string& text) {
+  if (!options_.recorded) return only_when_recorded();
+  const auto time = time_in(text);
+  if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
+  const auto later = std::ranges::upper_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
+  if (later == visits_.end()) return show(kEnd);
+  const auto over = std::find_if(std::reverse_iterator(later), visits_.rend(),
+                                 [](const Visit& visit) { return visit.place.fired == kAfterTick; });
+  if (over == visits_.rend()) return {false, "no tick is over at " + seconds_text(to_seconds(*time))};
+  return show({static_cast<std::size_t>(visits_.rend() - over) - 1, kAfterTick});
+}
+
+Debugger::Answer Debugger::set_speed(const std::string& text) {
+  if (options_.recorded) return {false, "this run is over, and is played as fast as it can be"};
+  if (!text.empty()) {
+    constexpr double kMost = 1e6;
+    const auto speed = read_number<double>(text);
+    if (!speed || !(*speed >= 0 && *speed <= kMost))
+      return {false, "found '" + text + "', expected a number from 0 to 1000000"};
+    speed_ = *speed;
+    pace_.reset();
+  }
+  return {true, speed_ > 0 ? "at most " + general_text(speed_, 6) + " x real time" : "as fast as it can"};
+}
+
 Debugger::Answer Debugger::back(const std::string& rest) {
   if (!options_.recorded) return only_when_recorded();
   const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
@@ -474,9 +504,9 @@ Debugger::Answer Debugger::back_until(const std::string& what) {
     return {false, s.error().message};
   }
   std::optional<Target> last;
-  for (cx::Environment* environment : environments_()) {
+  for (cx::Environment* environment : environments()) {
     if (!selected_.empty() && environment->unique_name() != selected_) continue;
-    const inspect::Inspector inspector = inspect_(*environment);
+    const inspect::Inspector inspector = inspect(*environment);
     const std::uint64_t end = end_here(*environment);
     const auto n = is_fact ? inspector.last_made(*pattern, end) : inspector.last_firing(what, end);
     const auto there = n ? before_record(*environment, *n) : std::nullopt;

@@ -17,20 +17,25 @@ using inspect::seconds_text;
 
 constexpr std::size_t kLinesKept = 10'000;  // of the log, for those who come late
 
-constexpr const char* kBeginOfTick = ", at the beginning of a tick";
-
-std::string before(const std::string& environment, SimTime t, const std::string& rule,
-                   const std::vector<std::int64_t>& facts) {
-  std::string text = environment + " at " + seconds_text(t) + ", before rule " + rule + " fires for";
-  for (const std::int64_t fact : facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
-  return text;
-}
+constexpr auto kSlice = std::chrono::milliseconds(50);  // of a wait, after which it looks around
+constexpr std::uint32_t kNoEnvironment = static_cast<std::uint32_t>(-1);
 
 bool names(const std::string& wanted, const ActivationInfo& activation) {
   return wanted == activation.rule || wanted == activation.module + "::" + activation.rule;
 }
 
 }  // namespace
+
+std::string Debugger::Where::text() const {
+  if (at_end) return "at the end of the run, " + seconds_text(place.t);
+  if (place.fired == kAfterTick) return "after the tick at " + seconds_text(place.t);
+  const std::string here = environment + " at " + seconds_text(place.t);
+  if (place.fired < 0) return here + ", at the beginning of a tick";
+  if (!rule) return here + ", no rule is on its agenda";
+  std::string text = here + ", before rule " + *rule + " fires for";
+  for (const std::int64_t fact : facts) text += fact < 0 ? " *" : " f-" + std::to_string(fact);
+  return text;
+}
 
 std::optional<ActivationInfo> next_activation(const RuleEngine& engine) {
   std::vector<std::string> modules = engine.focus();
@@ -54,19 +59,9 @@ Status Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& p
   place_ = place;
   if (options_.recorded && passes_by(environment, place)) return {};
   here_ = &environment;
+  if (!options_.recorded && place.fired < 0) keep_pace(place.t);
   if (const auto why = reason_to_stop(environment, place)) {
-    std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
-    ticks_ = steps_ = 0;
-    stopped_ = true;
-    if (then_)
-      answer(*std::exchange(then_, std::nullopt));
-    else
-      lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", *why + ": " + where()}}));
-    if (!noted_ && !options_.recorded)
-      options_.note("stopped at " + seconds_text(place.t) + "; cxlab attach " + options_.address);
-    noted_ = true;
-    stay(environment);
-    stopped_ = pause_ = false;
+    stop(environment, *why);
   } else if (!options_.recorded) {
     while (auto line = lines_.take()) answer(*line);
   }
@@ -74,9 +69,41 @@ Status Debugger::stop_at(cx::Environment& environment, const cx::ControlPlace& p
   return {};
 }
 
+void Debugger::stop(cx::Environment& environment, const std::string& why) {
+  std::erase_if(breaks_, [](const BreakPoint& point) { return point.once; });
+  ticks_ = steps_ = 0;
+  stopped_ = true;
+  if (then_)
+    answer(*std::exchange(then_, std::nullopt));
+  else
+    lines_.send_all(json_text(Json{{"event", "stopped"}, {"text", why + ": " + where()}}));
+  if (!noted_ && !options_.recorded)
+    options_.note("stopped at " + seconds_text(place_.t) + "; cxlab attach " + options_.address);
+  noted_ = true;
+  stay(environment);
+  stopped_ = pause_ = false;
+  pace_.reset();
+}
+
+/// Waits until the wall clock has come as far as `speed` says, and answers meanwhile.
+void Debugger::keep_pace(SimTime t) {
+  if (speed_ <= 0) return;
+  using Clock = std::chrono::steady_clock;
+  if (!pace_) pace_ = {t, Clock::now()};
+  const auto due = [&] {
+    return pace_->second + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(to_seconds(t - pace_->first) / speed_));
+  };
+  options_.waits(true);
+  while (speed_ > 0 && pace_ && !pause_ && !options_.over() && Clock::now() < due()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(due() - Clock::now());
+    if (auto line = lines_.take(std::min(kSlice, left))) answer(*line);
+  }
+  options_.waits(false);
+}
+
 void Debugger::stay(cx::Environment&) {
   options_.waits(true);
-  constexpr auto kSlice = std::chrono::milliseconds(50);
   while (stopped_ && !options_.over())
     if (auto line = lines_.take(kSlice)) answer(*line);
   options_.waits(false);
@@ -124,7 +151,7 @@ void Debugger::begin_again() {
   passed_ = 0;
   log_.clear();
   here_ = nullptr;
-  stopped_ = pause_ = changed_ = at_end_ = gives_up_ = false;
+  stopped_ = pause_ = changed_ = time_is_there_ = at_end_ = gives_up_ = false;
   for (BreakPoint& point : breaks_) {
     point.held.clear();
     point.passed = false;
@@ -139,11 +166,27 @@ bool Debugger::passes_by(cx::Environment& environment, const cx::ControlPlace& p
       number = static_cast<std::uint32_t>(environment_names_.size());
       environment_names_.push_back(environment.unique_name());
     }
-    visits_.push_back({place, *number, inspect_(environment).timeline().end()});
+    visits_.push_back({place, *number, inspect(environment).timeline().end()});
   }
   if (!target_) return false;
   if (*target_ == kEnd || passed_ <= target_->visit) return true;
   return passed_ == target_->visit + 1 && place.fired < target_->fired;
+}
+
+void Debugger::tick_is_over(SimTime t) {
+  if (gives_up_) return;
+  const std::vector<cx::Environment*> all = environments();
+  if (all.empty()) return;
+  place_ = {t, 0, kAfterTick};
+  if (passed_++ == visits_.size()) visits_.push_back({place_, kNoEnvironment, 0});
+  if (!target_ || *target_ != Target{passed_ - 1, kAfterTick}) return;
+  here_ = all.front();
+  for (cx::Environment* one : all)
+    if (one->unique_name() == selected_) here_ = one;
+  target_.reset();
+  settle_breaks();
+  stop(*here_, "at");
+  here_ = nullptr;
 }
 
 /// What of the break points holds here already gives no reason to stop.
@@ -152,7 +195,7 @@ void Debugger::settle_breaks() {
     if (point.kind == BreakPoint::Kind::kTime) point.passed = place_.t >= point.time;
     if (point.kind != BreakPoint::Kind::kFact) continue;
     point.held.clear();
-    for (const cx::Environment* environment : environments_())
+    for (const cx::Environment* environment : environments())
       if (holds(point, *environment)) point.held.insert(environment);
   }
 }
@@ -160,32 +203,34 @@ void Debugger::settle_breaks() {
 void Debugger::go_to(Target target) {
   target_ = target;
   shown_.reset();
-  gives_up_ = changed_ || !here_ || target == kEnd || is_behind(target);
+  gives_up_ = changed_ || time_is_there_ || !here_ || is_behind(target);
   stopped_ = false;
 }
 
 /// Whether the run came by, or is there.
-bool Debugger::is_behind(Target target) const { return at_end_ || target <= Target{passed_ - 1, place_.fired}; }
+bool Debugger::is_behind(Target target) const { return target <= played_to(); }
 
 /// Tells where that is, and leaves the run where it is, if what was recorded tells enough; else plays it up to there.
 Debugger::Answer Debugger::show(Target target) {
-  const auto text = is_behind(target) ? text_of(target) : std::nullopt;
-  if (!text) {
+  if (target == played_to()) {
+    shown_.reset();
+    return {true, "at: " + where()};
+  }
+  const auto there = is_behind(target) ? seen(target) : std::nullopt;
+  if (!there) {
     go_to(target);
     return {true, {}, true};
   }
   shown_ = target;
-  return {true, "at: " + *text};
+  return {true, "at: " + there->text()};
 }
 
-Debugger::Target Debugger::here() const {
-  if (shown_) return *shown_;
-  return at_end_ ? kEnd : Target{passed_ - 1, place_.fired};
-}
+Debugger::Target Debugger::played_to() const { return at_end_ ? kEnd : Target{passed_ - 1, place_.fired}; }
+Debugger::Target Debugger::here() const { return shown_.value_or(played_to()); }
 
 /// The first record of the environment that is not yet written at the place where the person is.
 std::uint64_t Debugger::end_here(cx::Environment& environment) const {
-  const inspect::Timeline& timeline = inspect_(environment).timeline();
+  const inspect::Timeline& timeline = inspect(environment).timeline();
   if (!shown_) return timeline.end();
   const auto number = number_of(environment.unique_name());
   const Visit& there = visits_[shown_->visit];
@@ -201,8 +246,13 @@ std::uint64_t Debugger::end_here(cx::Environment& environment) const {
 }
 
 void Debugger::stay_at_end(SimTime t, const Status& how) {
-  const std::vector<cx::Environment*> all = environments_();
-  if (all.empty()) return lines_.send_all(json_text(Json{{"event", "end"}, {"text", "the run has no environment"}}));
+  const std::vector<cx::Environment*> all = environments();
+  if (all.empty()) {
+    lines_.send_all(json_text(Json{{"event", "end"}, {"text", "the run has no environment"}}));
+    while (!left_ && !options_.over())
+      if (auto line = lines_.take(kSlice)) answer(*line);
+    return;
+  }
   here_ = all.front();
   for (cx::Environment* one : all)
     if (one->unique_name() == selected_) here_ = one;
@@ -228,10 +278,10 @@ std::optional<std::uint32_t> Debugger::number_of(const std::string& environment)
 /// The place before the n-th last firing of those environments that count.
 std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
   std::map<std::uint32_t, std::span<const std::uint64_t>> firings;  // by environment, those still to be counted
-  for (cx::Environment* environment : environments_())
+  for (cx::Environment* environment : environments())
     if (const auto number = number_of(environment->unique_name());
         number && (selected_.empty() || selected_ == environment->unique_name())) {
-      const std::vector<std::uint64_t>& all = inspect_(*environment).timeline().firings();
+      const std::vector<std::uint64_t>& all = inspect(*environment).timeline().firings();
       firings[*number] = {all.begin(), std::ranges::lower_bound(all, end_here(*environment))};
     }
   for (std::size_t visit = shown_ ? shown_->visit + 1 : passed_; visit-- > 0;) {
@@ -251,7 +301,7 @@ std::optional<Debugger::Target> Debugger::before_firing(std::int64_t n) const {
 /// The last place before record `n` of the environment was written.
 std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environment, std::uint64_t n) const {
   const auto number = number_of(environment.unique_name());
-  const std::vector<std::uint64_t>& firings = inspect_(environment).timeline().firings();
+  const std::vector<std::uint64_t>& firings = inspect(environment).timeline().firings();
   for (std::size_t visit = passed_; visit-- > 0;) {
     const Visit& there = visits_[visit];
     if (there.environment != number || there.next > n) continue;
@@ -264,23 +314,33 @@ std::optional<Debugger::Target> Debugger::before_record(cx::Environment& environ
 }
 
 std::string Debugger::where() const {
-  if (!here_) return "running";
-  if (shown_) return text_of(*shown_).value_or("");
-  if (at_end_) return "at the end of the run, " + seconds_text(place_.t);
-  const auto next = place_.fired < 0 ? std::nullopt : next_activation(here_->engine());
-  if (next) return before(here_->unique_name(), place_.t, next->rule, next->facts);
-  return here_->unique_name() + " at " + seconds_text(place_.t) +
-         (place_.fired < 0 ? kBeginOfTick : ", no rule is on its agenda");
+  const auto there = place();
+  return there ? there->text() : here_ ? "" : "running";
 }
 
-/// As `where` will say it there; none if no firing that was recorded tells which rule comes next.
-std::optional<std::string> Debugger::text_of(Target target) const {
+/// Where the person is; nothing while the run is between two places.
+std::optional<Debugger::Where> Debugger::place() const {
+  if (!here_) return std::nullopt;
+  if (shown_) return seen(*shown_);
+  Where here{place_, here_->unique_name(), at_end_};
+  if (const auto next = place_.fired < 0 ? std::nullopt : next_activation(here_->engine())) {
+    here.rule = next->rule;
+    here.facts = next->facts;
+  }
+  return here;
+}
+
+/// What `place` will say there; none if no firing that was recorded tells which rule comes next.
+std::optional<Debugger::Where> Debugger::seen(Target target) const {
   const Visit& visit = visits_[target.visit];
-  const std::string& name = environment_names_[visit.environment];
-  if (visit.place.fired < 0) return name + " at " + seconds_text(visit.place.t) + kBeginOfTick;
-  for (cx::Environment* environment : environments_()) {
-    if (environment->unique_name() != name) continue;
-    const inspect::Inspector inspector = inspect_(*environment);
+  Where there{visit.place, visit.environment == kNoEnvironment ? selected_ : environment_names_[visit.environment]};
+  if (there.environment.empty())
+    if (const auto all = environments(); !all.empty()) there.environment = all.front()->unique_name();
+  there.place.fired = target.fired;
+  if (visit.place.fired < 0) return there;
+  for (cx::Environment* environment : environments()) {
+    if (environment->unique_name() != there.environment) continue;
+    const inspect::Inspector inspector = inspect(*environment);
     const inspect::Timeline& timeline = inspector.timeline();
     const auto first = std::ranges::lower_bound(timeline.firings(), visit.next);
     if (timeline.firings().end() - first <= target.fired) return std::nullopt;
@@ -288,7 +348,9 @@ std::optional<std::string> Debugger::text_of(Target target) const {
     for (std::size_t later = target.visit + 1; later < passed_ && visits_[later].next <= n; ++later)
       if (visits_[later].environment == visit.environment) return std::nullopt;  // it fired in another run of the rules
     const JournalRecord firing = timeline.read(n);
-    return before(name, visit.place.t, std::string(firing.data.text("rule")), explain::facts_of_firing(firing.data));
+    there.rule = std::string(firing.data.text("rule"));
+    there.facts = explain::facts_of_firing(firing.data);
+    return there;
   }
   return std::nullopt;
 }
@@ -306,32 +368,43 @@ void Debugger::answer(const ControlLines::Line& line) {
     return;
   }
   const Json request = parse_json(line.text);
-  const std::string asked = request.is_object() && request.contains("line") && request["line"].is_string()
-                                ? request["line"].get<std::string>()
-                                : std::string();
-  // What was evaluated is undone first, and what is asked about the place where the person is, is asked there.
-  if (changed_ || (shown_ && asks_about_place(asked))) {
-    then_ = line;
-    return go_to(here());
-  }
-  const auto refuse = [&](const std::string& why) {
-    lines_.send(line.client,
-                json_text(Json{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()},
-                               {"ok", false},
-                               {"text", why},
-                               {"goes_on", false}}));
+  constexpr const char* kExpected =
+      "expected {\"id\": N, \"line\": \"COMMAND\"}, {\"id\": N, \"complete\": \"BEGUN\"} or {\"id\": N, \"ask\": \"NAME\", ...}";
+  const auto text_in = [&](const char* key) -> std::optional<std::string> {
+    if (!request.is_object() || !request.contains(key) || !request[key].is_string()) return std::nullopt;
+    return request[key].get<std::string>();
   };
-  if (!request.is_object() || !request.contains("id")) return refuse("expected {\"id\": N, \"line\": \"COMMAND\"}");
-  Json out{{"id", request["id"]}};
-  if (const auto begun = request.find("complete"); begun != request.end() && begun->is_string()) {
-    out["words"] = completions(begun->get<std::string>());
-  } else if (const auto command = request.find("line"); command != request.end() && command->is_string()) {
-    const Answer done = carry_out(command->get<std::string>());
+  Json out{{"id", request.is_object() && request.contains("id") ? request["id"] : Json()}};
+  const auto refuse = [&](const std::string& why) {
+    out["ok"] = false;
+    out["text"] = why;
+    out["goes_on"] = false;
+    lines_.send(line.client, json_text(out));
+  };
+  const auto play_up_to_here = [&] {
+    then_ = line;
+    go_to(here());
+  };
+  if (const auto name = text_in("ask"); name && request.contains("id")) {
+    if (changed_) return play_up_to_here();
+    const auto answer = ask(*name, request);
+    if (!answer) return play_up_to_here();
+    if (!*answer) return refuse(answer->error().text());
+    out["ok"] = true;
+    out["answer"] = **answer;
+    return lines_.send(line.client, json_text(out));
+  }
+  const auto command = text_in("line"), begun = text_in("complete");
+  // What was evaluated is undone first, and what is asked about the place where the person is, is asked there.
+  if (changed_ || time_is_there_ || (shown_ && asks_about_place(command.value_or("")))) return play_up_to_here();
+  if (!request.is_object() || !request.contains("id") || !(command || begun)) return refuse(kExpected);
+  if (begun) {
+    out["words"] = completions(*begun);
+  } else {
+    const Answer done = carry_out(*command);
     out["ok"] = done.ok;
     out["text"] = done.text;
     out["goes_on"] = done.goes_on;
-  } else {
-    return refuse("expected {\"id\": N, \"line\": \"COMMAND\"}");
   }
   lines_.send(line.client, json_text(out));
 }

@@ -6,10 +6,13 @@
 // firing to firing. What a person evaluates is undone in the same way.
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
-// same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Events have no id:
-// {"event": "hello", "text": "..."} for one who comes, "stopped", "log" with t, level, logger and text, and "end".
+// same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Programs ask for JSON:
+// {"id": 5, "ask": "facts", "env": "agent", "what": "order"} (lab/control/questions.cpp) is answered by
+// {"id": 5, "ok": true, "answer": {...}}. Events have no id: {"event": "hello", "text": "..."} for one who comes,
+// "stopped", "log" with t, level, logger and text, and "end".
 
 #include <atomic>
+#include <chrono>
 #include <compare>
 #include <cstdint>
 #include <deque>
@@ -19,12 +22,17 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/json.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/run_control.h"
 #include "cx/explain/pattern.h"
+#include "cx/explain/evaluator.h"
+#include "cx/explain/history.h"
+#include "cx/explain/why_not.h"
 #include "cx/inspect/inspector.h"
 #include "cx/node/log.h"
 #include "lab/control/server.h"
@@ -47,12 +55,20 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   using Inspect = std::function<inspect::Inspector(cx::Environment&)>;
   /// Lines about what there is to see: about the entity of that name, those of that kind, or all.
   using Look = std::function<Expected<std::string>(const std::string& what)>;
-  /// The environments of the run, asked for at each stop, what is known of them, and what there is to see.
-  void watch(std::function<std::vector<cx::Environment*>()> environments, Inspect inspect, Look look) {
-    environments_ = std::move(environments);
-    inspect_ = std::move(inspect);
-    look_ = std::move(look);
-  }
+  /// What there is to see, for programs.
+  using LookJson = std::function<Expected<Json>(const std::string& what)>;
+  /// Why a rule has not fired; nothing where this is known only after the run has been played once more, with a witness
+  /// of `followed_rule`.
+  using WhyNot = std::function<std::optional<Expected<explain::WhyNot>>(cx::Environment&, const ConstructInfo& rule,
+                                                                        const explain::Wanted&)>;
+  struct Knowledge {
+    std::function<std::vector<cx::Environment*>()> environments;  ///< of the run, asked for at each stop
+    Inspect inspect;
+    Look look;
+    LookJson look_json = {};
+    WhyNot why_not = {};
+  };
+  void watch(Knowledge knowledge) { knows_ = std::move(knowledge); }
   /// The run has ended: says so to those who are attached.
   void end(std::string_view how);
 
@@ -64,6 +80,10 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   /// Set while the rest of what is played is of no use: the person wants to be somewhere before it, or has left.
   const std::atomic<bool>& gives_up() const { return gives_up_; }
   bool has_left() const { return left_; }
+  /// A tick is over, which is a place of its own: what questions about a time see.
+  void tick_is_over(SimTime t);
+  /// Somebody asked why this rule has not fired; empty: nobody did.
+  const std::string& followed_rule() const { return followed_rule_; }
 
   Status stop_at(cx::Environment& environment, const cx::ControlPlace& place) override;
   bool before_each_firing() const override;
@@ -82,10 +102,12 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     bool passed = false;                         // the time
     bool once = false;                           // of `until`
   };
-  /// Where the recorded run came by: a tick, or the beginning of a run of the rules. Each pass sees the same ones.
+  static constexpr std::int64_t kAfterTick = -2;  // `fired` of a place where a tick is over
+  /// Where the recorded run came by: a tick, the beginning of a run of the rules, or the end of a tick. Each pass sees
+  /// the same ones.
   struct Visit {
     cx::ControlPlace place;
-    std::uint32_t environment = 0;  // in `environment_names_`
+    std::uint32_t environment = 0;  // in `environment_names_`; that of the end of a tick is none of them
     std::uint64_t next = 0;         // record of the environment that came next
   };
   /// A place: a visit, and how many rules have fired since where it begins a run of the rules; else as the visit's.
@@ -99,28 +121,55 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     std::string text;
     bool goes_on = false;
   };
+  /// What there is to say about a place.
+  struct Where {
+    cx::ControlPlace place;
+    std::string environment;
+    bool at_end = false;
+    std::optional<std::string> rule = {};     // that fires next
+    std::vector<std::int64_t> facts = {};     // for which it does
+    std::string text() const;
+  };
   struct Command;
+  struct Question;
   static const std::vector<Command>& commands();
+  static const std::vector<Question>& questions();
   static std::string help(const std::string& command);
 
   // --- Stops (debugger.cpp)
   std::optional<std::string> reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place);
   static bool holds(const BreakPoint& fact, const cx::Environment& environment);
   bool is_met(BreakPoint& point, cx::Environment& environment, const cx::ControlPlace& place);
+  void stop(cx::Environment& environment, const std::string& why);
   void stay(cx::Environment& environment);
+  void keep_pace(SimTime t);
   void answer(const ControlLines::Line& line);
   void go_to(Target target);
   Answer show(Target target);
-  std::optional<std::string> text_of(Target target) const;
+  std::optional<Where> seen(Target target) const;
   bool is_behind(Target target) const;
-  Target here() const;
+  Target here() const;       // where the person is
+  Target played_to() const;  // where the run is
   std::uint64_t end_here(cx::Environment& environment) const;
   bool passes_by(cx::Environment& environment, const cx::ControlPlace& place);
   void settle_breaks();
   std::optional<Target> before_firing(std::int64_t n) const;
   std::optional<Target> before_record(cx::Environment& environment, std::uint64_t n) const;
   std::optional<std::uint32_t> number_of(const std::string& environment) const;
+  std::optional<Where> place() const;
   std::string where() const;
+
+  // --- What a program asks (questions.cpp)
+  Json place_json() const;
+  /// Nothing where the run is to be played up to here before the question can be answered.
+  std::optional<Expected<Json>> ask(const std::string& name, const Json& request);
+  Expected<cx::Environment*> environment_in(const Json& request) const;
+  bool may_assert_time() const;
+  static Json conditions_json(cx::Environment& environment, const ConstructInfo& rule);
+  static Expected<Json> rule_source(cx::Environment& environment, const std::string& name);
+  std::optional<Expected<Json>> why_not_rule(cx::Environment& environment, const std::string& rule,
+                                             const Json& request);
+  static explain::History history_of(const inspect::Timeline& timeline, const std::string& rule);
 
   // --- What a person asks (commands.cpp)
   Answer carry_out(const std::string& line);
@@ -136,13 +185,16 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   Answer back(const std::string& count);
   Answer back_until(const std::string& what);
   Answer go_to_time(const std::string& time);
+  Answer go_after(const std::string& time);
+  Answer set_speed(const std::string& factor);
   static Answer only_when_recorded();
+
+  std::vector<cx::Environment*> environments() const { return knows_.environments(); }
+  inspect::Inspector inspect(cx::Environment& environment) const { return knows_.inspect(environment); }
 
   ControlLines& lines_;
   Options options_;
-  Inspect inspect_;
-  Look look_;
-  std::function<std::vector<cx::Environment*>()> environments_ = [] { return std::vector<cx::Environment*>(); };
+  Knowledge knows_{.environments = [] { return std::vector<cx::Environment*>(); }, .inspect = {}, .look = {}};
   // Where the run is
   cx::Environment* here_ = nullptr;  // while `stop_at` is at work
   cx::ControlPlace place_;
@@ -154,6 +206,8 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   std::vector<BreakPoint> breaks_;
   int last_break_ = 0;
   std::string selected_;  // the environment that counts; empty: each
+  double speed_ = 0;      // of simulated time against the wall clock, at most; 0: as fast as it can
+  std::optional<std::pair<SimTime, std::chrono::steady_clock::time_point>> pace_;  // where it is measured from
   std::deque<std::string> log_;
   // A recorded run
   static constexpr Target kEnd{static_cast<std::size_t>(-1), -1};
@@ -165,7 +219,9 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   std::optional<ControlLines::Line> then_;  // is answered there
   std::atomic<bool> gives_up_ = false;
   bool left_ = false, at_end_ = false;
-  bool changed_ = false;  // by what a person evaluated
+  bool changed_ = false;      // by what a person evaluated
+  bool time_is_there_ = false;  // asserted to look at conditions
+  std::string followed_rule_;
 };
 
 /// The rule that fires next in that environment; none if it has none on the agenda.

@@ -17,7 +17,6 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -25,6 +24,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/base/servant.h"
+#include "lab/control/token.h"
 
 namespace cxlab::lab {
 
@@ -39,26 +39,6 @@ constexpr const char* kFull =
     R"({"event":"refused","text":"eight are attached to this run already, which is the most"})";
 
 using Socket = asio::generic::stream_protocol::socket;
-
-/// 128 bits of chance, as text.
-Expected<std::string> new_token() {
-  std::ifstream chance("/dev/urandom", std::ios::binary);
-  unsigned char bytes[16];
-  if (!chance.read(reinterpret_cast<char*>(bytes), sizeof bytes))
-    return resource_error("cannot be read", "/dev/urandom");
-  std::string token;
-  constexpr const char* kDigits = "0123456789abcdef";
-  for (const unsigned char byte : bytes) token.append({kDigits[byte >> 4], kDigits[byte & 15]});
-  return token;
-}
-
-/// Takes the same time wherever they differ.
-bool same_text(const std::string& a, const std::string& b) {
-  if (a.size() != b.size()) return false;
-  unsigned char difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
-  return difference == 0;
-}
 
 /// Takes away a socket that was left by a run that has gone; what else is there stays.
 Status make_room(const std::string& path) {

@@ -1,0 +1,316 @@
+#include "lab/view/visit.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "cx/base/file.h"
+#include "lab/control/server.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLongestTurn = 30s;   // that a question waits for another one
+constexpr auto kLongestNews = 20s;   // that a request waits for events
+constexpr auto kShortNews = 500ms;   // while the run goes on
+constexpr auto kLongestStop = 20s;   // that a step of a live run is waited for
+constexpr std::size_t kEventsKept = 5'000;
+
+constexpr const char* kBusy = "another question about this run is at work; ask again when it has been answered";
+
+/// As commands take a time.
+std::string seconds_in_digits(double t) {
+  char digits[64];
+  std::snprintf(digits, sizeof digits, "%.9f", t);
+  return digits;
+}
+
+/// One line of a request; more would be another request.
+bool is_one_line(const std::string& text) { return text.find_first_of("\r\n") == text.npos; }
+
+/// The command that a request of `go` stands for; an error where it stands for none.
+Expected<std::string> command_of(const Json& request) {
+  struct Verb {
+    const char *key, *command;
+    bool text;
+  };
+  static constexpr Verb kVerbs[] = {{"step", "step", false},   {"back", "back", false},
+                                    {"tick", "tick", false},   {"speed", "speed", false},
+                                    {"until", "until", true},  {"back_until", "back-until", true},
+                                    {"pause", "pause", false}, {"continue", "continue", false}};
+  for (const Verb& verb : kVerbs) {
+    const auto found = request.find(verb.key);
+    if (found == request.end()) continue;
+    if (found->is_boolean() && *found && !verb.text) return std::string(verb.command);
+    if (found->is_number() && !verb.text) return std::string(verb.command) + ' ' + json_text(*found);
+    if (found->is_string() && verb.text && is_one_line(found->get<std::string>()))
+      return std::string(verb.command) + ' ' + found->get<std::string>();
+    return input_error("\"" + std::string(verb.key) + "\": found " + json_text(*found) + ", expected " +
+                       (verb.text ? "a text of one line" : "a number"));
+  }
+  return input_error(
+      "expected where to go: {\"t\": S}, {\"step\": N}, {\"back\": N}, {\"until\": TEXT} or {\"back_until\": TEXT}; "
+      "of a run in progress also {\"tick\": N}, {\"pause\": true}, {\"continue\": true} and {\"speed\": X}");
+}
+
+}  // namespace
+
+Visit::~Visit() {
+  leave();
+  for (std::thread* thread : {&watch_, &begin_})
+    if (thread->joinable()) thread->join();
+  if (player_) players_.end(*player_);
+}
+
+void Visit::leave() {
+  left_ = true;
+  const std::lock_guard lock(news_);
+  if (client_) client_->hang_up();
+  has_news_.notify_all();
+}
+
+// --- Who answers
+
+Status Visit::connect() {
+  if (client_) return {};
+  if (left_) return resource_error("cxlab view has ended");
+  set_to_.reset();
+  const std::filesystem::path socket = run_ / "control.sock";
+  if (!over_ && path_exists(socket)) {
+    if (auto client = ControlClient::connect({.path = socket.string()}, {})) {
+      live_ = true;
+      listen(**client);
+      const std::lock_guard lock(news_);
+      client_ = *std::move(client);
+      watch_ = std::thread([this, line = client_->descriptor()] { watch_events(line); });
+      return {};
+    }
+  }
+  return connect_to_player();
+}
+
+Status Visit::connect_to_player() {
+  if (player_) players_.end(*std::exchange(player_, std::nullopt));
+  auto player = players_.play(run_);
+  if (!player) return player.error();
+  player_ = player->number;
+  while (!left_) {
+    if (auto client = ControlClient::connect({.path = player->socket}, {})) {
+      const std::lock_guard lock(news_);
+      client_ = *std::move(client);
+      return {};
+    }
+    if (auto end = players_.end_of(*player_)) {
+      player_.reset();
+      return *end;
+    }
+    std::this_thread::sleep_for(5ms);
+  }
+  return resource_error("cxlab view has ended");
+}
+
+void Visit::hang_up() {
+  std::unique_ptr<ControlClient> gone;
+  {
+    const std::lock_guard lock(news_);
+    gone = std::move(client_);
+  }
+  set_to_.reset();
+}
+
+/// What plays the run has gone: says why, and the next question starts it anew.
+Visit::Answer Visit::lost() {
+  hang_up();
+  if (left_) return {resource_error("cxlab view has ended"), true, {}};
+  if (live_) {
+    live_ = false;
+    over_ = true;
+    return {resource_error("the run has ended; ask again to look at what it left"), true, {}};
+  }
+  std::optional<Error> why;
+  if (player_) {
+    for (int i = 0; i < 200 && !why; ++i) {
+      why = players_.end_of(*player_);
+      if (!why) std::this_thread::sleep_for(5ms);
+    }
+    if (!why) players_.end(*player_);
+  }
+  player_.reset();
+  return {run_error("what played the run has ended: " + (why ? why->text() : std::string("nobody knows why"))), true, {}};
+}
+
+// --- Events of a live run
+
+void Visit::listen(ControlClient& client) {
+  client.on_event([this](const Event& event) { take(event); });
+}
+
+void Visit::take(const Event& event) {
+  static constexpr const char* kNames[] = {"hello", "stopped", "log", "end"};
+  Json json{{"event", kNames[static_cast<std::size_t>(event.kind)]}, {"text", event.text}};
+  if (event.kind == Event::Kind::kLog) {
+    json["t"] = event.t;
+    json["level"] = event.level;
+    json["logger"] = event.logger;
+  }
+  const std::lock_guard lock(news_);
+  if (event.kind == Event::Kind::kStopped || event.kind == Event::Kind::kEnd) ++stops_;
+  events_.push_back(std::move(json));
+  if (events_.size() > kEventsKept) {
+    events_.pop_front();
+    ++first_event_;
+  }
+  has_news_.notify_all();
+}
+
+/// Takes events that come while nobody asks.
+void Visit::watch_events(int descriptor) {
+  while (!left_ && live_) {
+    pollfd line{descriptor, POLLIN, 0};
+    if (poll(&line, 1, 100) <= 0) continue;
+    const std::unique_lock turn(turn_, 100ms);
+    if (!turn || !client_ || !live_ || client_->take_events()) continue;
+    lost();
+    has_news_.notify_all();
+  }
+}
+
+/// Where a live run is: its time, and whether it goes on.
+Visit::Answer Visit::state() {
+  const std::unique_lock turn(turn_, kLongestTurn);
+  if (!turn) return {input_error(kBusy), false, {}};
+  if (const Status there = connect(); !there) return {there.error(), true, {}};
+  if (!live_) return {{}, false, {{"t", Json()}, {"running", false}}};
+  return asked({{"ask", "where"}});
+}
+
+ViewReply Visit::events(std::uint64_t after) {
+  Answer now = state();
+  if (now.error && !over_) return reply(now);
+  // While the run goes on its time is news.
+  const auto longest = !now.error && now.json["running"] == true ? kShortNews : kLongestNews;
+  Json json{{"next", after}, {"events", Json::array()}};
+  {
+    std::unique_lock lock(news_);
+    const auto end = [&] { return first_event_ + events_.size(); };
+    has_news_.wait_for(lock, longest, [&] { return left_ || !live_ || after != end(); });
+    for (std::uint64_t n = std::max(after, first_event_); n < end(); ++n)
+      json["events"].push_back(events_[static_cast<std::size_t>(n - first_event_)]);
+    json["next"] = end();
+  }
+  if (live_) now = state();
+  json["live"] = live_.load();
+  json["t"] = now.error ? Json() : now.json["t"];
+  json["running"] = !now.error && live_ && now.json["running"] == true;
+  return {200, "application/json", json_text(json)};
+}
+
+// --- Questions
+
+Visit::Answer Visit::asked(const Json& question) {
+  const auto text = client_->ask(json_text(question));
+  if (text) return {std::nullopt, false, parse_json(*text)};
+  if (text.error().kind == ErrorKind::kResource) return lost();
+  return {text.error(), false, {}};
+}
+
+/// A command of `cxlab attach`. One that lets the run go on is waited for.
+Visit::Answer Visit::carry_out(const std::string& line, bool wait) {
+  std::uint64_t stops = 0;
+  {
+    const std::lock_guard lock(news_);
+    stops = stops_;
+  }
+  const auto said = client_->carry_out(line);
+  if (!said) return lost();
+  if (!said->ok) return {input_error(said->text), false, {}};
+  if (!said->goes_on || !wait) return {};
+  if (!live_) return client_->wait_for_stop() ? Answer() : lost();
+  // Events come by way of this thread, which has the turn.
+  const auto until = std::chrono::steady_clock::now() + kLongestStop;
+  while (!left_ && std::chrono::steady_clock::now() < until) {
+    pollfd news{client_->descriptor(), POLLIN, 0};
+    if (poll(&news, 1, 50) > 0 && !client_->take_events()) return lost();
+    const std::lock_guard lock(news_);
+    if (stops_ != stops) break;
+  }
+  return {};
+}
+
+/// Goes to the time that a request names, if it names one and the person is elsewhere; the error that this ends with.
+std::optional<Visit::Answer> Visit::set_time(const Json& request) {
+  const auto found = request.find("t");
+  if (found == request.end() || found->is_null()) return std::nullopt;
+  const double t = found->is_number() ? found->get<double>() : -1;
+  if (!(t >= 0 && t <= 1e9))
+    return Answer{input_error("\"t\": found " + json_text(*found) + ", expected a time of the run in s"), false, {}};
+  if (live_)
+    return Answer{input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};
+  if (set_to_ == t) return std::nullopt;
+  Answer answer = carry_out("after " + seconds_in_digits(t), true);
+  if (answer.error) return answer;
+  set_to_ = t;
+  return std::nullopt;
+}
+
+ViewReply Visit::reply(const Answer& answer) const {
+  return view_error(answer.died ? 500 : 400, answer.error->text());
+}
+
+ViewReply Visit::with_place(Json answer) {
+  const Answer place = asked({{"ask", "where"}});
+  if (place.error) return reply(place);
+  Json json{{"place", place.json}};
+  if (!answer.is_null()) json["answer"] = std::move(answer);
+  return {200, "application/json", json_text(json)};
+}
+
+ViewReply Visit::ask(const Json& request) {
+  if (!request.is_object() || !request.contains("ask") || !request["ask"].is_string())
+    return view_error(400, "expected {\"ask\": \"NAME\", ...}");
+  const std::unique_lock turn(turn_, kLongestTurn);
+  if (!turn) return view_error(409, kBusy);
+  if (const Status there = connect(); !there) return view_error(500, there.error().text());
+  if (const auto failed = set_time(request)) return reply(*failed);
+  Json question = request;
+  question.erase("t");
+  question.erase("line");
+  question.erase("complete");
+  Answer answer = asked(question);
+  if (answer.error) return reply(answer);
+  return with_place(std::move(answer.json));
+}
+
+ViewReply Visit::go(const Json& request) {
+  if (!request.is_object()) return view_error(400, "expected a JSON object, as {\"t\": 312.4}");
+  const std::unique_lock turn(turn_, kLongestTurn);
+  if (!turn) return view_error(409, kBusy);
+  if (const Status there = connect(); !there) return view_error(500, there.error().text());
+  if (request.contains("t")) {
+    if (const auto failed = set_time(request)) return reply(*failed);
+    return with_place(nullptr);
+  }
+  const auto command = command_of(request);
+  if (!command) return view_error(400, command.error().text());
+  if (const auto env = request.find("env"); env != request.end() && env->is_string() && is_one_line(*env)) {
+    const std::string name = env->get<std::string>();
+    if (const Answer used = carry_out("use " + (name.empty() ? "all" : name), true); used.error) return reply(used);
+  }
+  set_to_.reset();
+  if (const Answer gone = carry_out(*command, !request.contains("continue")); gone.error) return reply(gone);
+  return with_place(nullptr);
+}
+
+void Visit::begin() {
+  begin_ = std::thread([this] {
+    const std::unique_lock turn(turn_);
+    (void)connect();  // who asks first hears of an error
+  });
+}
+
+}  // namespace cxlab::lab

@@ -1,0 +1,569 @@
+"""cxlab view: what its server answers, to whom, and when it ends."""
+
+import http.client
+import json
+import os
+import re
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+from lab import CXLAB, Lab
+
+RULES = """(deftemplate job (slot id) (slot state (default OPEN)) (slot worker (default NONE)))
+(defglobal ?*limit* = 2)
+(deffacts jobs (job (id 2)) (job (id 1)) (free a))
+(defrule begin
+  "A worker is free and a job is open: begin."
+  (time ?now&:(>= ?now 1))
+  ?j <- (job (id ?id) (state OPEN))
+  ?f <- (free ?who)
+  =>
+  (retract ?f)
+  (modify ?j (state BUSY) (worker ?who))
+  (assert (work ?id ?who (+ ?now 1))))
+(defrule end
+  (time ?now)
+  ?w <- (work ?id ?who ?until&:(>= ?now ?until))
+  ?j <- (job (id ?id) (state BUSY))
+  =>
+  (retract ?w)
+  (modify ?j (state DONE))
+  (bind ?*limit* (- ?*limit* 1))
+  (assert (free ?who)))
+(defrule never (job (id ?id) (state LOST)) (test (> ?id 0)) => (assert (lost ?id)))
+(defrule robbed (declare (salience -1)) (time ?now&:(>= ?now 1)) (free ?who) (job (state OPEN)) => (assert (idle ?who)))
+"""
+SCENARIO = """schema: 1
+duration_s: 5
+packages: {rules: rules}
+agents:
+  - config: agent.yaml
+"""
+LOOP = "(deffacts start (n 0))\n(defrule round (time ?t&:(>= ?t 1)) ?f <- (n ?n) => (retract ?f) (assert (n (+ ?n 1))))\n"
+
+
+class Server:
+    """cxlab view at work, and one who asks it."""
+
+    def __init__(self, test, *arguments):
+        self.process = subprocess.Popen([CXLAB, "view", *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True, cwd=test.folder)
+        test.addCleanup(self.process.stderr.close)
+        test.addCleanup(self.process.stdout.close)
+        test.addCleanup(self.process.wait)
+        test.addCleanup(self.process.kill)
+        ready, _, _ = select.select([self.process.stdout], [], [], 30)
+        self.address = self.process.stdout.readline().strip() if ready else ""
+        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/\?token=([0-9a-f]{32})", self.address)
+        test.assertTrue(found, self.address + (self.process.stderr.read() if self.process.poll() is not None else ""))
+        self.port, self.token = int(found[1]), found[2]
+
+    def send(self, method, path, body=None, headers=(), token=True):
+        """Status, headers and bytes of the answer."""
+        line = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        own = {"Authorization": "Bearer " + self.token} if token is True else {"Authorization": "Bearer " + token} if token else {}
+        if body is not None:
+            own["Content-Type"] = "application/json"
+        own.update(headers)
+        line.request(method, path, body=body, headers={name: value for name, value in own.items() if value is not None})
+        answer = line.getresponse()
+        content = answer.read()
+        line.close()
+        return answer.status, dict(answer.getheaders()), content
+
+    def get(self, path, expect=200):
+        status, _, content = self.send("GET", path)
+        assert status == expect, (status, content[:500])
+        return json.loads(content)
+
+    def post(self, path, body, expect=200):
+        status, _, content = self.send("POST", path, json.dumps(body))
+        assert status == expect, (status, content[:500])
+        return json.loads(content)
+
+    def ask(self, name, run="run", expect=200, **fields):
+        answer = self.post(f"/run/{run}/ask", {"ask": name, **fields}, expect)
+        return answer["error"] if expect != 200 else answer["answer"]
+
+    def go(self, run="run", expect=200, **where):
+        answer = self.post(f"/run/{run}/go", where, expect)
+        return answer["error"] if expect != 200 else answer["place"]
+
+    def children(self):
+        """Processes of the server, and theirs."""
+        out, rest = [], [self.process.pid]
+        while rest:
+            try:
+                pids = open(f"/proc/{rest[0]}/task/{rest[0]}/children").read().split()
+            except FileNotFoundError:
+                pids = []
+            rest = rest[1:] + [int(pid) for pid in pids]
+            out += [int(pid) for pid in pids]
+        return out
+
+
+def alive(pid):
+    try:
+        return open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+class View(Lab):
+    def play(self, rules=RULES, scenario=SCENARIO, out="run", code=0, arguments=()):
+        self.agent(rules, scenario)
+        done = subprocess.run([CXLAB, "run", "scenario.yaml", "--out", out, "--journal", "full", "--quiet", *arguments], cwd=self.folder,
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return self.folder / out
+
+    def answer(self, *arguments):
+        done = subprocess.run([CXLAB, *map(str, arguments), "--json"], cwd=self.folder, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def attach(self, *commands):
+        done = subprocess.run([CXLAB, "attach", "run", "--quiet", *(word for one in commands for word in ("-c", one))], cwd=self.folder,
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.splitlines()
+
+    def files(self, folder):
+        return {str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.stat().st_size) for path in sorted(folder.rglob("*"))}
+
+
+class Questions(View):
+    def test_answers_are_those_of_the_commands(self):
+        """Forwards and backwards in time, whatever was asked before."""
+        run = self.play()
+        server = Server(self, run)
+        for t in (1.0, 3.0, 0.0, 5.0, 2.25, 1.0):
+            with self.subTest(t=t):
+                at = ("run", "--at", t)
+                one = lambda *words: self.answer(*words)["environments"][0]
+                same = lambda asked, told: self.assertEqual({key: asked[key] for key in told}, told)
+                same(server.ask("facts", t=t), one("facts", *at))
+                same(server.ask("facts", t=t, what="(job (id 1))"), one("facts", "run", "(job (id 1))", "--at", t))
+                same(server.ask("agenda", t=t), one("agenda", *at))
+                same(server.ask("globals", t=t), one("globals", *at))
+                same(server.ask("firings", t=t), one("firings", "run", "--to", t))
+                same(server.ask("firings", t=t, rule="begin"), one("firings", "run", "begin", "--to", t))
+                same(server.ask("why", t=t, what="(job (id 1))"), one("why", "run", "(job (id 1))", "--at", t))
+                same(server.ask("changes", t=t, what="work"), one("facts", "run", "work", "--from", 0, "--to", t))
+                same(server.ask("rules", t=t), one("rules", *at))
+                same(server.ask("why_not", t=t, what="(job (id 2))"), one("why-not", "run", "(job (id 2))", "--at", t))
+                same(server.ask("why_not", t=t, what="(job (id 7))"), one("why-not", "run", "(job (id 7))", "--at", t))
+                # What was asserted to look at conditions is gone.
+                same(server.ask("facts", t=t), one("facts", *at))
+                for rule in ("begin", "never", "robbed", "end"):
+                    asked = server.ask("why_not", t=t, what=rule)["explanations"]
+                    told = self.answer("why-not", "run", rule, "--at", t)["explanations"]
+                    self.assertEqual(len(asked), len(told))
+                    same(asked[0], told[0])
+                same(server.ask("agenda", t=t), one("agenda", *at))
+                self.assertEqual(server.ask("where")["text"], "at the end of the run, 5.000 s" if t == 5 else f"after the tick at {2.2 if t == 2.25 else t:.3f} s")
+
+    def test_conditions_tell_which_hold(self):
+        self.play()
+        server = Server(self, "run")
+        holds = lambda rule, t: [one["holds"] for one in server.ask("source", rule=rule, t=t)["conditions"]]
+        self.assertEqual(holds("begin", 1), [True, True, False])
+        self.assertEqual(holds("begin", 5), [True, False, None])
+        self.assertEqual(holds("never", 5), [False, None])
+        source = server.ask("source", rule="begin", t=5)
+        lines = source["text"].split("\n")
+        self.assertEqual((lines[0], source["first_line"]), ("(defrule begin", 4))
+        for one in source["conditions"]:
+            self.assertIn(one["text"].split()[-1].strip("()"), lines[one["line"] - source["first_line"]])
+            self.assertEqual(one["line"], one["end_line"])
+        self.assertEqual([one["matches_alone"] for one in source["conditions"]], [1, 0, 1])
+        self.assertEqual(source["because"], self.answer("why-not", "run", "begin")["explanations"][0]["first_unmet"]["because"])
+        whole = server.ask("source", file=source["file"], t=5)
+        self.assertEqual(whole["text"], RULES)
+        self.assertIn({"kind": "defrule", "module": "MAIN", "name": "begin", "line": 4, "end_line": 12}, whole["constructs"])
+        (self.folder / "rules/rules.clp").write_text("; the files of the run are its own\n")
+        self.assertEqual(server.ask("source", file=source["file"], t=0)["text"], RULES)
+
+    def test_makers_and_users(self):
+        self.play()
+        server = Server(self, "run")
+        self.assertEqual([one["rule"] for one in server.ask("producers", what="work", t=3)["rules"]], ["begin"])
+        self.assertEqual([one["rule"] for one in server.ask("producers", what="(job (state DONE))", t=1)["rules"]], ["end"])
+        users = server.ask("consumers", what="free", t=5)
+        self.assertEqual({one["rule"] for one in users["waiting"]}, {"begin", "robbed"})
+        self.assertEqual(server.ask("words", begun="o", t=5)["words"],
+                         [{"word": one, "kind": kind} for one, kind in [("job", "template"), ("robbed", "rule")]][:2])
+        self.assertEqual(server.ask("facts", limit=1, t=5)["total"], server.ask("envs", t=5)["environments"][0]["facts"])
+        brief = server.ask("facts", what="job", brief=True, t=5)["facts"]
+        self.assertEqual([len(fact["changes"]) for fact in brief], [2, 2])
+        self.assertEqual(brief[0]["changes"][1]["what"], "modify")
+
+    def test_steps_agree_with_attach(self):
+        self.play()
+        server = Server(self, "run")
+        place = server.go(t=2.5)
+        self.assertEqual((place["firing"], place["rule"], place["text"]), (None, None, "after the tick at 2.500 s"))
+        back = [server.go(back=1)["text"] for _ in range(4)]
+        said = self.attach("at 2.6", "back", "back", "back", "back")[1:]
+        self.assertEqual(["at: " + text for text in back], said)
+        forward = [server.go(step=1)["text"] for _ in range(3)]
+        self.assertEqual(forward, back[2::-1])
+        place = server.go(back_until="begin")
+        self.assertEqual((place["rule"], place["t"]), ("begin", 2.0))
+        self.assertEqual(place["text"], self.attach("at 2.6", "back-until begin")[-1][4:])
+        self.assertEqual(server.ask("agenda")["agenda"][0]["rule"], "begin")
+        self.assertEqual(server.ask("agenda")["agenda"][0]["facts"], place["facts"])
+        self.assertEqual(server.go(until="end")["text"], self.attach("at 2.6", "back-until begin", "until end")[-1].split(": ", 1)[1])
+        self.assertEqual(server.go(t=5)["at_end"], True)
+        self.assertIn("end of the run", server.go(step=1, expect=400))
+        self.assertIn("there is no rule 'nobody'", server.go(until="nobody", expect=400))
+
+    def test_refused_questions(self):
+        self.play()
+        server = Server(self, "run")
+        for asked, why in [({"ask": "fact"}, "no question 'fact'; did you mean 'facts'"), ({"ask": 3}, "expected"), ([], "expected"), ({}, "expected"),
+                           ({"ask": "facts", "t": "soon"}, "\"t\": found \"soon\""), ({"ask": "facts", "t": -1}, "expected a time"),
+                           ({"ask": "facts", "t": 1e300}, "expected a time"), ({"ask": "facts", "t": 17}, "the run ends at 5 s"),
+                           ({"ask": "facts", "what": "jobs"}, "did you mean 'job'"), ({"ask": "facts", "what": "(job (x 1))"}, "no slot 'x'"),
+                           ({"ask": "facts", "env": "other"}, "no environment 'other'"), ({"ask": "why", "what": "never"}, "has not fired"),
+                           ({"ask": "source", "rule": "x\ny"}, "no rule"), ({"ask": "source", "file": "/etc/passwd"}, "no rules were read from"),
+                           ({"ask": "source", "file": "../../etc/passwd"}, "no rules were read from"), ({"ask": "why_not", "what": "begins"}, "did you mean 'begin'"),
+                           ({"ask": "line", "line": "eval (exit)"}, "no question")]:
+            with self.subTest(asked=asked):
+                self.assertIn(why, server.post("/run/run/ask", asked, 400)["error"])
+        for order, why in [({"step": "1"}, "expected a number"), ({"until": "a\nb"}, "one line"), ({"eval": "(exit)"}, "expected where to go"), ({"step": -1}, "from 1"),
+                           ({"pause": True, "x": 1}, None), ({"speed": 2}, "is over")]:
+            with self.subTest(order=order):
+                if why:
+                    self.assertIn(why, server.post("/run/run/go", order, 400)["error"])
+        status, _, content = server.send("POST", "/run/run/ask", "{\"ask\": ")
+        self.assertEqual((status, json.loads(content)["error"]), (400, "the body is no JSON"))
+        self.assertEqual(server.send("POST", "/run/run/ask", "{" + " " * 1_000_001)[0], 413)
+        self.assertEqual(server.ask("facts", what="(free a)", t=5)["total"], 1)  # and it goes on
+
+    def test_a_run_that_failed_and_one_that_was_killed(self):
+        looped = self.play(LOOP, out="looped", code=4)
+        server = Server(self, "looped")
+        told = self.answer("facts", "looped", "--at", 0.5)["environments"][0]["facts"]
+        self.assertEqual(server.ask("facts", "looped", t=0.5)["facts"], told)
+        self.assertEqual(server.go("looped", t=0.5)["text"], "after the tick at 0.500 s")
+        self.assertTrue(server.go("looped", back=1, expect=200)["text"])
+        killed = shutil.copytree(self.play(), self.folder / "killed")
+        log = (killed / "inputs.bin").read_bytes()
+        (killed / "inputs.bin").write_bytes(log[:len(log) * 2 // 3])
+        shutil.copy(looped / "result.json", killed / "result.json")
+        result = json.loads((killed / "result.json").read_text())
+        result.update(status="failed", stream_hashes={}, reason={"code": "unfinished", "message": "unfinished", "file": None, "line": None})
+        (killed / "result.json").write_text(json.dumps(result))
+        (killed / "index.html").unlink()
+        of_killed = Server(self, "killed")
+        end = of_killed.go("killed", t=1e6)["t"]
+        self.assertLess(end, 5)
+        self.assertEqual(of_killed.ask("facts", "killed", t=1)["facts"], self.answer("facts", "killed", "--at", 1)["environments"][0]["facts"])
+        self.assertEqual(of_killed.send("GET", "/run/killed/")[0], 200)
+        self.assertGreaterEqual(of_killed.get("/run/killed/data.json")["end"], 0)
+
+    def test_a_process_that_dies_is_started_again(self):
+        self.play()
+        server = Server(self, "run")
+        before = server.ask("facts", t=2)
+        for pid in server.children()[1:]:
+            os.kill(pid, signal.SIGKILL)
+        self.assertIn("signal 9", server.ask("facts", t=2, expect=500))
+        self.assertEqual(server.ask("facts", t=2), before)
+
+    def test_two_environments(self):
+        self.agent(RULES, SCENARIO)
+        text = (self.folder / "agent.yaml").read_text()
+        self.assertIn('["main"]', text)
+
+
+class Access(View):
+    def setUp(self):
+        super().setUp()
+        self.play(arguments=["--until", "1"])
+        self.server = Server(self, "run")
+
+    def refused(self, method="GET", path="/run/run/data.json", status=403, **how):
+        got, headers, content = self.server.send(method, path, **how)
+        self.assertEqual(got, status, content[:300])
+        self.assertIn("error", json.loads(content))
+        return json.loads(content)["error"]
+
+    def test_nobody_without_the_token(self):
+        for path in ("/", "/run/run/", "/run/run/data.json", "/api/runs", "/run.js", "/three.js", "/nothing", "/run/run/events?after=0"):
+            self.assertIn("open the address that cxlab view printed", self.refused(path=path, token=None))
+            self.refused(path=path, token="0" * 32)
+            self.refused(path=path, token=self.server.token[:-1])
+            self.refused(path=path, token=None, headers={"Cookie": f"cxlab_view_{self.server.port}={'0' * 32}"})
+        self.refused(path="/?token=" + "0" * 32, token=None)
+        self.refused(path="/run/run/data.json?token=" + self.server.token, token=None)
+        self.refused("POST", "/run/run/ask", body="{}", token=None)
+
+    def test_the_address_gives_a_cookie(self):
+        status, headers, _ = self.server.send("GET", "/?token=" + self.server.token, token=None)
+        self.assertEqual((status, headers["Location"]), (303, "/"))
+        name = f"cxlab_view_{self.server.port}"
+        self.assertEqual(headers["Set-Cookie"], f"{name}={self.server.token}; Path=/; HttpOnly; SameSite=Strict")
+        cookie = {"Cookie": f"other=1; {name}={self.server.token}"}
+        self.assertEqual(self.server.send("GET", "/run/run/data.json", token=None, headers=cookie)[0], 200)
+        status, headers, content = self.server.send("GET", "/?token=" + self.server.token, token=None, headers={"Sec-Fetch-Site": "cross-site"})
+        self.assertEqual(status, 200)
+        self.assertIn(b"url=/", content)
+        self.assertIn(name, headers["Set-Cookie"])
+
+    def test_no_other_host_and_no_other_page(self):
+        port = self.server.port
+        for host in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}", "", f"127.0.0.1:{port}.evil.example"):
+            self.refused(headers={"Host": host})
+            self.refused(path="/?token=" + self.server.token, token=None, headers={"Host": host})
+        self.assertEqual(self.server.send("GET", "/api/runs", headers={"Host": f"localhost:{port}"})[0], 200)
+        ask = json.dumps({"ask": "where"})
+        for origin in ("http://evil.example", "null", f"http://127.0.0.1:{port + 1}", f"https://127.0.0.1:{port}", ""):
+            self.refused("POST", "/run/run/ask", body=ask, headers={"Origin": origin})
+        for origin in (f"http://127.0.0.1:{port}", f"http://localhost:{port}"):
+            self.assertEqual(self.server.send("POST", "/run/run/ask", ask, headers={"Origin": origin})[0], 200)
+        for kind in ("text/plain", "application/x-www-form-urlencoded", "", None):
+            self.refused("POST", "/run/run/ask", status=400, body=ask, headers={"Content-Type": kind})
+        self.assertEqual(self.server.send("PUT", "/run/run/ask", ask)[0] // 100, 4)
+        self.assertEqual(self.server.send("DELETE", "/run/run/")[0] // 100, 4)
+
+    def test_pages_may_ask_nobody_else(self):
+        for path in ("/run/run/", "/run/run/result.json", "/nothing"):
+            _, headers, _ = self.server.send("GET", path)
+            policy = headers["Content-Security-Policy"]
+            self.assertIn("default-src 'none'", policy)
+            self.assertIn("connect-src 'self'", policy)
+            self.assertNotIn("unsafe-eval", policy)
+            self.assertNotIn("*", policy)
+            self.assertEqual((headers["X-Content-Type-Options"], headers["Cache-Control"]), ("nosniff", "no-store"))
+
+    def test_only_files_that_the_page_names(self):
+        run = self.folder / "run"
+        (self.folder / "secret.txt").write_text("secret")
+        (run / "secret.log").write_text("secret")
+        (run / "logs").mkdir(exist_ok=True)
+        (run / "logs/link.log").symlink_to(self.folder / "secret.txt")
+        self.assertEqual(self.server.send("GET", "/run/run/result.json")[2], (run / "result.json").read_bytes())
+        for path in ("/run/run/../secret.txt", "/run/run/%2e%2e/secret.txt", "/run/run/..%2fsecret.txt", "/run/run/logs/../../secret.txt", "/run/..", "/run/../run/",
+                     "/run/%2e%2e/", "/run/run/%2fetc%2fpasswd", "/run/run//etc/passwd", "/run/run/secret.log", "/run/run/logs/link.log", "/run/run/inputs.bin",
+                     "/run/run/result.json%00.html", "/run/other/", "/run//", "/%0a", "/run/run/logs", "/run/" + "x" * 3000 + "/"):
+            status, _, content = self.server.send("GET", path)
+            self.assertEqual(status, 404, path)
+            self.assertNotIn(b"secret\n", content)
+            self.assertNotEqual(content, b"secret")
+        result = run / "result.json"
+        result.rename(self.folder / "elsewhere.json")
+        result.symlink_to(self.folder / "elsewhere.json")
+        self.assertEqual(self.server.send("GET", "/run/run/result.json")[0], 404)
+        self.refused("GET", "/two?a=../run&b=run", status=200) if False else None
+        self.assertEqual(self.server.send("GET", "/api/two?a=../run&b=run")[0], 404)
+
+    def test_bytes_that_are_no_request(self):
+        for raw in (b"", b"\0" * 100, b"GET / HTTP/1.1\r\n", b"POST /run/run/ask HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n",
+                    b"GET " + b"/" * 100_000 + b" HTTP/1.1\r\n\r\n", b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nzzz\r\n"):
+            with socket.create_connection(("127.0.0.1", self.server.port), timeout=20) as line:
+                line.sendall(raw)
+                line.shutdown(socket.SHUT_WR)
+                while line.recv(65536):
+                    pass
+        self.assertEqual(self.server.send("GET", "/api/runs")[0], 200)
+
+    def test_it_listens_at_one_address(self):
+        with self.assertRaises(OSError):
+            socket.create_connection(("127.0.0.2", self.server.port), timeout=5).close()
+        taken = subprocess.run([CXLAB, "view", "run", "--port", str(self.server.port)], cwd=self.folder, capture_output=True, text=True, timeout=30)
+        self.assertEqual(taken.returncode, 5)
+        self.assertIn("--port gives another port", taken.stderr)
+        self.assertNotIn(self.server.token, " ".join(open(f"/proc/{self.server.process.pid}/cmdline").read().split("\0")))
+
+
+class Ends(View):
+    def test_ctrl_c_ends_all_and_leaves_no_file(self):
+        run = self.play()
+        before = self.files(run)
+        server = Server(self, "run")
+        server.ask("why_not", what="begin", t=2)
+        server.go(back=1)
+        server.send("GET", "/run/run/")
+        server.send("GET", "/run/run/scene.bin")
+        pids = server.children()
+        self.assertGreaterEqual(len(pids), 2)
+        began = time.monotonic()
+        server.process.send_signal(signal.SIGINT)
+        self.assertEqual(server.process.wait(10), 130)
+        self.assertLess(time.monotonic() - began, 3)
+        self.assertIn("interrupted:", server.process.stderr.read())
+        end = time.monotonic() + 5
+        while any(map(alive, pids)) and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertFalse([pid for pid in pids if alive(pid)])
+        self.assertEqual(self.files(run), before)
+
+    def test_a_killed_server_leaves_no_process(self):
+        self.play()
+        server = Server(self, "run")
+        server.ask("facts", t=2)
+        pids = server.children()
+        server.process.kill()
+        server.process.wait(10)
+        end = time.monotonic() + 10
+        while any(map(alive, pids)) and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertFalse([pid for pid in pids if alive(pid)])
+
+    def test_what_is_no_run(self):
+        empty = self.folder / "empty"
+        empty.mkdir()
+        for place, code, said in [("nowhere", 3, "there is no folder"), ("empty", 3, "neither the folder of a run nor one with runs in it"), ("scenario.yaml", 3, "there is no folder")]:
+            done = subprocess.run([CXLAB, "view", place], cwd=self.folder, capture_output=True, text=True, timeout=30)
+            self.assertEqual((done.returncode, done.stdout), (code, ""), done.stderr)
+            self.assertIn(said, done.stderr)
+        self.play(arguments=["--until", "1"])
+        done = subprocess.run([CXLAB, "view", "run", "--live"], cwd=self.folder, capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("--control or --break", done.stderr)
+
+
+class Folders(View):
+    def test_all_runs_of_a_folder(self):
+        (self.folder / "runs/deep").mkdir(parents=True)
+        self.play(out="runs/one")
+        self.play(out="runs/deep/two", scenario=SCENARIO.replace("5", "3"), arguments=["--seed", "7"])
+        hostile = "<img src=x onerror=alert(1)>&'\"\n%2e"
+        (self.folder / "runs" / hostile).mkdir()
+        os.rename(self.play(out="other"), self.folder / "runs" / hostile / "r")
+        (self.folder / "runs/broken").mkdir()
+        (self.folder / "runs/broken/manifest.json").write_text("{")
+        (self.folder / "runs/linked").symlink_to(self.folder / "runs/one")
+        server = Server(self, "runs")
+        listed = server.get("/api/runs")
+        by_name = {run["name"]: run for run in listed["runs"]}
+        self.assertEqual(set(by_name), {"one", "deep/two", hostile + "/r", "broken"})
+        self.assertEqual(len({run["id"] for run in listed["runs"]}), 4)
+        self.assertTrue(all(re.fullmatch("[A-Za-z0-9_-]+", run["id"]) for run in listed["runs"]))
+        two = by_name["deep/two"]
+        self.assertEqual((two["seed"], two["status"], two["sim_time_s"], two["scenario"]), (7, "completed", 3.0, "scenario"))
+        self.assertEqual(by_name["broken"]["status"], "unreadable")
+        self.assertEqual(server.go(two["id"], t=9, expect=400), "the run ends at 3 s")
+        self.assertEqual(server.go(by_name[hostile + "/r"]["id"], t=1)["t"], 1.0)
+        for path in ("/", "/two?a=one&b=deep-two", "/run/one/", f"/run/{by_name[hostile + '/r']['id']}/"):
+            status, headers, content = server.send("GET", path)
+            self.assertEqual((status, headers["Content-Type"]), (200, "text/html; charset=utf-8"))
+            self.assertNotIn(b"<img src=x", content)
+        # A run that comes later is found, and the others keep their ids.
+        self.play(out="runs/a-first")
+        again = {run["name"]: run["id"] for run in server.get("/api/runs")["runs"]}
+        self.assertEqual({name: again[name] for name in by_name}, {name: run["id"] for name, run in by_name.items()})
+        self.assertEqual(server.ask("facts", again["a-first"], t=1)["total"], server.ask("facts", "one", t=1)["total"])
+
+    def test_two_runs(self):
+        self.play(out="runs/a")
+        self.play(RULES.replace("(+ ?now 1)", "(+ ?now 2)"), out="runs/b")
+        server = Server(self, "runs")
+        found = server.get("/api/two?a=a&b=b")
+        told = subprocess.run([CXLAB, "diff", "runs/a", "runs/b"], cwd=self.folder, capture_output=True, text=True, timeout=60)
+        self.assertEqual(found["text"], told.stdout)
+        exact = json.loads(subprocess.run([CXLAB, "diff", "runs/a", "runs/b", "--json"], cwd=self.folder, capture_output=True, text=True, timeout=60).stdout)
+        self.assertEqual((found["first"]["t"], found["first"]["a"], found["first"]["b"]), (exact["first"]["t_s"], exact["first"]["a"]["what"], exact["first"]["b"]["what"]))
+        same = server.get("/api/two?a=a&b=a")
+        self.assertEqual((same["same"], same["first"]), (True, None))
+        self.assertEqual(server.send("GET", "/api/two?a=a")[0], 404)
+
+    def test_five_runs_have_four_processes(self):
+        for n in range(5):
+            self.play(out=f"runs/r{n}", arguments=["--until", "2"])
+        server = Server(self, "runs")
+        for n in (0, 1, 2, 3, 4, 0, 4):
+            self.assertEqual(server.go(f"r{n}", t=1)["text"], "after the tick at 1.000 s")
+        end = time.monotonic() + 5
+        while len(server.children()) > 5 and time.monotonic() < end:
+            time.sleep(0.02)
+        self.assertLessEqual(len(server.children()), 5)  # and the one that starts them
+
+    def test_a_sweep(self):
+        self.agent(RULES, SCENARIO)
+        (self.folder / "suite.yaml").write_text("scenarios: {s: scenario.yaml}\nstrategies: {plain: {}}\nseeds: 1..2\n")
+        done = subprocess.run([CXLAB, "bench", "suite.yaml", "--out", "sweep", "--quiet"], cwd=self.folder, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        runs = Server(self, "sweep").get("/api/runs")["runs"]
+        self.assertEqual([(run["id"], run["seed"], run["strategy"], run["status"]) for run in runs], [(None, 1, "plain", "completed"), (None, 2, "plain", "completed")])
+        self.assertIn("cxlab", runs[0]["command"])
+
+
+class Live(View):
+    def begin(self, *arguments, duration=5):
+        self.agent(RULES, SCENARIO.replace("5", str(duration)))
+        self.run_ = subprocess.Popen([CXLAB, "run", "scenario.yaml", "--out", "run", "--journal", "full", *arguments], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(self.run_.wait)
+        self.addCleanup(self.run_.kill)
+        end = time.monotonic() + 20
+        while not (self.folder / "run/control.sock").exists():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
+
+    def test_steps_pause_and_the_end(self):
+        self.begin("--break")
+        server = Server(self, "run", "--live")
+        place = server.ask("where")
+        self.assertEqual((place["live"], place["running"], place["t"]), (True, False, 0.0))
+        self.assertEqual(server.send("GET", "/run/run/")[0], 200)
+        self.assertEqual(server.go(until="begin")["rule"], "begin")
+        self.assertEqual(server.ask("facts", what="(free a)")["total"], 1)
+        server.go(step=1)
+        self.assertEqual(server.ask("facts", what="(free a)")["total"], 0)
+        self.assertEqual(server.ask("why", what="(job (state BUSY))")["steps"][1]["text"], "begin")
+        self.assertEqual(server.ask("why_not", what="never")["explanations"][0]["first_unmet"]["condition"], 1)
+        self.assertGreater(server.go(tick=3)["t"], 1.0)
+        self.assertIn("still being played", server.ask("facts", t=0, expect=400))
+        self.assertIn("does not go back", server.go(back=1, expect=400))
+        events = server.get("/run/run/events?after=0")
+        self.assertEqual((events["live"], events["running"]), (True, False))
+        self.assertIn("stopped", [event["event"] for event in events["events"]])
+        server.go(**{"continue": True})
+        self.assertEqual(self.run_.wait(20), 0)
+        seen = []
+        for _ in range(40):
+            events = server.get(f"/run/run/events?after={events['next']}")
+            seen += [event["event"] for event in events["events"]]
+            if not events["live"]:
+                break
+        self.assertIn("end", seen)
+        # What was live is a recorded run now.
+        self.assertEqual(server.go(t=1)["live"], False)
+        self.assertEqual(server.ask("facts", t=2)["facts"], self.answer("facts", "run", "--at", 2)["environments"][0]["facts"])
+        self.assertEqual(json.loads((self.folder / "run/result.json").read_text())["deterministic"], True)
+
+    def test_speed_changes_nothing_but_the_clock(self):
+        plain = self.play(out="plain")
+        self.begin("--break")
+        server = Server(self, "run")
+        server.go(speed=10)
+        began = time.monotonic()
+        self.assertEqual(server.go(**{"continue": True})["live"], True)
+        time.sleep(0.15)
+        paused = server.go(pause=True)
+        self.assertFalse(paused["running"])
+        self.assertLess(paused["t"], 4)
+        server.go(**{"continue": True})
+        self.assertEqual(self.run_.wait(20), 0)
+        self.assertGreater(time.monotonic() - began, 0.45)
+        hashes = [json.loads((self.folder / run / "result.json").read_text())["journal_hash"] for run in ("run", "plain")]
+        self.assertEqual(hashes[0], hashes[1])
+
+    def test_a_server_that_goes_leaves_the_run(self):
+        self.begin("--break")
+        server = Server(self, "run")
+        server.go(step=1)
+        server.process.send_signal(signal.SIGINT)
+        self.assertEqual(server.process.wait(10), 130)
+        self.assertIsNone(self.run_.poll())
+        self.assertEqual(Server(self, "run").ask("where")["live"], True)
