@@ -58,10 +58,11 @@ ViewReply view_data(const Run& run) {
 }
 
 ViewReply view_scene(const std::filesystem::path& run, std::size_t from) {
+  constexpr const char* kBytes = "application/octet-stream";
   auto bytes = read_file(run / "scene.bin");
-  if (!bytes) return view_error(404, "the run has no scene: " + bytes.error().text());
+  if (!bytes) return {200, kBytes};  // a world without a scene, or a run that has just begun
   const std::size_t end = whole_bytes(*bytes);
-  return {200, "application/octet-stream", bytes->substr(std::min(from, end), end - std::min(from, end))};
+  return {200, kBytes, bytes->substr(std::min(from, end), end - std::min(from, end))};
 }
 
 ViewReply view_file(const std::filesystem::path& run, const std::string& name) {

@@ -23,6 +23,8 @@ export class Ask {
     /** The time of the slider that stands for a place between two firings. @type {number|null} */
     this.stood = null;
     this.asked = 0;
+    /** @type {(place: import('./served.js').Stand) => void} is told where the run is */
+    this.placed = () => {};
     this.waits = 0;
     this.envs = el('select', { 'aria-label': 'environment', onchange: () => { this.env = this.envs.value; this.refresh(); } });
     this.place = el('output', { class: 'place' });
@@ -131,6 +133,7 @@ export class Ask {
   stand(/** @type {import('./served.js').Stand} */ place) {
     this.stands = place;
     this.place.textContent = place.text;
+    this.placed(place);
     if (this.live && !place.live) this.wentOver();
     if (!this.env && place.env) this.envs.value = place.env;
   }

@@ -35,6 +35,7 @@ export class Live {
   constructor(/** @type {import('./ask.js').Ask} */ ask) {
     this.ask = ask;
     this.page = ask.page;
+    this.waiting = new AbortController(); // for news
     if (document.documentElement.dataset.live !== 'true') return;
     ask.live = true;
     for (const one of ask.backwards) one.hidden = true; // a run in progress goes one way
@@ -55,7 +56,16 @@ export class Live {
     this.page.player.after(this.box);
     this.page.acts.p = () => this.pause.click();
     this.page.keys.append(this.page.keyRow('p', 'pause the run, or let it go on'));
+    ask.placed = (place) => this.placed(place);
     this.listen();
+  }
+
+  /** The answer to a question or an order says where the run is. */
+  placed(/** @type {import('./served.js').Stand} */ place) {
+    // News of a run that goes on come more often.
+    if (place.running && !this.running) this.waiting.abort();
+    this.running = place.running;
+    if (place.live) this.show(place.t);
   }
 
   async order(/** @type {any} */ what) {
@@ -74,10 +84,12 @@ export class Live {
   async listen() {
     while (!this.ended) {
       try {
-        const news = await request('events?after=' + this.next);
+        this.waiting = new AbortController();
+        const news = await request('events?after=' + this.next, undefined, this.waiting.signal);
         this.next = news.next;
         await this.take(news);
       } catch (error) {
+        if (this.waiting.signal.aborted) continue;
         this.ask.fail(error);
         await new Promise((done) => setTimeout(done, RETRY_MS));
       }

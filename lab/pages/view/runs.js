@@ -57,9 +57,9 @@ class RunsTable {
       { head: 'tier', cell: (run) => run.tier, key: (run) => run.tier || null },
       { head: 'status', cell: (run) => el('span', { class: GOOD.includes(run.status) ? '' : 'bad', title: run.problem || undefined }, run.live ? 'live' : run.status), key: (run) => run.status },
       { head: 'time', cell: (run) => (run.sim_time_s ? timeText(run.sim_time_s, 0) : ''), key: (run) => run.sim_time_s ?? null },
-      ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''), cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
       { head: 'warnings', cell: (run) => run.warnings || '', key: (run) => run.warnings },
       { head: 'errors', cell: (run) => (run.errors ? el('b', { class: 'bad' }, run.errors) : ''), key: (run) => run.errors },
+      ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''), cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
     ];
     this.list.replaceChildren(found.length ? sortedTable(columns.map((one) => one.head), found.map((run) => ({ cells: columns.map((one) => one.cell(run)), keys: columns.map((one) => one.key(run)), class: '' })),
       this.order, (order) => { this.order = order; }) : el('p', {}, this.runs.length ? 'No run fits.' : 'There is no run in this folder.'));

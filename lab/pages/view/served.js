@@ -11,19 +11,20 @@
 const BUSY = 409, TRIES = 40, PAUSE_MS = 250;
 const later = (/** @type {number} */ ms) => new Promise((done) => setTimeout(done, ms));
 
-async function answerOf(/** @type {string} */ path, /** @type {any} */ body) {
-  const request = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
+async function answerOf(/** @type {string} */ path, /** @type {any} */ body, /** @type {AbortSignal|undefined} */ signal = undefined) {
+  const request = body === undefined ? { signal } : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
   try {
     return await fetch(path, request);
   } catch (error) {
+    if (signal?.aborted) throw error;
     throw new Error('The server does not answer. Start cxlab view again and open the address that it prints.');
   }
 }
 
 /** The JSON that the server answers; with a body it is sent there. An error is what the server says about it. */
-export async function request(/** @type {string} */ path, /** @type {any} */ body = undefined) {
+export async function request(/** @type {string} */ path, /** @type {any} */ body = undefined, /** @type {AbortSignal|undefined} */ signal = undefined) {
   for (let tries = 1;; ++tries) {
-    const response = await answerOf(path, body);
+    const response = await answerOf(path, body, signal);
     const said = await response.json().catch(() => ({ error: 'The answer to ' + path + ' is no JSON.' }));
     if (response.ok && !said.error) return said;
     if (response.status !== BUSY || tries === TRIES) throw new Error(said.error || 'The server answers ' + response.status + '.');
