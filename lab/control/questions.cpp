@@ -83,6 +83,36 @@ int last_line(const ConstructInfo& info) {
   return info.line + static_cast<int>(std::ranges::count(info.text, '\n'));
 }
 
+bool is_about(const explain::Condition& condition, const std::string& template_name) {
+  if (condition.kind == explain::Condition::Kind::kPattern)
+    return !condition.pattern.is_object() && condition.pattern.template_name() == template_name;
+  return std::ranges::any_of(condition.parts, [&](const auto& part) { return is_about(part, template_name); });
+}
+
+/// Rules with a condition about facts of a pattern's template, where there is no such fact.
+Json users_of_template(inspect::Inspector& inspector, const std::string& text) {
+  Json users = Json::array();
+  const auto pattern = explain::Pattern::parse_plain(text, {}, 0);
+  if (!pattern) return users;
+  RuleEngine& engine = inspector.engine();
+  const std::vector<ConstructInfo> constructs = engine.constructs();  // a copy: to look at conditions defines functions
+  for (const ConstructInfo& rule : constructs) {
+    if (rule.kind != "defrule" || !engine.has("defrule", rule.module + "::" + rule.name)) continue;
+    const auto conditions = explain::conditions_of(rule.text, rule.file, rule.line);
+    if (!conditions) continue;
+    const auto about = std::ranges::find_if(
+        *conditions, [&](const auto& condition) { return is_about(condition, pattern->template_name()); });
+    if (about == conditions->end()) continue;
+    users.push_back({{"rule", explain::with_module(rule.module, rule.name)},
+                     {"place", place_json(inspector.shown_file(rule.file), rule.line)},
+                     {"condition", about->text},
+                     {"fired", 0}});
+    if (!engine.acting_call(rule).empty()) continue;
+    if (const auto unmet = explain::unmet_condition(engine, rule)) users.back()["lacks"] = to_text(*unmet);
+  }
+  return users;
+}
+
 /// A file of rules, as the run has it.
 Expected<Json> file_source(const cx::Environment& environment, const std::string& file) {
   Json constructs = Json::array();
@@ -97,9 +127,7 @@ Expected<Json> file_source(const cx::Environment& environment, const std::string
         {{"kind", info.kind}, {"module", info.module}, {"name", info.name}, {"line", info.line}, {"end_line", last_line(info)}});
   }
   if (path.empty()) return input_error("no rules were read from a file '" + file + "'" + did_you_mean(file, known));
-  const auto found = environment.files().for_reading(path);
-  if (!found) return found.error();
-  const auto text = read_file(*found);
+  const auto text = read_file(path);
   if (!text) return text.error();
   return Json{{"file", file}, {"first_line", 1}, {"text", *text}, {"constructs", std::move(constructs)}};
 }
@@ -229,7 +257,9 @@ const std::vector<Debugger::Question>& Debugger::questions() {
            if (!pattern) return pattern.error();
            const auto found = inspect::future_of(i, *pattern);
            if (!found) return found.error();
-           return future_json(*found);
+           Json json = future_json(*found);
+           if (!found->fact) json["waiting"] = users_of_template(i, found->makers ? found->makers->pattern : *pattern);
+           return json;
          });
        }},
       {"producers", Of::kConditions,

@@ -98,6 +98,7 @@ class Starter {
     if (!travel) return error_json(travel.error());
     playing.travel = *std::move(travel);
     Json answer{{"socket", playing.travel->address().path}};
+    if (playing.run->finished) answer["end"] = to_seconds(playing.run->sim_time);
     return keep(std::move(playing), std::move(answer));
   }
 
@@ -153,7 +154,9 @@ Expected<Players::Player> Players::play(const std::filesystem::path& run) {
   if (!answer.is_object()) return bug_error("the process that starts others does not answer");
   if (answer.contains("error"))
     return Error{static_cast<ErrorKind>(answer.value("kind", 3)), answer.value("error", ""), {}, 0, {}};
-  return Player{answer.value("number", 0), answer.value("socket", "")};
+  Player player{answer.value("number", 0), answer.value("socket", ""), {}};
+  if (answer.contains("end")) player.end = answer["end"].get<double>();
+  return player;
 }
 
 std::optional<Error> Players::end_of(int number) {

@@ -22,7 +22,8 @@ class Players {
 
   struct Player {
     int number = 0;
-    std::string socket;  ///< of its lines (lab/control/client.h)
+    std::string socket;         ///< of its lines (lab/control/client.h)
+    std::optional<double> end;  ///< of the run, in s; none: its log says when it ends
   };
   /// May be called from any thread, as all that follows.
   Expected<Player> play(const std::filesystem::path& run);

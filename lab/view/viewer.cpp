@@ -78,7 +78,8 @@ ViewReply Viewer::answer(const ViewRequest& request) {
   constexpr std::string_view kRun = "/run/";
   if (!path.starts_with(kRun)) return no_such_page(request);
   const std::size_t end = path.find('/', kRun.size());
-  if (end == path.npos) return get ? redirection(path + '/') : no_such_page(request);
+  if (end == path.npos)
+    return get && runs_.find(path.substr(kRun.size())) ? redirection(path + '/') : no_such_page(request);
   return answer_run(request, path.substr(kRun.size(), end - kRun.size()), path.substr(end + 1));
 }
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
 #include "lab/control/server.h"
 
 namespace cxlab::lab {
@@ -28,6 +29,15 @@ std::string seconds_in_digits(double t) {
   char digits[64];
   std::snprintf(digits, sizeof digits, "%.9f", t);
   return digits;
+}
+
+/// The result of a run that has just ended is written a moment later.
+constexpr int kTriesOfResult = 100;
+bool is_unfinished(const std::filesystem::path& run) {
+  const auto text = read_file(run / "result.json");
+  const Json result = text ? parse_json(*text) : Json();
+  return result.is_object() && result.contains("reason") && result["reason"].is_object() &&
+         result["reason"].value("code", "") == "unfinished";
 }
 
 /// One line of a request; more would be another request.
@@ -78,6 +88,8 @@ void Visit::leave() {
 
 Status Visit::connect() {
   if (client_) return {};
+  for (int tries = 0; over_ && !left_ && tries < kTriesOfResult && is_unfinished(run_); ++tries)
+    std::this_thread::sleep_for(20ms);
   if (left_) return resource_error("cxlab view has ended");
   set_to_.reset();
   const std::filesystem::path socket = run_ / "control.sock";
@@ -99,6 +111,7 @@ Status Visit::connect_to_player() {
   auto player = players_.play(run_);
   if (!player) return player.error();
   player_ = player->number;
+  end_ = player->end;
   while (!left_) {
     if (auto client = ControlClient::connect({.path = player->socket}, {})) {
       const std::lock_guard lock(news_);
@@ -123,14 +136,18 @@ void Visit::hang_up() {
   set_to_.reset();
 }
 
-/// What plays the run has gone: says why, and the next question starts it anew.
+/// What plays the run has gone: says why, and the next question starts it anew. No error for a live run that ended.
 Visit::Answer Visit::lost() {
+  if (client_ && live_) {
+    (void)client_->take_events();  // those that came before it ended
+    if (!has_ended_) take({.kind = Event::Kind::kEnd, .text = "the run has ended"});
+  }
   hang_up();
   if (left_) return {resource_error("cxlab view has ended"), true, {}};
   if (live_) {
     live_ = false;
     over_ = true;
-    return {resource_error("the run has ended; ask again to look at what it left"), true, {}};
+    return {};
   }
   std::optional<Error> why;
   if (player_) {
@@ -160,6 +177,7 @@ void Visit::take(const Event& event) {
   }
   const std::lock_guard lock(news_);
   if (event.kind == Event::Kind::kStopped || event.kind == Event::Kind::kEnd) ++stops_;
+  has_ended_ = has_ended_ || event.kind == Event::Kind::kEnd;
   events_.push_back(std::move(json));
   if (events_.size() > kEventsKept) {
     events_.pop_front();
@@ -215,8 +233,12 @@ ViewReply Visit::events(std::uint64_t after) {
 Visit::Answer Visit::asked(const Json& question) {
   const auto text = client_->ask(json_text(question));
   if (text) return {std::nullopt, false, parse_json(*text)};
-  if (text.error().kind == ErrorKind::kResource) return lost();
-  return {text.error(), false, {}};
+  if (text.error().kind != ErrorKind::kResource) return {text.error(), false, {}};
+  Answer gone = lost();
+  // Of a live run that has just ended, what it left is asked.
+  if (gone.error) return gone;
+  if (const Status there = connect(); !there) return {there.error(), true, {}};
+  return asked(question);
 }
 
 /// A command of `cxlab attach`. One that lets the run go on is waited for.
@@ -251,6 +273,9 @@ std::optional<Visit::Answer> Visit::set_time(const Json& request) {
     return Answer{input_error("\"t\": found " + json_text(*found) + ", expected a time of the run in s"), false, {}};
   if (live_)
     return Answer{input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};
+  constexpr double kRounded = 0.001;  // pages have times to the millisecond
+  if (end_ && t > *end_ + kRounded)
+    return Answer{input_error("the run ends at " + general_text(*end_, 9) + " s"), false, {}};
   if (set_to_ == t) return std::nullopt;
   Answer answer = carry_out("after " + seconds_in_digits(t), true);
   if (answer.error) return answer;
@@ -263,6 +288,7 @@ ViewReply Visit::reply(const Answer& answer) const {
 }
 
 ViewReply Visit::with_place(Json answer) {
+  if (const Status there = connect(); !there) return view_error(500, there.error().text());
   const Answer place = asked({{"ask", "where"}});
   if (place.error) return reply(place);
   Json json{{"place", place.json}};
@@ -291,17 +317,18 @@ ViewReply Visit::go(const Json& request) {
   const std::unique_lock turn(turn_, kLongestTurn);
   if (!turn) return view_error(409, kBusy);
   if (const Status there = connect(); !there) return view_error(500, there.error().text());
+  if (const auto env = request.find("env"); env != request.end() && env->is_string() && is_one_line(*env)) {
+    const std::string name = env->get<std::string>();
+    if (const Answer used = carry_out("use " + (name.empty() ? "all" : name), true); used.error) return reply(used);
+  }
   if (request.contains("t")) {
     if (const auto failed = set_time(request)) return reply(*failed);
     return with_place(nullptr);
   }
   const auto command = command_of(request);
   if (!command) return view_error(400, command.error().text());
-  if (const auto env = request.find("env"); env != request.end() && env->is_string() && is_one_line(*env)) {
-    const std::string name = env->get<std::string>();
-    if (const Answer used = carry_out("use " + (name.empty() ? "all" : name), true); used.error) return reply(used);
-  }
   set_to_.reset();
+  if (!client_) return with_place(nullptr);
   if (const Answer gone = carry_out(*command, !request.contains("continue")); gone.error) return reply(gone);
   return with_place(nullptr);
 }

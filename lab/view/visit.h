@@ -67,6 +67,7 @@ class Visit {
   std::timed_mutex turn_;  // of a question, and of all up to `news_`
   std::unique_ptr<ControlClient> client_;
   std::optional<int> player_;
+  std::optional<double> end_;     // of the run, where it is known
   std::optional<double> set_to_;  // the time that the last question asked for, if the person is still there
   std::thread watch_, begin_;     // of a live run; of `begin`
 
@@ -75,6 +76,7 @@ class Visit {
   std::deque<Json> events_;
   std::uint64_t first_event_ = 0;  // number of the front
   std::uint64_t stops_ = 0;        // how often it stopped or ended
+  std::atomic<bool> has_ended_ = false;  // and has said so
   std::atomic<bool> live_ = false, left_ = false;
   std::atomic<bool> over_ = false;  // it was live, and has ended
 };
