@@ -189,8 +189,9 @@ void Visit::take(const Event& event) {
 /// Takes events that come while nobody asks.
 void Visit::watch_events(int descriptor) {
   while (!left_ && live_) {
+    // What came together with an answer waits in the client, not in the socket.
     pollfd line{descriptor, POLLIN, 0};
-    if (poll(&line, 1, 100) <= 0) continue;
+    (void)poll(&line, 1, 100);
     const std::unique_lock turn(turn_, 100ms);
     if (!turn || !client_ || !live_ || client_->take_events()) continue;
     lost();
@@ -257,9 +258,12 @@ Visit::Answer Visit::carry_out(const std::string& line, bool wait) {
   const auto until = std::chrono::steady_clock::now() + kLongestStop;
   while (!left_ && std::chrono::steady_clock::now() < until) {
     pollfd news{client_->descriptor(), POLLIN, 0};
-    if (poll(&news, 1, 50) > 0 && !client_->take_events()) return lost();
-    const std::lock_guard lock(news_);
-    if (stops_ != stops) break;
+    if (!client_->take_events()) return lost();
+    {
+      const std::lock_guard lock(news_);
+      if (stops_ != stops) break;
+    }
+    (void)poll(&news, 1, 50);
   }
   return {};
 }
