@@ -249,6 +249,10 @@ class View(Browser):
         self.assertEqual(self.js("cxlab.sides.map((side) => side.page.clock.t)"), [first["t_s"]] * 2)
         said = self.js("[...document.querySelectorAll('.said')].map((one) => one.textContent)")
         self.assertEqual(said, [first[side]["what"] or "nothing more" for side in "ab"])
+        # The link of a time.
+        self.browser.get("about:blank")
+        self.show_address(self.server + "/two?a=g1&b=g2#t=45.5")
+        self.assertEqual(self.js("cxlab.sides.map((side) => side.page.clock.t)"), [45.5, 45.5])
         # A click in one goes for both.
         self.js("cxlab.sides[1].page.clock.seek(30)")
         self.assertEqual(self.js("[cxlab.clock.t, ...cxlab.sides.map((side) => side.page.clock.t)]"), [30, 30, 30])

@@ -97,7 +97,7 @@ export class Rules extends Tab {
       cells: [[ruleButton(rule.rule, this.ask), el('div', { class: 'note' }, rule.place || '')], rule.fired, rule.activated ?? '', this.time(rule.first_s), this.time(rule.last_s),
         rule.unmet ? el('button', { type: 'button', class: 'plain', title: 'why it has not fired', onclick: () => this.ask.whyNot(rule.rule) },
           'condition ' + rule.unmet.condition + ': ', el('code', {}, rule.unmet.text), ' ' + rule.unmet.because) : state(rule) === 'fired' ? '' : state(rule)],
-      keys: [rule.rule, rule.fired, rule.activated ?? null, rule.first_s ?? null, rule.last_s ?? null, rule.unmet ? rule.unmet.condition : null],
+      keys: [rule.rule, rule.fired, rule.activated ?? null, rule.first_s ?? null, rule.last_s ?? null, rule.unmet ? rule.unmet.text : state(rule) === 'fired' ? null : state(rule)],
     }))));
   }
 }

@@ -46,6 +46,12 @@ class Two {
     this.text = el('pre', {});
     this.whole = el('details', { class: 'difference', hidden: true }, el('summary', {}, 'all that differs'), this.text);
     this.box = el('div', {}, el('div', { class: 'player' }, play, el('div', { class: 'range' }, slider, this.flag), time, el('span', { class: 'note' }, 'of ' + timeText(clock.end, 0)), this.jump, themeButton(() => this.paint())), this.whole);
+    const read = () => {
+      const t = readTime(new URLSearchParams(location.hash.slice(1)).get('t') || '');
+      if (!Number.isNaN(t)) clock.seek(t);
+    };
+    read();
+    addEventListener('hashchange', read);
     clock.listen(() => {
       play.textContent = clock.playing ? '❚❚' : '▶';
       play.setAttribute('aria-label', clock.playing ? 'stop' : 'play');
@@ -60,12 +66,6 @@ class Two {
         const { t, end } = side.page.clock;
         if (!this.bringing && t !== Math.min(clock.t, end)) clock.seek(t);
       });
-    const read = () => {
-      const t = readTime(new URLSearchParams(location.hash.slice(1)).get('t') || '');
-      if (!Number.isNaN(t)) clock.seek(t);
-    };
-    addEventListener('hashchange', read);
-    read();
     addEventListener('keydown', (event) => {
       const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
       const target = /** @type {HTMLElement} */ (event.target);
