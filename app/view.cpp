@@ -31,7 +31,8 @@ class OpenedBrowser {
     if (!folder) return folder.error();
     folder_ = *std::move(folder);
     const std::filesystem::path page = folder_->path() / "open.html";
-    if (Status s = write_file(page, "<!doctype html><meta http-equiv=\"refresh\" content=\"0; url=" + address + "\">"); !s)
+    if (Status s = write_file(page, "<!doctype html><meta http-equiv=\"refresh\" content=\"0; url=" + address + "\">");
+        !s)
       return s;
     auto browser = Process::start({.argv = {"xdg-open", page.string()}, .out = Stream::null(), .err = Stream::null()});
     if (!browser) return browser.error();
@@ -80,8 +81,10 @@ void add_view(CLI::App& app, Action& action) {
   command->add_flag("--open", options->open, "Opens the address in the browser (xdg-open)");
   add_trust_programs(*command, options->trust_programs);
   command->footer(
-      "It prints the address, with a token that the page needs, and serves until Ctrl-C, for this machine only. The page\n"
-      "of a run shows what index.html shows; facts, agenda, why and why-not come from the run's rules, which are played\n"
+      "It prints the address, with a token that the page needs, and serves until Ctrl-C, for this machine only. The "
+      "page\n"
+      "of a run shows what index.html shows; facts, agenda, why and why-not come from the run's rules, which are "
+      "played\n"
       "again up to the time that is shown. The folders are only read.\n"
       "Examples:\n  cxlab run rcll/game --tier timed --out /tmp/g\n  cxlab view /tmp/g\n"
       "  cxlab view runs            (all runs below, in a table)\n"

@@ -150,8 +150,7 @@ Json why_json(const inspect::Derivation& derivation) {
     json["because"] = step.because;
     if (step.outside) json["outside"] = *step.outside;
     if (!step.note.empty()) json["note"] = step.note;
-    if (step.asserted)
-      json["asserted"] = {{"t_s", to_seconds(step.asserted->t)}, {"by", doer_json(step.asserted->by)}};
+    if (step.asserted) json["asserted"] = {{"t_s", to_seconds(step.asserted->t)}, {"by", doer_json(step.asserted->by)}};
     steps.push_back(std::move(json));
   }
   return {{"steps", std::move(steps)}};

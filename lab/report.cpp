@@ -134,8 +134,8 @@ Expected<PageParts> page_of_recorded(const Run& run) {
   auto recorded = run.records_up_to(std::nullopt, {.kinds = kRecordsOfQuestions});
   // A run without a journal has a page without its events.
   if (!recorded) recorded = Run::RecordsUpTo{{}, run.sim_time, run.finished, true};
-  auto page = page_of_world(
-      *scenario, {run.folder, *scenario, recorded->records, {}, recorded->t, recorded->ended, {}}, result);
+  auto page = page_of_world(*scenario, {run.folder, *scenario, recorded->records, {}, recorded->t, recorded->ended, {}},
+                            result);
   if (!page) return page.error();
   PageParts parts;
   parts.head = head_of(*page, report);
@@ -156,8 +156,8 @@ Status write_report(const Played& played) {
   const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
   const bool ended = played.result.status == RunStatus::kCompleted;
-  auto page = page_of_world(
-      played.scenario, {folder, played.scenario, *records, {}, played.result.sim_time, ended, {}}, played.result);
+  auto page = page_of_world(played.scenario, {folder, played.scenario, *records, {}, played.result.sim_time, ended, {}},
+                            played.result);
   if (!page) return page.error();
   for (const Result::Section& section : page->data) report[section.key] = parse_json(section.json);
   report["decisions"] = decisions_of(*records);

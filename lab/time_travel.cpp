@@ -31,22 +31,21 @@ Status serve(const Run& run, const ControlAddress& address, Host host, Counting 
   if (!opened) return opened.error();
   Moment& moment = **opened;
   std::optional<RuleWitness> witness;
-  debugger.watch(
-      {.environments = [&moment] { return moment.episode().environments(); },
-       .inspect = [&moment](cx::Environment& environment) { return moment.inspector(environment); },
-       .look = [&moment](const std::string& what) -> Expected<std::string> {
-         auto seen = moment.scene();
-         return seen ? scene_text(*std::move(seen), what) : seen.error();
-       },
-       .look_json = [&moment](const std::string& what) -> Expected<Json> {
-         auto seen = moment.scene();
-         return seen ? scene_json(*std::move(seen), what) : seen.error();
-       },
-       .why_not = [&witness](cx::Environment& environment, const ConstructInfo& rule,
-                             const explain::Wanted& wanted) -> std::optional<Expected<explain::WhyNot>> {
-         if (!witness || !witness->follows(rule.name)) return std::nullopt;
-         return witness->why_not(environment, rule, wanted);
-       }});
+  debugger.watch({.environments = [&moment] { return moment.episode().environments(); },
+                  .inspect = [&moment](cx::Environment& environment) { return moment.inspector(environment); },
+                  .look = [&moment](const std::string& what) -> Expected<std::string> {
+                    auto seen = moment.scene();
+                    return seen ? scene_text(*std::move(seen), what) : seen.error();
+                  },
+                  .look_json = [&moment](const std::string& what) -> Expected<Json> {
+                    auto seen = moment.scene();
+                    return seen ? scene_json(*std::move(seen), what) : seen.error();
+                  },
+                  .why_not = [&witness](cx::Environment& environment, const ConstructInfo& rule,
+                                        const explain::Wanted& wanted) -> std::optional<Expected<explain::WhyNot>> {
+                    if (!witness || !witness->follows(rule.name)) return std::nullopt;
+                    return witness->why_not(environment, rule, wanted);
+                  }});
   moment.after_tick = [&] {
     if (witness) witness->tick_is_over();
     debugger.tick_is_over(moment.t());

@@ -2,10 +2,14 @@
 // A recorded run, played again forwards and backwards for one who is attached to it.
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "cx/base/expected.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
+#include "cx/engine/rule_counts.h"
 #include "lab/control/server.h"
 #include "lab/host.h"
 #include "lab/run.h"

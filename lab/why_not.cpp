@@ -45,8 +45,7 @@ struct RuleWitness::State final : JournalListener {
   std::map<std::string, explain::AgendaWatch> watches;
 };
 
-RuleWitness::RuleWitness(Episode& episode, const std::string& rule)
-    : state_(std::make_unique<State>(episode, rule)) {}
+RuleWitness::RuleWitness(Episode& episode, const std::string& rule) : state_(std::make_unique<State>(episode, rule)) {}
 RuleWitness::~RuleWitness() = default;
 
 void RuleWitness::tick_is_over() {

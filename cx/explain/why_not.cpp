@@ -373,8 +373,8 @@ Expected<std::vector<ConditionNow>> conditions_now(RuleEngine& engine, Construct
   };
   std::vector<ConditionNow> out;
   for (const Condition& condition : *conditions) {
-    ConditionNow now{static_cast<int>(out.size()) + 1, condition.text, line_at(condition.begin),
-                     line_at(condition.end), {}, {}};
+    ConditionNow now{
+        static_cast<int>(out.size()) + 1, condition.text, line_at(condition.begin), line_at(condition.end), {}, {}};
     if (now.number <= fails && !matcher.exhausted()) now.holds = now.number < fails;
     if (condition.kind == Kind::kPattern) now.matches_alone = matching_alone(condition.pattern, matcher);
     out.push_back(std::move(now));

@@ -90,9 +90,10 @@ void Debugger::keep_pace(SimTime t) {
   if (speed_ <= 0) return;
   using Clock = std::chrono::steady_clock;
   if (!pace_) pace_ = {t, Clock::now()};
+  constexpr double kLongest = 1e8;  // s
   const auto due = [&] {
-    return pace_->second + std::chrono::duration_cast<Clock::duration>(
-                               std::chrono::duration<double>(to_seconds(t - pace_->first) / speed_));
+    return pace_->second + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+                               std::min(to_seconds(t - pace_->first) / speed_, kLongest)));
   };
   options_.waits(true);
   while (speed_ > 0 && pace_ && !pause_ && !options_.over() && Clock::now() < due()) {
@@ -369,7 +370,8 @@ void Debugger::answer(const ControlLines::Line& line) {
   }
   const Json request = parse_json(line.text);
   constexpr const char* kExpected =
-      "expected {\"id\": N, \"line\": \"COMMAND\"}, {\"id\": N, \"complete\": \"BEGUN\"} or {\"id\": N, \"ask\": \"NAME\", ...}";
+      "expected {\"id\": N, \"line\": \"COMMAND\"}, {\"id\": N, \"complete\": \"BEGUN\"} or {\"id\": N, \"ask\": "
+      "\"NAME\", ...}";
   const auto text_in = [&](const char* key) -> std::optional<std::string> {
     if (!request.is_object() || !request.contains(key) || !request[key].is_string()) return std::nullopt;
     return request[key].get<std::string>();

@@ -6,7 +6,8 @@
 // firing to firing. What a person evaluates is undone in the same way.
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
-// same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Programs ask for JSON:
+// same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Programs ask for
+// JSON:
 // {"id": 5, "ask": "facts", "env": "agent", "what": "order"} (lab/control/questions.cpp) is answered by
 // {"id": 5, "ok": true, "answer": {...}}. Events have no id: {"event": "hello", "text": "..."} for one who comes,
 // "stopped", "log" with t, level, logger and text, and "end".
@@ -29,9 +30,9 @@
 #include "cx/base/json.h"
 #include "cx/executive/environment.h"
 #include "cx/executive/run_control.h"
-#include "cx/explain/pattern.h"
 #include "cx/explain/evaluator.h"
 #include "cx/explain/history.h"
+#include "cx/explain/pattern.h"
 #include "cx/explain/why_not.h"
 #include "cx/inspect/inspector.h"
 #include "cx/node/log.h"
@@ -126,8 +127,8 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     cx::ControlPlace place;
     std::string environment;
     bool at_end = false;
-    std::optional<std::string> rule = {};     // that fires next
-    std::vector<std::int64_t> facts = {};     // for which it does
+    std::optional<std::string> rule = {};  // that fires next
+    std::vector<std::int64_t> facts = {};  // for which it does
     std::string text() const;
   };
   struct Command;
@@ -219,7 +220,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   std::optional<ControlLines::Line> then_;  // is answered there
   std::atomic<bool> gives_up_ = false;
   bool left_ = false, at_end_ = false;
-  bool changed_ = false;      // by what a person evaluated
+  bool changed_ = false;        // by what a person evaluated
   bool time_is_there_ = false;  // asserted to look at conditions
   std::string followed_rule_;
 };

@@ -79,9 +79,7 @@ const ConstructInfo* find_named(const RuleEngine& engine, const std::string& nam
   return nullptr;
 }
 
-int last_line(const ConstructInfo& info) {
-  return info.line + static_cast<int>(std::ranges::count(info.text, '\n'));
-}
+int last_line(const ConstructInfo& info) { return info.line + static_cast<int>(std::ranges::count(info.text, '\n')); }
 
 bool is_about(const explain::Condition& condition, const std::string& template_name) {
   if (condition.kind == explain::Condition::Kind::kPattern)
@@ -123,8 +121,11 @@ Expected<Json> file_source(const cx::Environment& environment, const std::string
     if (!name.empty() && (known.empty() || known.back() != name)) known.push_back(name);
     if (name != file) continue;
     path = info.file;
-    constructs.push_back(
-        {{"kind", info.kind}, {"module", info.module}, {"name", info.name}, {"line", info.line}, {"end_line", last_line(info)}});
+    constructs.push_back({{"kind", info.kind},
+                          {"module", info.module},
+                          {"name", info.name},
+                          {"line", info.line},
+                          {"end_line", last_line(info)}});
   }
   if (path.empty()) return input_error("no rules were read from a file '" + file + "'" + did_you_mean(file, known));
   const auto text = read_file(path);
@@ -199,9 +200,8 @@ const std::vector<Debugger::Question>& Debugger::questions() {
        }},
       {"agenda", Of::kFacts,
        [](D& d, const Json& request) {
-         return ask_one(d, request, [&](inspect::Inspector& i) -> Expected<Json> {
-           return agenda_json(i.agenda(), i.focus());
-         });
+         return ask_one(d, request,
+                        [&](inspect::Inspector& i) -> Expected<Json> { return agenda_json(i.agenda(), i.focus()); });
        }},
       {"globals", Of::kRecords,
        [](D& d, const Json& request) {
@@ -329,9 +329,15 @@ std::optional<Expected<Json>> Debugger::ask(const std::string& name, const Json&
 bool Debugger::may_assert_time() const { return options_.recorded && place_.fired < 0; }
 
 Json Debugger::place_json() const {
-  Json json{{"t", to_seconds(place_.t)}, {"env", Json()},   {"rule", Json()}, {"facts", Json::array()},
-            {"firing", Json()},          {"at_end", false}, {"live", !options_.recorded},
-            {"running", !options_.recorded && !stopped_}, {"text", where()}};
+  Json json{{"t", to_seconds(place_.t)},
+            {"env", Json()},
+            {"rule", Json()},
+            {"facts", Json::array()},
+            {"firing", Json()},
+            {"at_end", false},
+            {"live", !options_.recorded},
+            {"running", !options_.recorded && !stopped_},
+            {"text", where()}};
   const auto there = place();
   if (!there) return json;
   json["t"] = to_seconds(there->place.t);
@@ -339,7 +345,8 @@ Json Debugger::place_json() const {
   json["at_end"] = there->at_end;
   if (there->place.fired >= 0) json["firing"] = there->place.fired;
   if (there->rule) json["rule"] = *there->rule;
-  for (const std::int64_t fact : there->facts) json["facts"].push_back(fact < 0 ? Json() : Json("f-" + std::to_string(fact)));
+  for (const std::int64_t fact : there->facts)
+    json["facts"].push_back(fact < 0 ? Json() : Json("f-" + std::to_string(fact)));
   return json;
 }
 

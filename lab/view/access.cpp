@@ -52,8 +52,7 @@ std::optional<ViewReply> ViewAccess::refuse(const ViewRequest& request) const {
   if (request.method == "POST") {
     const std::string origin = request.header("origin");
     constexpr std::string_view kHttp = "http://";
-    if (request.headers.contains("origin") &&
-        !(origin.starts_with(kHttp) && is_here(origin.substr(kHttp.size()))))
+    if (request.headers.contains("origin") && !(origin.starts_with(kHttp) && is_here(origin.substr(kHttp.size()))))
       return view_error(403, "the request comes from another page, '" + origin + "'; " + kRemedy);
     const std::string type = request.header("content-type");
     if (type.substr(0, type.find(';')) != "application/json")

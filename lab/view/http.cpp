@@ -88,7 +88,9 @@ Expected<std::unique_ptr<ViewServer>> ViewServer::open(Viewer& view, std::uint16
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
-  const auto answer = [at = state.get()](const httplib::Request& from, httplib::Response& out) { at->handle(from, out); };
+  const auto answer = [at = state.get()](const httplib::Request& from, httplib::Response& out) {
+    at->handle(from, out);
+  };
   http.Get(".*", answer);
   http.Post(".*", answer);
   http.set_exception_handler([](const httplib::Request&, httplib::Response& out, std::exception_ptr thrown) {

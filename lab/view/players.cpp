@@ -17,9 +17,7 @@ namespace cxlab::lab {
 
 namespace {
 
-Json error_json(const Error& error) {
-  return {{"error", error.text()}, {"kind", static_cast<int>(error.kind)}};
-}
+Json error_json(const Error& error) { return {{"error", error.text()}, {"kind", static_cast<int>(error.kind)}}; }
 
 /// What a process that ended has to say: the text of its error, or its exit code.
 std::string last_words(const std::string& said, int code) {
@@ -131,8 +129,7 @@ class Starter {
 }  // namespace
 
 Expected<Players> Players::start(const Catalogue& catalogue, bool trust_programs, const Host& host) {
-  auto starter = std::make_shared<std::unique_ptr<Starter>>(
-      std::make_unique<Starter>(catalogue, trust_programs, host));
+  auto starter = std::make_shared<std::unique_ptr<Starter>>(std::make_unique<Starter>(catalogue, trust_programs, host));
   auto servant = Servant::start(
       [starter](const std::string& request, const auto&) {
         return Servant::Answer{json_text((*starter)->carry_out(parse_json(request)))};

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kDeepest = 3;               // below the folder that was given: SWEEP/games/NAME
+constexpr int kDeepest = 3;  // below the folder that was given: SWEEP/games/NAME
 constexpr std::size_t kMostRuns = 5'000;
 
 bool is_folder_of_run(const fs::path& folder) { return is_file(folder / "manifest.json"); }
@@ -41,14 +41,16 @@ void add_runs(const fs::path& folder, int depth, std::vector<fs::path>& out) {
 std::string id_text(const std::string& name) {
   std::string id;
   for (const char c : name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
     id += plain ? c : '-';
   }
   return id.empty() ? "run" : id;
 }
 
 Json metric_json(const Metric& metric) {
-  return {{"name", metric.name}, {"unit", metric.unit}, {"more_is_better", metric.more_is_better}, {"what", metric.what}};
+  return {
+      {"name", metric.name}, {"unit", metric.unit}, {"more_is_better", metric.more_is_better}, {"what", metric.what}};
 }
 
 std::string name_of(const fs::path& folder) { return fs::absolute(folder).lexically_normal().filename().string(); }
@@ -75,9 +77,10 @@ Expected<ViewedRuns> ViewedRuns::open(const fs::path& place, const Catalogue& ca
   }
   runs.look();
   if (runs.folders_.empty() && row_files(runs.place_).empty())
-    return input_error("is neither the folder of a run nor one with runs in it: there is no manifest.json in it or in the "
-                       "folders below",
-                       place.string());
+    return input_error(
+        "is neither the folder of a run nor one with runs in it: there is no manifest.json in it or in the "
+        "folders below",
+        place.string());
   return runs;
 }
 
@@ -114,8 +117,11 @@ Json ViewedRuns::row_of(const std::string& id, const fs::path& folder) {
     return row;
   }
   const Json result = parse_json(run->result);
-  for (const auto& [key, from] : {std::pair("scenario", "scenario"), {"seed", "seed"}, {"status", "status"},
-                                  {"tier", "tier"}, {"sim_time_s", "sim_time_s"}})
+  for (const auto& [key, from] : {std::pair("scenario", "scenario"),
+                                  {"seed", "seed"},
+                                  {"status", "status"},
+                                  {"tier", "tier"},
+                                  {"sim_time_s", "sim_time_s"}})
     row[key] = result.contains(from) ? result[from] : Json();
   row["live"] = run->unfinished && path_exists(folder / "control.sock");
   if (run->unfinished) row["status"] = "unfinished";

@@ -1,6 +1,6 @@
 #pragma once
-// The runs that `cxlab view` was given: one, or those below a folder. Whoever asks names one by its id, which comes from
-// this list alone and is no path.
+// The runs that `cxlab view` was given: one, or those below a folder. Whoever asks names one by its id, which comes
+// from this list alone and is no path.
 
 #include <filesystem>
 #include <map>
@@ -38,7 +38,7 @@ class ViewedRuns {
   const Catalogue* catalogue_;
   std::optional<std::string> only_;
   std::mutex mutex_;
-  std::map<std::string, std::filesystem::path> folders_;  // by id; none goes while this lives
+  std::map<std::string, std::filesystem::path> folders_;      // by id; none goes while this lives
   std::map<std::string, std::pair<std::string, Json>> rows_;  // by id: result.json as it was, and what was made of it
 };
 

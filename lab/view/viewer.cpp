@@ -21,7 +21,7 @@ ViewReply redirection(const std::string& to) { return {303, "text/plain; charset
 }  // namespace
 
 Expected<std::unique_ptr<Viewer>> Viewer::open(const std::filesystem::path& place, const Catalogue& catalogue,
-                                           bool trust_programs, const Host& host) {
+                                               bool trust_programs, const Host& host) {
   auto runs = ViewedRuns::open(place, catalogue);
   if (!runs) return runs.error();
   auto players = Players::start(catalogue, trust_programs, host);

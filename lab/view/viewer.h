@@ -23,7 +23,7 @@ class Viewer {
  public:
   /// `place`: the folder of a run, or a folder of runs. Before this process has a second thread.
   static Expected<std::unique_ptr<Viewer>> open(const std::filesystem::path& place, const Catalogue& catalogue,
-                                              bool trust_programs, const Host& host);
+                                                bool trust_programs, const Host& host);
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -46,7 +46,7 @@ class Viewer {
   Players players_;
   const Catalogue& catalogue_;
   bool trust_programs_;
-  std::mutex mutex_;                                                 // of what follows
+  std::mutex mutex_;                                                  // of what follows
   std::list<std::pair<std::string, std::shared_ptr<Visit>>> visits_;  // the one that was asked last comes first
   bool left_ = false;
   std::mutex reading_;  // worlds and journals are read by one thread at a time

@@ -16,10 +16,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLongestTurn = 30s;   // that a question waits for another one
-constexpr auto kLongestNews = 20s;   // that a request waits for events
-constexpr auto kShortNews = 500ms;   // while the run goes on
-constexpr auto kLongestStop = 20s;   // that a step of a live run is waited for
+constexpr auto kLongestTurn = 30s;  // that a question waits for another one
+constexpr auto kLongestNews = 20s;  // that a request waits for events
+constexpr auto kShortNews = 500ms;  // while the run goes on
+constexpr auto kLongestStop = 20s;  // that a step of a live run is waited for
 constexpr std::size_t kEventsKept = 5'000;
 
 constexpr const char* kBusy = "another question about this run is at work; ask again when it has been answered";
@@ -140,7 +140,7 @@ void Visit::hang_up() {
 Visit::Answer Visit::lost() {
   if (client_ && live_) {
     (void)client_->take_events();  // those that came before it ended
-    if (!has_ended_) take({.kind = Event::Kind::kEnd, .text = "the run has ended"});
+    if (!has_ended_) take({Event::Kind::kEnd, 0, {}, {}, "the run has ended"});
   }
   hang_up();
   if (left_) return {resource_error("cxlab view has ended"), true, {}};
@@ -158,7 +158,8 @@ Visit::Answer Visit::lost() {
     if (!why) players_.end(*player_);
   }
   player_.reset();
-  return {run_error("what played the run has ended: " + (why ? why->text() : std::string("nobody knows why"))), true, {}};
+  return {
+      run_error("what played the run has ended: " + (why ? why->text() : std::string("nobody knows why"))), true, {}};
 }
 
 // --- Events of a live run
@@ -276,7 +277,8 @@ std::optional<Visit::Answer> Visit::set_time(const Json& request) {
   if (!(t >= 0 && t <= 1e9))
     return Answer{input_error("\"t\": found " + json_text(*found) + ", expected a time of the run in s"), false, {}};
   if (live_)
-    return Answer{input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};
+    return Answer{
+        input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};
   constexpr double kRounded = 0.001;  // pages have times to the millisecond
   if (end_ && t > *end_ + kRounded)
     return Answer{input_error("the run ends at " + general_text(*end_, 9) + " s"), false, {}};
@@ -287,9 +289,7 @@ std::optional<Visit::Answer> Visit::set_time(const Json& request) {
   return std::nullopt;
 }
 
-ViewReply Visit::reply(const Answer& answer) const {
-  return view_error(answer.died ? 500 : 400, answer.error->text());
-}
+ViewReply Visit::reply(const Answer& answer) const { return view_error(answer.died ? 500 : 400, answer.error->text()); }
 
 ViewReply Visit::with_place(Json answer) {
   if (const Status there = connect(); !there) return view_error(500, there.error().text());

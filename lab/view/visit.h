@@ -74,8 +74,8 @@ class Visit {
   std::mutex news_;
   std::condition_variable has_news_;
   std::deque<Json> events_;
-  std::uint64_t first_event_ = 0;  // number of the front
-  std::uint64_t stops_ = 0;        // how often it stopped or ended
+  std::uint64_t first_event_ = 0;        // number of the front
+  std::uint64_t stops_ = 0;              // how often it stopped or ended
   std::atomic<bool> has_ended_ = false;  // and has said so
   std::atomic<bool> live_ = false, left_ = false;
   std::atomic<bool> over_ = false;  // it was live, and has ended

@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                 [](const std::string& file) { return file; });
     };
     const auto look = [](const std::string& what) -> Expected<std::string> { return "nothing called '" + what + "'"; };
-    debugger.watch(environments, inspect, look);
+    debugger.watch({.environments = environments, .inspect = inspect, .look = look});
     for (std::size_t i = 0; i < manager.size(); ++i)
       (void)manager.environment(i).engine().load_text(kRules, "rules.clp", LoadMode::kBatch);
   });
