@@ -94,6 +94,13 @@ class Server:
         answer = self.post(f"/run/{run}/go", where, expect)
         return answer["error"] if expect != 200 else answer["place"]
 
+    def cpu(self):
+        """Seconds of CPU of the server and all its processes."""
+        used = 0
+        for pid in [self.process.pid, *self.children()]:
+            used += sum(map(int, Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:15]))
+        return used / os.sysconf("SC_CLK_TCK")
+
     def children(self):
         """Processes of the server, and theirs."""
         out, rest = [], [self.process.pid]
@@ -295,6 +302,18 @@ class Questions(View):
         self.assertEqual({server.go(env="other", step=1)["env"] for _ in range(5)}, {"other"})
         self.assertEqual(server.go(env="", t=2)["t"], 2.0)
         self.assertEqual({server.go(env="", step=1)["env"] for _ in range(9)}, {"main", "other"})
+
+
+class Times(View):
+    def test_a_whole_game_is_answered_within_a_second_of_cpu(self):
+        subprocess.run([CXLAB, "run", "rcll/game", "--tier", "timed", "--out", "game", "--quiet"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL, timeout=60)
+        server = Server(self, "game")
+        server.ask("where", "game")
+        for name, fields in [("facts", {}), ("agenda", {}), ("why", {"what": "order-begin"})]:
+            for t in (1100, 400):
+                before = server.cpu()
+                server.ask(name, "game", t=t, **fields)
+                self.assertLess(server.cpu() - before, 1, (name, t))
 
 
 class Access(View):
