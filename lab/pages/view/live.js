@@ -96,7 +96,7 @@ export class Live {
     }
   }
   async take(/** @type {any} */ news) {
-    const stopped = this.running && !news.running;
+    const stopped = news.events.some((/** @type {any} */ event) => event.event === 'stopped');
     this.running = news.running;
     for (const event of news.events) {
       if (event.event === 'log') this.log?.add(event);
