@@ -1,44 +1,78 @@
-"""Frames per second while the slider of a page is drawn, and the time until its first picture, in headless Chromium with software rendering:
-pages.py PAGE... [--size 1400x900]. PAGE: index.html of a run, or the address that cxlab view prints. Debian's chromium-driver and python3-selenium."""
+"""Frames per second while the slider of a page goes from begin to end, the CPU time of a frame, and the time until the first picture, in headless
+Chromium with software rendering: pages.py PAGE... [--size 1400x900]. PAGE: index.html of a run, or an address that cxlab view printed.
+Needs Debian's chromium-driver and python3-selenium."""
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests/readers"))
-import os
-
+SOURCE = Path(__file__).resolve().parents[1]
 os.environ.setdefault("CXLAB", "cxlab")
-os.environ.setdefault("CXLAB_SOURCE_DIR", str(Path(__file__).resolve().parents[1]))
+os.environ.setdefault("CXLAB_SOURCE_DIR", str(SOURCE))
+sys.path.insert(0, str(SOURCE / "tests/readers"))
 from in_browser import SOFTWARE_GL, chromium
 
 SECONDS = 5
-# Seeks once in each frame, from the begin of the run to its end.
+# Seeks once in each frame.
 SCRUB = """
 const done = arguments[arguments.length - 1], seconds = arguments[0], clock = cxlab.clock, begin = performance.now();
 let frames = 0;
 const frame = (now) => {
   const share = (now - begin) / (1000 * seconds);
-  if (share >= 1) return done(frames / seconds);
+  if (share >= 1) return done(frames);
   ++frames;
-  clock.seek(share * clock.end);
+  clock.seek(Math.max(0, share) * clock.end);
   requestAnimationFrame(frame);
 };
 requestAnimationFrame(frame);
 """
 
 
+def cpu_of_threads(root):
+    """Seconds of CPU of each thread of the processes below `root`."""
+    parents = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        parents[int(stat.parent.name)] = int(fields[1])
+    used = {}
+    for pid in parents:
+        above = pid
+        while above and above != root:
+            above = parents.get(above, 0)
+        if above != root:
+            continue
+        for stat in Path(f"/proc/{pid}/task").glob("*/stat"):
+            try:
+                name, _, rest = stat.read_text().rpartition(")")
+            except OSError:
+                continue
+            fields = rest.split()
+            used[stat.parent.name, name.partition("(")[2]] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return used
+
+
 def measure(page, size):
     browser = chromium(*SOFTWARE_GL, size=size)
     try:
-        browser.set_script_timeout(60)
+        browser.set_script_timeout(120)
         browser.get(page if "://" in page else Path(page).resolve().as_uri())
-        while not browser.execute_script("return document.documentElement.dataset.ready && !document.querySelector('canvas.solid')?.hidden"):
+        while not browser.execute_script("return document.documentElement.dataset.ready && !document.querySelector('canvas.solid')?.hidden && !document.querySelector('[aria-busy=true]')"):
             time.sleep(0.05)
         time.sleep(1)
         first = browser.execute_script("return performance.getEntriesByName('first-contentful-paint')[0].startTime")
-        return first, max(browser.execute_async_script(SCRUB, SECONDS) for _ in range(3))
+        results = []
+        for _ in range(3):
+            before = cpu_of_threads(browser.service.process.pid)
+            frames = browser.execute_async_script(SCRUB, SECONDS)
+            after = cpu_of_threads(browser.service.process.pid)
+            spent = {thread: seconds - before.get(thread, 0) for thread, seconds in after.items()}
+            results.append((frames / SECONDS, 1000 * sum(spent.values()) / frames, 1000 * max(spent.values()) / frames))
+        return first, max(results)
     finally:
         browser.quit()
 
@@ -48,5 +82,5 @@ parser.add_argument("pages", nargs="+")
 parser.add_argument("--size", default="1400x900")
 options = parser.parse_args()
 for page in options.pages:
-    first, frames = measure(page, tuple(map(int, options.size.split("x"))))
-    print(f"{page}: first picture after {first:.0f} ms, {frames:.1f} frames/s")
+    first, (rate, all_threads, busiest) = measure(page, tuple(map(int, options.size.split("x"))))
+    print(f"{page.partition('?')[0]}: first picture after {first:.0f} ms; {rate:.1f} frames/s; {all_threads:.1f} ms of CPU a frame, the busiest thread {busiest:.1f} ms", flush=True)

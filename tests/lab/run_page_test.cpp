@@ -5,11 +5,16 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
 #include <regex>
+#include <string>
+#include <vector>
 
 #include "cx/base/file.h"
 #include "scenarios/scene_log.h"
+#include "scenarios/share.h"
 #include "tests/support/files.h"
 
 namespace cxlab::lab {
@@ -207,6 +212,68 @@ TEST(RunPageFile, LargeScenesAreCutAtAChunk) {
   ASSERT_TRUE(reader);
   EXPECT_TRUE(reader->status()) << reader->status().error().text();
   EXPECT_GT(reader->end(), SimTime{});
+}
+
+// --- Pages that are served
+
+/// Names that a script declares outside of everything, in order.
+std::vector<std::string> declared_in(const std::string& script) {
+  static const std::regex kDeclaration("(?:^|\\n)(?:async )?(?:const|let|class|function) (\\w+)");
+  std::vector<std::string> names;
+  for (std::sregex_iterator found(script.begin(), script.end(), kDeclaration), end; found != end; ++found)
+    names.push_back((*found)[1]);
+  std::ranges::sort(names);
+  return names;
+}
+
+TEST(ServedPages, ScriptsHaveAllFilesAndEachNameOnce) {
+  std::string all;
+  for (const char* name : {"run.js", "runs.js", "two.js"}) {
+    const auto script = served_script(name);
+    ASSERT_TRUE(script) << script.error().text();
+    EXPECT_THAT(*script, Not(HasSubstr("\nimport "))) << name;
+    EXPECT_THAT(*script, Not(HasSubstr("\nexport "))) << name;
+    const std::vector<std::string> names = declared_in(*script);
+    EXPECT_GT(names.size(), 5u);
+    EXPECT_EQ(std::ranges::adjacent_find(names), names.end()) << name << " declares a name twice";
+    all += *script;
+  }
+  for (const char* folder : {"run", "view"})
+    for (const auto& entry : std::filesystem::directory_iterator(find_share().pages / folder)) {
+      if (entry.path().extension() != ".js") continue;
+      const std::string text = *read_file(entry.path());
+      EXPECT_THAT(all, HasSubstr(text.substr(0, text.find('\n')))) << entry.path() << " is part of no script";
+    }
+  EXPECT_FALSE(served_script("three.js"));
+  EXPECT_FALSE(served_script("../run/main.js"));
+}
+
+TEST(ServedPages, APageOfARunLoadsItsScriptAndHasNoPolicyOfItsOwn) {
+  Json head{{"result",
+             {{"scenario", "<script>bad()</script>"},
+              {"seed", 1},
+              {"status", "completed"},
+              {"tier", "none"},
+              {"sim_time_s", 5.0},
+              {"real_time_factor", 10.0},
+              {"warnings", Json::array()}}},
+            {"reason", ""},
+            {"files", Json::array()},
+            {"film", ""},
+            {"pictures", Json::array()},
+            {"tables", Json::array()},
+            {"kinds", Json::array()},
+            {"live", true}};
+  const auto page = served_run_page(head);
+  ASSERT_TRUE(page) << page.error().text();
+  EXPECT_THAT(*page, HasSubstr("src=\"/run.js\""));
+  EXPECT_THAT(*page, HasSubstr("data-live=\"true\""));
+  EXPECT_THAT(*page, Not(HasSubstr("Content-Security-Policy")));
+  EXPECT_THAT(*page, Not(HasSubstr("<script>bad()")));
+  head["live"] = false;
+  EXPECT_THAT(*served_run_page(head), Not(HasSubstr("data-live")));
+  for (const char* name : {"runs", "two"})
+    EXPECT_THAT(*served_page(name + std::string(".html")), HasSubstr("src=\"/" + (name + std::string(".js\""))));
 }
 
 }  // namespace
