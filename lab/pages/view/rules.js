@@ -55,7 +55,7 @@ export class Agenda extends Tab {
     this.list.replaceChildren(rows.length
       ? el('table', {}, el('tr', {}, ...['', 'salience', 'rule', 'facts'].map((head) => el('th', {}, head))), ...rows)
       : el('p', {}, 'No rule waits when the tick is over. A step forward goes to where one does.'),
-    el('p', { class: 'note' }, 'in focus: ' + answer.focus.join(', ')));
+    answer.focus.length ? el('p', { class: 'note' }, 'in focus: ' + answer.focus.join(', ')) : '');
   }
 }
 
