@@ -277,6 +277,7 @@ class View(Browser):
         self.until(lambda: not self.js("cxlab.scene.empty"))
         facts = self.js("cxlab.ask.tabs[0].facts.length")
         self.assertGreater(facts, 50)
+        self.js("document.activeElement.blur()")
         self.press("p")
         self.until(lambda: "runs" in state() or "has ended" in state())
         self.press("p")
