@@ -15,13 +15,17 @@ sys.path.insert(0, str(SOURCE / "tests/readers"))
 from in_browser import SOFTWARE_GL, chromium
 
 SECONDS = 5
-# Seeks once in each frame.
+# Seeks once in each frame, as somebody does who drags the slider.
 SCRUB = """
 const done = arguments[arguments.length - 1], seconds = arguments[0], clock = cxlab.clock, begin = performance.now();
 let frames = 0;
+dispatchEvent(new PointerEvent('pointerdown'));
 const frame = (now) => {
   const share = (now - begin) / (1000 * seconds);
-  if (share >= 1) return done(frames);
+  if (share >= 1) {
+    dispatchEvent(new PointerEvent('pointerup'));
+    return done(frames);
+  }
   ++frames;
   clock.seek(Math.max(0, share) * clock.end);
   requestAnimationFrame(frame);

@@ -50,6 +50,10 @@ export class Ask {
     Object.assign(page.acts, { ',': () => this.go({ back: 1 }), '.': () => this.go({ step: 1 }), a: () => this.focus() });
     page.keys.append(...KEYS_OF_ASK.map(([key, what]) => page.keyRow(key, what)));
     page.address.others.push({ names: ['ask', 'what', 'env', 'at'], text: () => this.address(), read: (wanted) => this.read(wanted) });
+    // Nothing is asked while the slider is dragged.
+    this.pressed = false;
+    addEventListener('pointerdown', () => { this.pressed = true; }, true);
+    for (const end of ['pointerup', 'pointercancel']) addEventListener(end, () => { this.pressed = false; this.moved(); }, true);
     page.clock.listen(() => this.moved());
     page.choice.listen(() => this.chosen());
   }
@@ -173,7 +177,7 @@ export class Ask {
     if (this.live || clock.t === this.t) return;
     if (clock.t !== this.stood) this.stood = null;
     clearTimeout(this.timer);
-    if (!clock.playing) this.timer = setTimeout(() => this.tab.follows && this.refresh(), REST_MS);
+    if (!clock.playing && !this.pressed) this.timer = setTimeout(() => this.tab.follows && this.refresh(), REST_MS);
   }
   /** An order, a robot or a machine has been chosen: its facts can be shown. */
   chosen() {
