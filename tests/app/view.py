@@ -200,6 +200,24 @@ class Questions(View):
         (self.folder / "rules/rules.clp").write_text("; the files of the run are its own\n")
         self.assertEqual(server.ask("source", file=source["file"], t=0)["text"], RULES)
 
+    def test_conditions_of_an_or_and_over_several_lines(self):
+        self.play(RULES + """(defrule either ; no condition
+  (or (job (state LOST))
+      (job (id ?id) (state DONE)))
+  (not (and (job (state OPEN))
+            (free ?)))
+  (test (eq 1 2))
+  (free ?who)
+  =>
+  (assert (seen)))
+""")
+        server = Server(self, "run")
+        found = lambda t: [(one["line"], one["end_line"], one["holds"]) for one in server.ask("source", rule="either", t=t)["conditions"]]
+        self.assertEqual(found(0), [(25, 26, False), (27, 28, None), (29, 29, None), (30, 30, None)])
+        self.assertEqual(found(5), [(25, 26, True), (27, 28, True), (29, 29, False), (30, 30, None)])
+        for t, condition in ((0, 1), (5, 3)):
+            self.assertEqual(server.ask("why_not", what="either", t=t)["explanations"][0]["first_unmet"]["condition"], condition)
+
     def test_makers_and_users(self):
         self.play()
         server = Server(self, "run")
@@ -292,7 +310,7 @@ class Questions(View):
         self.agent(RULES, SCENARIO)
         agent = self.folder / "agent.yaml"
         agent.write_text(agent.read_text().replace('["main"]', '["main", "other"]').replace("    main: {", "    other: {plugins: [\"executive\", \"files\"]}\n    main: {"))
-        subprocess.run([CXLAB, "run", "scenario.yaml", "--out", "run", "--journal", "full", "--quiet"], cwd=self.folder, check=True, timeout=60)
+        subprocess.run([CXLAB, "run", "scenario.yaml", "--out", "run", "--journal", "full", "--quiet"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL, timeout=60)
         server = Server(self, "run")
         told = self.answer("facts", "run", "--at", 1)["environments"]
         self.assertEqual([one["environment"] for one in server.ask("envs", t=1)["environments"]], ["main", "other"])
