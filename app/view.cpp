@@ -19,7 +19,7 @@ namespace {
 
 struct ViewOptions {
   std::string place;
-  std::uint16_t port = 0;
+  std::uint32_t port = 0;
   bool live = false, open = false, trust_programs = false;
 };
 
@@ -54,7 +54,7 @@ int view(const ViewOptions& options) {
   auto view = lab::Viewer::open(options.place, catalogue(), options.trust_programs, console.host());
   if (!view) return fail(view.error());
   OpenedBrowser browser;
-  auto server = lab::ViewServer::open(**view, options.port);
+  auto server = lab::ViewServer::open(**view, static_cast<std::uint16_t>(options.port));
   if (!server) return fail(server.error());
   const std::string address = (*server)->address();
   if (options.open)
@@ -75,7 +75,8 @@ void add_view(CLI::App& app, Action& action) {
   add_limit_options(*command);
   command->add_option("place", options->place, "Folder of a run, or a folder with runs in it, such as that of a sweep")
       ->required();
-  command->add_option("--port", options->port, "Port of 127.0.0.1 (default: one that is free)");
+  command->add_option("--port", options->port, "Port of 127.0.0.1, 0 to 65535; 0: one that is free")
+      ->check(CLI::Range(0, 65535));
   command->add_flag("--live", options->live,
                     "The run is being played with --control or --break; without it cxlab finds out");
   command->add_flag("--open", options->open, "Opens the address in the browser (xdg-open)");

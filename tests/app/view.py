@@ -273,6 +273,9 @@ class Questions(View):
         status, _, content = server.send("POST", "/run/run/ask", "{\"ask\": ")
         self.assertEqual((status, json.loads(content)["error"]), (400, "the body is no JSON"))
         self.assertEqual(server.send("POST", "/run/run/ask", "{" + " " * 1_000_001)[0], 413)
+        for deep in ("[" * 400_000 + "]" * 400_000, '{"ask": "facts", "x": ' + "[" * 400_000 + "]" * 400_000 + "}", '{"a":' * 150_000, '{"ask": "facts", "x": ' + "[" * 1001 + "]" * 1001 + "}"):
+            self.assertEqual(server.send("POST", "/run/run/ask", deep)[0], 400)
+        self.assertEqual(server.post("/run/run/ask", {"ask": "facts", "what": "(free a)", "x": "[" * 5000, "t": 5})["answer"]["total"], 1)
         self.assertEqual(server.ask("facts", what="(free a)", t=5)["total"], 1)  # and it goes on
 
     def test_a_run_that_failed_and_one_that_was_killed(self):
