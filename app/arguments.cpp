@@ -60,6 +60,23 @@ CLI::Validator picture_size() {
           ""};
 }
 
+std::size_t read_bytes(const std::string& text) {
+  const std::size_t unit = std::min(text.find_first_not_of("0123456789."), text.size());
+  const std::string_view word = std::string_view(text).substr(unit);
+  const double factor = word == "MB" ? 1e6 : word == "kB" || word == "KB" ? 1e3 : word.empty() ? 1 : 0;
+  const double bytes = read_number<double>(text.substr(0, unit)).value_or(0) * factor;
+  return bytes < 1e15 ? static_cast<std::size_t>(bytes) : 0;
+}
+
+CLI::Validator byte_count() {
+  return {[](std::string& text) {
+            constexpr std::size_t kLeast = 10'000;
+            return read_bytes(text) >= kLeast ? std::string()
+                                              : expected(text, "a size of at least 10kB, as 2MB, 800kB or 2000000");
+          },
+          ""};
+}
+
 void read_size(const std::string& text, int& width, int& height) {
   std::sscanf(text.c_str(), "%dx%d", &width, &height);
 }

@@ -20,6 +20,16 @@ CLI::Validator positive();
 CLI::Validator between(double low, double high);
 /// Of `between`: how fast a film may be.
 inline constexpr double kSlowest = 0.01, kFastest = 10000;
+/// How many frames a film may have in a second.
+inline constexpr double kFewestFrames = 1, kMostFrames = 120;
+inline constexpr const char *kVideoHelp = "A film, as film.gif (an animated image), or film.mp4 (needs ffmpeg)",
+                            *kMaxSizeHelp =
+                                "Of an animated image: frames are left out, or are smaller, until it fits, as 2MB or "
+                                "800kB (default 5MB)";
+/// Bytes, as 2MB, 800kB or a plain number; at least 10kB.
+CLI::Validator byte_count();
+/// What a text that `byte_count` has let through says; 0 for an empty one.
+std::size_t read_bytes(const std::string& text);
 /// WIDTHxHEIGHT, px.
 CLI::Validator picture_size();
 /// What a text that `picture_size` has let through says.

@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RenderOptions {
-  std::string what, size = "960x720", camera;
+  std::string what, size, camera, most;
+  bool no_caption = false;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> overrides;
   lab::RenderOptions picture;
@@ -66,10 +67,14 @@ int render(RenderOptions options) {
   if (out.empty()) return fail(usage_error("what is to be drawn is missing: --out PICTURE or --video FILM"));
   if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
   if (Status s = make_folder_of(out); !s) return fail(s.error());
-  read_size(options.size, picture.width, picture.height);
-  video.width = picture.width;
-  video.height = picture.height;
-  picture.camera = video.camera = options.camera;
+  if (!options.size.empty()) {
+    read_size(options.size, picture.width, picture.height);
+    video.width = picture.width;
+    video.height = picture.height;
+  }
+  picture.cameras = video.cameras = lab::camera_names(options.camera);
+  picture.caption = video.caption = !options.no_caption;
+  video.most_bytes = read_bytes(options.most);
   Console console(false);
   const Status drawn = draw(options, console.host());
   console.clear();
@@ -93,9 +98,7 @@ void add_render(CLI::App& app, Action& action) {
   CLI::Option* at = time_option(
       command->add_option("--at", options->picture.at,
                           "When, s of simulated time, or 5:12.4 (of a run: default its end, or how far its log goes)"));
-  CLI::Option* film = command->add_option("--video", options->film.video.file, "A film, as film.mp4 (needs ffmpeg)")
-                          ->excludes(out)
-                          ->excludes(at);
+  CLI::Option* film = command->add_option("--video", options->film.video.file, kVideoHelp)->excludes(out)->excludes(at);
   time_option(command->add_option("--from", options->film.from, "Of a film: its beginning, s"))->needs(film);
   time_option(command->add_option("--to", options->film.to, "Of a film: its end, s (default that of the run)"))
       ->needs(film);
@@ -103,17 +106,27 @@ void add_render(CLI::App& app, Action& action) {
       ->check(between(kSlowest, kFastest))
       ->capture_default_str()
       ->needs(film);
+  command
+      ->add_option("--frame-rate", options->film.video.frame_rate,
+                   "Of a film: frames in a second of it (default 25, of an animated image 10)")
+      ->check(between(kFewestFrames, kMostFrames))
+      ->needs(film);
+  command->add_option("--max-size", options->most, kMaxSizeHelp)->check(byte_count())->needs(film);
   command->add_option("--camera", options->camera,
                       "Of a factory: field (default), top, follow-robot1, robot1 (what it sees) or a machine (C-CS1); "
-                      "of turtles: canvas");
-  command->add_option("--size", options->size, "WIDTHxHEIGHT; a canvas of turtles is the largest square in it")
-      ->check(picture_size())
-      ->capture_default_str();
+                      "of turtles: canvas. Several side by side: field,follow-robot1");
+  command
+      ->add_option("--size", options->size,
+                   "WIDTHxHEIGHT (default 960x600, of an animated image 640x400); a canvas of turtles is the largest "
+                   "square in it")
+      ->check(picture_size());
+  command->add_flag("--no-caption", options->no_caption, "Without the lines with time, points and the last events");
   seed_number(command->add_option("--seed", options->seed, "Of a scenario: seed of all chance"));
   once_each(command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE"));
   command->footer(
       "Examples:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n"
-      "  cxlab render runs/game-1 --video film.mp4 --from 30 --to 120 --speed 5 --camera follow-robot1\n"
+      "  cxlab render runs/game-1 --video film.mp4 --from 30 --to 120 --speed 5 --camera field,follow-robot1\n"
+      "  cxlab render runs/game-1 --video game.gif --max-size 2MB\n"
       "  cxlab render scenarios/turtlesim/figures.yaml --at 40 --out figures.png --size 500x500");
   command->callback([options, &action] { action = [options] { return render(*options); }; });
 }

@@ -14,7 +14,8 @@ namespace cxlab::app {
 namespace {
 
 struct RunOptions : PlayCommand {
-  std::string scenario, tier, video_size = "960x720";
+  std::string scenario, tier, video_size, cameras, most_of_video;
+  bool no_caption = false;
   std::vector<std::string> overrides;
 };
 
@@ -25,7 +26,11 @@ std::string address_of(const std::filesystem::path& folder) {
 }
 
 int run(RunOptions options) {
-  read_size(options.video_size, options.play.video.width, options.play.video.height);
+  lab::VideoOptions& video = options.play.video;
+  if (!options.video_size.empty()) read_size(options.video_size, video.width, video.height);
+  video.cameras = lab::camera_names(options.cameras);
+  video.caption = !options.no_caption;
+  video.most_bytes = read_bytes(options.most_of_video);
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   if (!options.tier.empty()) overrides.emplace_back("tier=" + options.tier, "--tier " + options.tier);
@@ -68,12 +73,20 @@ void declare(CLI::App& command, RunOptions& options) {
   once_each(command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
   command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   lab::VideoOptions& video = options.play.video;
-  CLI::Option* film = command.add_option("--video", video.file, "Film of the run, as film.mp4 (needs ffmpeg)");
-  command.add_option("--video-camera", video.camera, "As --camera of render")->needs(film);
-  command.add_option("--video-size", options.video_size, "WIDTHxHEIGHT")
+  CLI::Option* film = command.add_option("--video", video.file, kVideoHelp);
+  command.add_option("--video-camera", options.cameras, "As --camera of render")->needs(film);
+  command
+      .add_option("--video-size", options.video_size, "WIDTHxHEIGHT (default 960x600, of an animated image 640x400)")
       ->check(picture_size())
-      ->capture_default_str()
       ->needs(film);
+  command
+      .add_option("--video-frame-rate", video.frame_rate,
+                  "Frames in a second of the film (default 25, of an animated image 10)")
+      ->check(between(kFewestFrames, kMostFrames))
+      ->needs(film);
+  command.add_option("--video-max-size", options.most_of_video, kMaxSizeHelp)->check(byte_count())->needs(film);
+  command.add_flag("--no-caption", options.no_caption,
+                   "Pictures and film without the lines with time, points and the last events");
   command.add_option("--video-speed", video.speed, "Seconds of simulated time in a second of the film")
       ->check(between(kSlowest, kFastest))
       ->capture_default_str()

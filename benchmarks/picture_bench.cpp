@@ -63,7 +63,6 @@ void snapshot(benchmark::State& state) {
   auto renderer = sim::Renderer::create(floor->plan(), floor->gate(), kWidth, kHeight);
   if (!renderer) return state.SkipWithError("no OpenGL");
   sim::Legend legend;
-  legend.title = {{"12:34 PRODUCTION"}, {"CYAN 123"}};
   for (int i = 0; i < 10; ++i) {
     sim::Legend::Card& card = legend.cards.emplace_back();
     card.product = sim::Stack{1, {1, 2, 3}, 1};

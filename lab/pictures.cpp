@@ -11,7 +11,7 @@ namespace cxlab::lab {
 
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;
+constexpr int kWidth = 640, kHeight = 400;
 
 }  // namespace
 
@@ -42,30 +42,39 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
 }
 
 Expected<std::unique_ptr<Pictures>> Pictures::create(Episode& episode, const std::filesystem::path& run_folder,
-                                                     std::vector<double> times) {
+                                                     std::vector<double> times, bool caption,
+                                                     const Happenings* events) {
   std::unique_ptr<Pictures> pictures(new Pictures);
   if (times.empty()) return pictures;
   const auto none = [](const std::string& why) { return resource_error("no pictures: " + why); };
-  auto view = view_of(episode.stage(), kWidth, kHeight);
-  if (!view) return none(view.error().message);
+  const ViewMaker make = [&](int width, int height) -> Expected<std::unique_ptr<View>> {
+    auto view = view_of(episode.stage(), width, height);
+    if (!view) return none(view.error().message);
+    return view;
+  };
+  auto frames =
+      Frames::create(make, {.width = kWidth, .height = kHeight, .cameras = 1, .caption = caption, .events = events});
+  if (!frames) return frames.error();
   if (run_folder.empty()) return none("--snapshot needs the folder of a run, which --out none does not make");
   pictures->folder_ = run_folder / "snapshots";
   if (Status s = make_folder(pictures->folder_); !s) return s.error();
   pictures->times_ = std::move(times);
-  pictures->view_ = *std::move(view);
+  pictures->frames_ = *std::move(frames);
   return pictures;
 }
 
-Status Pictures::look(Episode& episode) {
-  const double t = to_seconds(episode.now());
-  if (next_ == times_.size() || times_[next_] > t) return {};
-  while (next_ < times_.size() && times_[next_] <= t) ++next_;
-  return snapshot(t);
+Status Pictures::look(SimTime now, SimTime next) {
+  for (; next_ < times_.size(); ++next_) {
+    const SimTime due = from_seconds(times_[next_]);
+    if (due > now && due >= next) return {};
+    if (Status s = snapshot(times_[next_]); !s) return s;
+  }
+  return {};
 }
 
 Status Pictures::snapshot(double t) {
-  for (const std::string& camera : view_->cameras()) {
-    auto picture = view_->draw(camera);
+  for (const std::string& camera : frames_->cameras()) {
+    auto picture = frames_->draw({&camera, 1}, from_seconds(t));
     if (!picture) return picture.error();
     char name[64];
     std::snprintf(name, sizeof name, "%07.2f-%s.png", t, camera.c_str());

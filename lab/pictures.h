@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "lab/frames.h"
 #include "lab/picture.h"
 #include "scenarios/episode.h"
-#include "scenarios/view.h"
 
 namespace cxlab::lab {
 
@@ -19,18 +19,19 @@ Expected<std::vector<double>> snapshot_times(const std::string& text, double end
 class Pictures {
  public:
   /// `times` (s) in order. kResource where a picture is asked for that cannot be made: no OpenGL, a world without
-  /// bodies, no folder.
+  /// bodies, no folder. `events`, which may be none, are for captions and outlive it.
   static Expected<std::unique_ptr<Pictures>> create(Episode& episode, const std::filesystem::path& run_folder,
-                                                    std::vector<double> times);
-  /// Takes what is due at the episode's time.
-  Status look(Episode& episode);
+                                                    std::vector<double> times, bool caption = true,
+                                                    const Happenings* events = nullptr);
+  /// Takes what is due by the time `now` of the last tick, and before `next`: nothing happens in between.
+  Status look(SimTime now, SimTime next);
   const std::vector<Picture>& taken() const { return taken_; }
 
  private:
   Pictures() = default;
   Status snapshot(double t);
 
-  std::unique_ptr<View> view_;
+  std::unique_ptr<Frames> frames_;
   std::filesystem::path folder_;
   std::vector<double> times_;
   std::size_t next_ = 0;

@@ -5,8 +5,10 @@
 #include "cx/base/number_text.h"
 #include "cx/base/servant.h"
 #include "lab/confine.h"
-#include "lab/physics_replay.h"
+#include "lab/frames.h"
+#include "lab/happenings.h"
 #include "lab/session.h"
+#include "lab/shown_run.h"
 #include "scenarios/view.h"
 
 namespace cxlab::lab {
@@ -19,11 +21,29 @@ Status check_end(const std::string& option, double at, SimTime end) {
                      seconds_text(to_seconds(end)));
 }
 
-Status draw(const RenderOptions& options, Expected<std::unique_ptr<View>> view) {
-  if (!view) return view.error();
-  auto picture = (*view)->draw(options.camera.empty() ? (*view)->cameras().front() : options.camera);
-  if (!picture) return picture.error();
-  return sim::write_png(**picture, options.out);
+Expected<std::unique_ptr<Frames>> frames_of(const ViewMaker& make, const RenderOptions& options,
+                                            const Happenings& events) {
+  return Frames::create(make, {.width = options.width,
+                               .height = options.height,
+                               .cameras = std::max<std::size_t>(options.cameras.size(), 1),
+                               .caption = options.caption,
+                               .events = &events});
+}
+
+Expected<const sim::Picture*> draw(Frames& frames, const RenderOptions& options, SimTime now) {
+  return frames.draw(options.cameras.empty() ? std::vector{frames.cameras().front()} : options.cameras, now);
+}
+
+/// Views of the world of an episode, or of a recorded run, for as long as that lasts.
+ViewMaker shown_views(Episode& episode) {
+  return [&episode](int width, int height) -> Expected<std::unique_ptr<View>> {
+    auto view = view_of(episode.stage(), width, height);
+    if (!view) return input_error(view.error().message, episode.scenario().file.string());
+    return view;
+  };
+}
+ViewMaker shown_views(const ShownRun& run) {
+  return [&run](int width, int height) { return run.view(width, height); };
 }
 
 /// For a servant, which can write where this process cannot any more.
@@ -54,41 +74,39 @@ Wall pictures() {
   return wall;
 }
 
-Status draw_with(Servant& painter, const RenderOptions& options, View& view) {
-  auto picture = view.draw(options.camera.empty() ? view.cameras().front() : options.camera);
+Status draw_with(Servant& painter, const RenderOptions& options, Frames& frames, SimTime now) {
+  auto picture = draw(frames, options, now);
   if (!picture) return picture.error();
   const auto written = painter.ask(pixels_of(**picture));
   if (!written) return written.error();
   return written->text.empty() ? Status() : resource_error(written->text);
 }
 
-/// The physics of a run, and up to when it can be shown: at most its end, at most `at` if that is given.
+/// A run, and up to when it can be shown: at most its end, at most `at` if that is given.
 struct Shown {
-  PhysicsOfRun physics;
+  ShownRun world;
   SimTime end{};
 };
 Expected<Shown> show(const Run& run, const std::string& option, std::optional<double> at) {
-  if (!run.physics_hash && run.finished && run.tier == Tier::kTimed)
-    return input_error(
-        "the run was played in the timed tier, which has no bodies to look at: play it with --tier physics of cxlab "
-        "run",
-        run.folder.string());
   if (run.finished && at)
     if (Status s = check_end(option, *at, run.sim_time); !s) return s.error();
-  auto physics = PhysicsOfRun::load(run);
-  if (!physics) return physics.error();
-  const SimTime end = at ? from_seconds(*at) : run.finished ? run.sim_time : physics->log_end();
-  if (!physics->log_status() && end > physics->log_end()) return physics->log_status().error();
-  return Shown{*std::move(physics), end};
+  auto world = ShownRun::load(run);
+  if (!world) return world.error();
+  const SimTime end = at ? from_seconds(*at) : run.finished ? run.sim_time : world->log_end();
+  if (!world->log_status() && end > world->log_end()) return world->log_status().error();
+  return Shown{*std::move(world), end};
 }
 
-/// Plays the episode until a time, until it is over or until the host stops it; `look` after each tick.
+/// Plays the episode until a time, until it is over or until the host stops it; `look` after each tick, with its time
+/// and that of the next.
 template <class Look>
 Status play_until(Episode& episode, double end, const Host& host, Look look) {
   if (Status s = episode.start(); !s) return s;
-  while (to_seconds(episode.now()) < end && !episode.over() && !host.stopped()) {
+  const SimTime last = from_seconds(end);
+  while (episode.now() < last && !episode.over() && !host.stopped()) {
     if (Status s = episode.tick(); !s) return s;
-    if (Status s = look(); !s) return s;
+    if (Status s = look(episode.now(), episode.over() ? episode.now() : std::min(episode.next_tick(), last)); !s)
+      return s;
     host.show(to_seconds(episode.now()), end);
   }
   return {};
@@ -105,29 +123,37 @@ Status check_span(double from, double to) {
 Status render_run(const Run& run, const RenderOptions& options) {
   auto shown = show(run, "--at", options.at);
   if (!shown) return shown.error();
-  if (Status s = shown->physics.advance_to(shown->end); !s) return s;
-  return draw(options, shown->physics.view(options.width, options.height));
+  if (Status s = shown->world.advance_to(shown->end); !s) return s;
+  Happenings events(shown->world.scenario());
+  events.read(run);
+  auto frames = frames_of(shown_views(shown->world), options, events);
+  if (!frames) return frames.error();
+  const auto picture = draw(**frames, options, shown->end);
+  return picture ? sim::write_png(**picture, options.out) : Status(picture.error());
 }
 
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host) {
   if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
   if (Status s = check_end("--at", *options.at, scenario.duration); !s) return s;
-  const std::string file = scenario.file.string();
-  auto episode = Episode::load(std::move(scenario), shared_episode_options(host));
-  if (!episode) return episode.error();
-  auto view = view_of((*episode)->stage(), options.width, options.height);
-  if (!view) return input_error(view.error().message, file);
+  auto loaded = Episode::load(std::move(scenario), shared_episode_options(host));
+  if (!loaded) return loaded.error();
+  Episode& episode = **loaded;
+  Happenings events(episode.scenario());
+  const Listening listening(episode.journal(), events);
+  auto frames = frames_of(shown_views(episode), options, events);
+  if (!frames) return frames.error();
   auto painter = Servant::start([out = options.out](const std::string& pixels, const auto&) {
     const auto picture = picture_of(pixels);
     const Status written = picture ? sim::write_png(*picture, out) : resource_error("found no picture");
     return Servant::Answer{written ? "" : written.error().text()};
   });
   if (!painter) return painter.error();
-  confine(**episode, host, pictures());
-  if (Status s = play_until(**episode, *options.at, host, [] { return Status(); }); !s) return s;
+  confine(episode, host, pictures());
+  if (Status s = play_until(episode, *options.at, host, [](SimTime, SimTime) { return Status(); }); !s) return s;
   if (host.stopped()) return {};
-  const Status drawn = draw_with(*painter, options, **view);
-  const Result result = (*episode)->close(RunStatus::kStopped);
+  const Status drawn =
+      draw_with(*painter, options, **frames, episode.over() ? episode.now() : from_seconds(*options.at));
+  const Result result = episode.close(RunStatus::kStopped);
   return drawn && result.reason ? Status(*result.reason) : drawn;
 }
 
@@ -136,19 +162,21 @@ Status film_run(const Run& run, const FilmOptions& options, const Host& host) {
   if (!shown) return shown.error();
   const double end = to_seconds(shown->end);
   if (Status s = check_span(options.from, end); !s) return s;
-  auto view = shown->physics.view(options.video.width, options.video.height);
-  if (!view) return view.error();
-  auto video = Video::create(options.video, *std::move(view), host, options.from);
+  Happenings events(shown->world.scenario());
+  events.read(run);
+  if (Status s = shown->world.advance_to(SimTime{}); !s) return s;
+  auto video = Video::create(options.video, shown_views(shown->world), host, &events, options.from);
   if (!video) return video.error();
   constexpr double kPart = 1;  // s, after which progress is shown and a stop is noticed
   Status played;
   for (double now = 0;; now = std::min({end, (*video)->next(), now + kPart})) {
-    played = shown->physics.advance_to(from_seconds(now));
-    if (played) played = (*video)->look(now);
+    const SimTime t = from_seconds(now);
+    played = shown->world.advance_to(t);
+    if (played) played = (*video)->look(t, t);
     host.show(now, end);
     if (!played || now >= end || host.stopped()) break;
   }
-  const Status finished = host.complete([&] { return (*video)->finish(); });
+  const Status finished = host.complete([&] { return (*video)->finish(host); });
   return played ? finished : played;
 }
 
@@ -156,17 +184,17 @@ Status film_scenario(Scenario scenario, const FilmOptions& options, const Host& 
   const double end = options.to.value_or(to_seconds(scenario.duration));
   if (Status s = check_end("--to", end, scenario.duration); !s) return s;
   if (Status s = check_span(options.from, end); !s) return s;
-  const std::string file = scenario.file.string();
   auto loaded = Episode::load(std::move(scenario), shared_episode_options(host));
   if (!loaded) return loaded.error();
   Episode& episode = **loaded;
-  auto view = view_of(episode.stage(), options.video.width, options.video.height);
-  if (!view) return input_error(view.error().message, file);
-  auto video = Video::create(options.video, *std::move(view), host, options.from);
+  Happenings events(episode.scenario());
+  const Listening listening(episode.journal(), events);
+  auto video = Video::create(options.video, shown_views(episode), host, &events, options.from);
   if (!video) return video.error();
   confine(episode, host, pictures());
-  const Status played = play_until(episode, end, host, [&] { return (*video)->look(to_seconds(episode.now())); });
-  const Status finished = host.complete([&] { return (*video)->finish(); });
+  const Status played =
+      play_until(episode, end, host, [&](SimTime now, SimTime next) { return (*video)->look(now, next); });
+  const Status finished = host.complete([&] { return (*video)->finish(host); });
   if (!played) return played;
   const Result result = episode.close(host.stopped() ? RunStatus::kInterrupted : RunStatus::kStopped);
   return finished && result.reason && !host.stopped() ? Status(*result.reason) : finished;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cx/base/expected.h"
 #include "lab/host.h"
@@ -13,9 +14,10 @@
 namespace cxlab::lab {
 
 struct RenderOptions {
-  std::filesystem::path out;  ///< PNG
-  std::string camera;         ///< empty = the view's first
-  int width = 960, height = 720;
+  std::filesystem::path out;         ///< PNG
+  std::vector<std::string> cameras;  ///< side by side; empty = the view's first
+  int width = 960, height = 600;
+  bool caption = true;
   std::optional<double> at;  ///< s; of a run: default its end, or how far its log goes
 };
 

@@ -7,6 +7,7 @@
 #include "cx/journal/journal_reader.h"
 #include "cx/journal/run_folder.h"
 #include "lab/base64.h"
+#include "lab/happenings.h"
 #include "lab/run_page.h"
 #include "scenarios/catalogue.h"
 
@@ -40,21 +41,18 @@ void add_kinds(RunPage& page) {
   page.kinds.push_back({"warning", "#c27c00", "#8f5b00"});
 }
 
-/// What agents decided, errors of their rules, and warnings of the run, which have no time.
-void add_events(const std::vector<JournalRecord>& records, const Result& result, RunPage& page) {
+/// What happened, what agents decided, and warnings of the run, which have no time.
+void add_events(const Scenario& scenario, const std::vector<JournalRecord>& records, const Result& result,
+                RunPage& page) {
   std::size_t decisions = 0, errors = 0;
   for (const JournalRecord& record : records) {
-    if (!record.stream.starts_with("env/")) continue;
-    const std::string who = record.stream.substr(4);
-    if (record.kind == RecordKind::kDecision && ++decisions <= kMostEvents) {
-      const std::vector<std::string> slots = slot_texts(record.data);
-      page.events.push_back(
-          {to_seconds(record.t), "decision", who, slots.empty() ? "" : slots.front(), joined(slots, 1)});
-    }
-    if (record.kind == RecordKind::kError && ++errors <= kMostEvents)
-      page.events.push_back({to_seconds(record.t), "error", who, std::string(record.data.text("message")),
-                             std::string(record.data.text("rule")) + ", " + std::string(record.data.text("file")) +
-                                 ':' + std::to_string(record.data.integer("line"))});
+    if (record.kind == RecordKind::kError && ++errors > kMostEvents) continue;
+    tell(scenario, record, page.events);
+    if (record.kind != RecordKind::kDecision || !record.stream.starts_with("env/")) continue;
+    if (++decisions > kMostEvents) continue;
+    const std::vector<std::string> slots = slot_texts(record.data);
+    page.events.push_back({to_seconds(record.t), "decision", record.stream.substr(4),
+                           slots.empty() ? "" : slots.front(), joined(slots, 1)});
   }
   for (const auto& [all, what] : {std::pair(decisions, " more decisions"), {errors, " more errors"}})
     if (all > kMostEvents)
@@ -86,7 +84,7 @@ Status write_page(const Played& played, const std::vector<JournalRecord>& record
   for (std::size_t i = 0; i < played.pictures.size(); ++i)
     if (const auto bytes = read_file(played.pictures[i].file)) head["pictures"][i]["png"] = base64(*bytes);
   add_kinds(page);
-  add_events(records, played.result, page);
+  add_events(played.scenario, records, played.result, page);
   const auto scene = read_file(folder / "scene.bin");
   const auto html =
       run_page(head, {run_data(page, to_seconds(played.result.sim_time)), scene ? *scene : std::string()});
@@ -140,7 +138,7 @@ Expected<PageParts> page_of_recorded(const Run& run) {
   PageParts parts;
   parts.head = head_of(*page, report);
   add_kinds(*page);
-  add_events(recorded->records, result, *page);
+  add_events(*scenario, recorded->records, result, *page);
   SimTime end = std::max(recorded->t, run.sim_time);
   if (const auto scenes = run.scenes(); scenes && !run.finished) end = std::max(end, scenes->end());
   parts.run = run_data(*page, to_seconds(end));

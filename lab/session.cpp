@@ -70,6 +70,7 @@ struct RunAtPlay {
   std::filesystem::path folder;            // empty: nothing is written
   Control control;                         // outlives the episode
   std::unique_ptr<WhatIfControl> what_if;  // as this one
+  std::unique_ptr<Happenings> happenings;  // and this one; for captions, if anything is drawn
   std::unique_ptr<Episode> episode;
   std::unique_ptr<Pictures> pictures;
   std::unique_ptr<Video> video;  // none if none is asked for
@@ -207,18 +208,29 @@ void wait_until(std::chrono::steady_clock::time_point then, const Host& host) {
     std::this_thread::sleep_until(std::min(then, now + kSlice));
 }
 
+ViewMaker views_at_play(Episode& episode) {
+  return [&episode](int width, int height) -> Expected<std::unique_ptr<View>> {
+    auto view = view_of(episode.stage(), width, height);
+    if (!view) return resource_error("no pictures: " + view.error().message);
+    return view;
+  };
+}
+
 /// A film from the episode's stage; none if none is asked for.
 Expected<std::unique_ptr<Video>> start_video(const RunAtPlay& run) {
   const VideoOptions& options = run.options.video;
   if (options.file.empty()) return std::unique_ptr<Video>();
-  auto view = view_of(run.episode->stage(), options.width, options.height);
-  if (!view) return resource_error("no pictures: " + view.error().message);
-  return Video::create(options, *std::move(view), run.host);
+  return Video::create(options, views_at_play(*run.episode), run.host, run.happenings.get());
 }
 
 /// What is drawn, and what the process gives up before it reads the first rule.
 Status prepare_pictures(RunAtPlay& run) {
-  auto pictures = Pictures::create(*run.episode, run.folder, run.snapshots);
+  if (!run.snapshots.empty() || !run.options.video.file.empty()) {
+    run.happenings = std::make_unique<Happenings>(run.episode->scenario());
+    run.episode->journal().observe(*run.happenings);
+  }
+  auto pictures =
+      Pictures::create(*run.episode, run.folder, run.snapshots, run.options.video.caption, run.happenings.get());
   if (!pictures) return pictures.error();
   auto video = start_video(run);
   if (!video) return video.error();
@@ -249,9 +261,11 @@ Status play_tick(RunAtPlay& run) {
   const Status ticked = episode.tick();
   run.game.end();
   if (!ticked) return ticked;
-  if (Status s = run.pictures->look(episode); !s) return s;
+  const SimTime now = episode.now();
+  const SimTime next = has_ended(run) ? now : std::min(episode.next_tick(), from_seconds(end_of(run)));
+  if (Status s = run.pictures->look(now, next); !s) return s;
   if (run.video)
-    if (Status s = run.video->look(to_seconds(episode.now())); !s) return s;
+    if (Status s = run.video->look(now, next); !s) return s;
   run.host.show(to_seconds(episode.now()), end_of(run));
   if (!run.options.realtime && !run.options.spec.sockets) return {};
   run.game.begin();
@@ -265,7 +279,7 @@ Status play_tick(RunAtPlay& run) {
 Status complete_pictures(RunAtPlay& run, const Status& played) {
   if (run.pictures) run.played.pictures = run.pictures->taken();
   if (!run.video) return played;
-  const Status finished = run.host.complete([&] { return run.video->finish(); });
+  const Status finished = run.host.complete([&] { return run.video->finish(run.host); });
   if (finished) run.played.film = run.options.video.file;
   run.video.reset();
   return played ? finished : played;
@@ -349,9 +363,10 @@ Status try_out(const RunAtPlay& run) {
   if (!episode) return episode.error();
   const VideoOptions& video = run.options.video;
   if (video.file.empty() && run.snapshots.empty()) return {};
-  auto view = view_of((*episode)->stage(), video.width, video.height);
-  if (!view) return resource_error("no pictures: " + view.error().message);
-  return video.file.empty() ? Status() : Video::check(video, **view);
+  const ViewMaker make = views_at_play(**episode);
+  if (!video.file.empty()) return Video::check(video, make);
+  const auto frames = Frames::create(make, {.caption = video.caption});
+  return frames ? Status() : Status(frames.error());
 }
 
 /// The run that could not begin, or what is wrong with what was asked for.

@@ -34,7 +34,7 @@ struct PlayOptions {
   bool force = false;                     ///< `out` may be a folder in use
   bool realtime = false;                  ///< sleeps between ticks, as a run with sockets does
   std::string snapshot = {};              ///< "every:T" or "T,T,..."
-  VideoOptions video = {};                ///< needs ffmpeg
+  VideoOptions video = {};                ///< whether there is a caption goes for snapshots, too
   bool control = false;                   ///< opens a socket for `cxlab attach`, control.sock in the run's folder
   std::string control_at = {};            ///< opens it there, see `ControlAddress`; empty: as `control` says
   bool begin_stopped = false;             ///< before the first rule fires; opens the socket as well

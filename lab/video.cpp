@@ -2,29 +2,20 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <tuple>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
+#include "cx/base/process.h"
 
 namespace cxlab::lab {
 namespace {
 
-constexpr double kFramesPerSecond = 25;  // of the film
-constexpr double kSame = 1e-9;           // s: times closer than that are one
+constexpr double kSame = 1e-9;     // s: times closer than that are one
+constexpr double kMostOfGif = 50;  // frames a second: faster ones are shown slowly by browsers
 
 Error cannot_write(const std::string& file) { return resource_error("the film cannot be written", file); }
-
-/// ffmpeg takes the kind of a film from its name.
-Status check_name(const std::string& file) {
-  std::string suffix = std::filesystem::path(file).extension().string();
-  std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
-  constexpr std::string_view kKinds[]{".mp4", ".mkv", ".mov", ".avi", ".webm"};
-  if (std::ranges::find(kKinds, suffix) != std::end(kKinds)) return {};
-  return usage_error("--video: found '" + file + "', expected a name that ends in .mp4, .mkv, .mov, .avi or .webm");
-}
 
 /// A film, links followed, and the name beside it that it has until it is whole.
 std::pair<std::filesystem::path, std::filesystem::path> names_of(const std::string& file) {
@@ -35,17 +26,25 @@ std::pair<std::filesystem::path, std::filesystem::path> names_of(const std::stri
   return {film, film.parent_path() / part};
 }
 
-/// H.264 has colours for squares of two pixels.
-int even(int side) { return (side + 1) / 2 * 2; }
-std::string size_text(int width, int height) { return std::to_string(width) + 'x' + std::to_string(height); }
+/// What can be said of a film before anything is drawn.
+Status check_kind(const VideoOptions& options) {
+  const FilmKind kind = film_kind(options.file);
+  if (kind == FilmKind::kNone)
+    return usage_error("--video: found '" + options.file + "', expected a name that ends in " + film_endings());
+  if (kind == FilmKind::kGif && options.frame_rate > kMostOfGif)
+    return usage_error("the frame rate is " + general_text(options.frame_rate, 6) +
+                       ", expected at most 50 for an animated image");
+  if (kind == FilmKind::kFfmpeg && options.most_bytes > 0)
+    return usage_error("--video: found '" + options.file +
+                       "' with a largest size, which only an animated image (.gif) can have");
+  return {};
+}
 
-}  // namespace
-
-Status Video::check(const VideoOptions& options, View& view) {
-  if (Status s = check_name(options.file); !s) return s;
-  if (const auto first = view.draw(options.camera.empty() ? view.cameras().front() : options.camera); !first)
-    return first.error();
-  if (!is_on_path("ffmpeg")) return resource_error("no pictures: --video needs ffmpeg: apt-get install ffmpeg");
+/// The file can be written, by what writes it.
+Status check_file(const VideoOptions& options) {
+  if (film_kind(options.file) == FilmKind::kFfmpeg && !is_on_path("ffmpeg"))
+    return resource_error(
+        "no pictures: --video needs ffmpeg: apt-get install ffmpeg, or a name that ends in .gif, which needs nothing");
   const auto [file, part] = names_of(options.file);
   std::error_code ignored;
   if (Status s = make_folder_of(file); !s) return s;
@@ -56,17 +55,54 @@ Status Video::check(const VideoOptions& options, View& view) {
   return {};
 }
 
-Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, std::unique_ptr<View> view,
-                                               const Host& host, double from) {
-  if (Status s = check(options, *view); !s) return s.error();
-  std::unique_ptr<Video> video(new Video(options, std::move(view), from));
-  if (video->options_.camera.empty()) video->options_.camera = video->view_->cameras().front();
-  auto first = video->view_->draw(video->options_.camera);
+/// H.264 has colours for squares of two pixels.
+int even(int side) { return (side + 1) / 2 * 2; }
+std::string size_text(int width, int height) { return std::to_string(width) + 'x' + std::to_string(height); }
+
+}  // namespace
+
+VideoOptions VideoOptions::complete() const {
+  VideoOptions out = *this;
+  const bool gif = film_kind(file) == FilmKind::kGif;
+  if (width == 0 || height == 0) std::tie(out.width, out.height) = gif ? std::pair(640, 400) : std::pair(960, 600);
+  if (frame_rate == 0) out.frame_rate = gif ? 10 : 25;
+  if (most_bytes == 0) out.most_bytes = FilmFormat().most_bytes;
+  return out;
+}
+
+Expected<std::unique_ptr<Video>> Video::prepare(const VideoOptions& options, const ViewMaker& make,
+                                                const Happenings* events, double from) {
+  if (Status s = check_kind(options); !s) return s.error();
+  VideoOptions whole = options.complete();
+  auto frames = Frames::create(make, {.width = whole.width,
+                                      .height = whole.height,
+                                      .cameras = std::max<std::size_t>(whole.cameras.size(), 1),
+                                      .caption = whole.caption,
+                                      .events = events});
+  if (!frames) return frames.error();
+  if (whole.cameras.empty()) whole.cameras = {(*frames)->cameras().front()};
+  std::unique_ptr<Video> video(new Video(std::move(whole), *std::move(frames), from));
+  if (const auto first = video->frames_->draw(video->options_.cameras, from_seconds(from)); !first)
+    return first.error();
+  if (Status s = check_file(options); !s) return s.error();
+  return video;
+}
+
+Status Video::check(const VideoOptions& options, const ViewMaker& make) {
+  const auto video = prepare(options, make, nullptr, 0);
+  return video ? Status() : Status(video.error());
+}
+
+Expected<std::unique_ptr<Video>> Video::create(const VideoOptions& options, const ViewMaker& make, const Host& host,
+                                               const Happenings* events, double from) {
+  auto video = prepare(options, make, events, from);
+  if (!video) return video.error();
+  const auto first = (*video)->frames_->draw((*video)->options_.cameras, from_seconds(from));
   if (!first) return first.error();
   const int width = even((*first)->width), height = even((*first)->height);
-  if (width != (*first)->width || height != (*first)->height)
+  if (film_kind(options.file) == FilmKind::kFfmpeg && (width != (*first)->width || height != (*first)->height))
     host.note("the film is " + size_text(width, height) + ": its sides must be even, so it has a black edge");
-  if (Status s = video->start(**first); !s) return s.error();
+  if (Status s = (*video)->start(**first); !s) return s.error();
   return video;
 }
 
@@ -84,34 +120,31 @@ Status Video::start(const sim::Picture& first) {
       });
   if (!keeper) return keeper.error();
   keeper_ = std::make_unique<Servant>(*std::move(keeper));
-  const std::string size = size_text(first.width, first.height);
-  const std::string rate = std::to_string(static_cast<int>(kFramesPerSecond));
-  // "file:": a name is not read as a protocol.
-  ProcessOptions ffmpeg{.argv = {"ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
-                                 size, "-r", rate, "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt",
-                                 "yuv420p", "file:" + part_.string()}};
-  ffmpeg.in = Stream::pipe();
-  auto started = Process::start(ffmpeg);
-  if (!started) return started.error();
-  ffmpeg_ = std::make_unique<Process>(*std::move(started));
+  auto writer =
+      film_writer(film_kind(options_.file), {first.width, first.height, options_.frame_rate, options_.most_bytes},
+                  part_, options_.file);
+  if (!writer) return writer.error();
+  writer_ = *std::move(writer);
   return {};
 }
 
-double Video::next() const { return from_ + static_cast<double>(frames_) * options_.speed / kFramesPerSecond; }
+double Video::next() const { return from_ + static_cast<double>(written_) * options_.speed / options_.frame_rate; }
 
-Status Video::look(double now) {
-  if (next() > now + kSame) return {};
-  auto picture = view_->draw(options_.camera);
-  if (!picture) return picture.error();
-  const auto& rgb = (*picture)->rgb;
-  for (; next() <= now + kSame; ++frames_)
-    if (!ffmpeg_->write({reinterpret_cast<const char*>(rgb.data()), rgb.size()})) return cannot_write(options_.file);
+Status Video::look(SimTime now, SimTime next_tick) {
+  const double last = to_seconds(now) + kSame, before = to_seconds(next_tick) - kSame;
+  while (next() <= last || next() < before) {
+    auto picture = frames_->draw(options_.cameras, from_seconds(next()));
+    if (!picture) return picture.error();
+    if (Status s = writer_->put(**picture); !s) return s;
+    ++written_;
+  }
   return {};
 }
 
-Status Video::finish() {
-  ffmpeg_->close_input();
-  if (ffmpeg_->wait() != 0) return cannot_write(options_.file);
+Status Video::finish(const Host& host) {
+  const auto remark = writer_->finish();
+  if (!remark) return remark.error();
+  if (!remark->empty()) host.note(*remark);
   const auto kept = keeper_->ask("whole");
   return kept && kept->text.empty() ? Status() : cannot_write(options_.file);
 }

@@ -24,6 +24,7 @@
 #include "scenarios/result.h"
 #include "scenarios/run_page.h"
 #include "scenarios/scenario.h"
+#include "scenarios/scene_log.h"
 #include "scenarios/stage.h"
 
 namespace cxlab {
@@ -48,6 +49,14 @@ struct ReplaySetup {
   std::filesystem::path models;   ///< that the run read
   const std::string& log;         ///< what `Stage::take_inputs` gave
   std::filesystem::path journal;  ///< of the run; need not be there, and is for pictures only
+};
+
+/// What a recorded run without physics is looked at with; the scenario outlives it.
+struct SceneSetup {
+  const Scenario& scenario;
+  std::filesystem::path models;   ///< that come with cxlab
+  SceneReader scenes;             ///< of the run
+  std::filesystem::path journal;  ///< of the run; need not be there
 };
 
 /// How the settings of a kind are read and written; `settings_of` makes one.
@@ -97,12 +106,18 @@ struct WorldKind {
   Expected<std::unique_ptr<Stage>> (*make_stage)(const StageSetup& setup) = nullptr;
   /// The physics of a recorded run at its start; none: this world cannot be replayed.
   Expected<std::unique_ptr<WorldReplay>> (*replay)(const ReplaySetup& setup) = nullptr;
+  /// A recorded run without physics as its scene shows it; none: there is nothing to look at.
+  Expected<std::unique_ptr<RecordedWorld>> (*show)(SceneSetup setup) = nullptr;
   /// What the stage adds to result.json; a run that fails early has these as well.
   std::span<const ResultSection> sections{};
   /// By which runs are compared, the first one before all others.
   std::span<const Metric> metrics{};
   /// What can be asked about a recorded run of this world, each a command of `cxlab`.
   std::span<const WorldQuestion> questions{};
+  /// What of a record people hear of: rows of the page's events, and captions of films, where it is called while the
+  /// run is played, too. Records are those of `kRecordsOfQuestions`, in order of writing; errors of rules are added by
+  /// whoever asks. None: nothing.
+  void (*happened)(const Scenario& scenario, const JournalRecord& record, std::vector<PageEvent>& out) = nullptr;
   /// What the page of a run shows of this world; none: nothing but how the run ended.
   Expected<RunPage> (*page)(const AskedRun& run, const Result& result) = nullptr;
 };

@@ -77,8 +77,8 @@ struct PageMark {
   std::string text;
 };
 
-/// A mark on the time axis, and a row of the table of events. The page adds decisions, errors and warnings of the
-/// agents, of kinds "decision", "error" and "warning".
+/// A mark on the time axis, a row of the table of events, and a text in the caption of a film. The page adds decisions,
+/// errors and warnings of the agents, of kinds "decision", "error" and "warning".
 struct PageEvent {
   double t = 0;             ///< s
   std::string kind;         ///< by which people choose what they see: "fault", "points"
@@ -86,6 +86,7 @@ struct PageEvent {
   std::string text;         ///< what happened
   std::string reason = {};  ///< a code, a cause
   std::string task = {};    ///< the id of the task that it is about
+  bool minor = false;       ///< captions of films leave it out
 };
 
 struct PageLane {
@@ -149,7 +150,7 @@ struct RunPage {
   std::vector<PageKind> kinds;
   std::vector<PageShade> shades;
   std::vector<std::variant<PageTable, PageChart, PageLanes, PageTasks>> parts;  ///< in their order on the page
-  std::vector<PageEvent> events;                                                ///< in any order
+  std::vector<PageEvent> events;  ///< in any order; beside those that `WorldKind::happened` tells
   /// Keys that report.json has of it, for pages of a user's own.
   std::vector<Result::Section> data;
 };

@@ -34,15 +34,20 @@ struct Stage {
   virtual void report(Result&) const {}
 };
 
-/// The physics of a recorded run, played again without rules and servers.
-class WorldReplay {
+/// A recorded run to look at.
+class RecordedWorld {
  public:
-  virtual ~WorldReplay() = default;
-  /// As far as the run's physics had come at `t`.
+  virtual ~RecordedWorld() = default;
+  /// The world as it was at `t`. Times come in order.
   virtual Status advance_to(SimTime t) = 0;
+  virtual Expected<std::unique_ptr<View>> view(int width, int height) const = 0;
+};
+
+/// The physics of a recorded run, played again without rules and servers.
+class WorldReplay : public RecordedWorld {
+ public:
   /// As `physics_hash` of result.json.
   virtual std::string hash() const = 0;
-  virtual Expected<std::unique_ptr<View>> view(int width, int height) const = 0;
 };
 
 }  // namespace cxlab

@@ -23,6 +23,15 @@ class SeveralViews final : public View {
     const Camera* known = find(camera);
     return known ? known->view->draw(known->own_name) : views_.front()->draw(camera);
   }
+  void set_time(SimTime t) override {
+    for (const auto& view : views_) view->set_time(t);
+  }
+  /// That of the world, which comes first, or of a node beside it.
+  std::vector<sim::ColouredText> headline() override {
+    for (const auto& view : views_)
+      if (auto words = view->headline(); !words.empty()) return words;
+    return {};
+  }
   std::vector<std::string> cameras() const override {
     std::vector<std::string> names;
     for (const Camera& camera : cameras_) names.push_back(camera.name);

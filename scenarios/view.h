@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/time.h"
+#include "sim/coloured_text.h"
 #include "sim/picture.h"
 
 namespace cxlab {
@@ -15,10 +17,16 @@ namespace cxlab {
 class View {
  public:
   virtual ~View() = default;
-  /// The world as it is now. The picture is the view's own and lasts until the next call.
+  /// The world as it is now. The picture is the view's own and lasts until the next call. A camera that does not exist
+  /// is kInput; the error lists those that do.
   virtual Expected<const sim::Picture*> draw(std::string_view camera) = 0;
-  /// The first is the default.
+  /// The first is the default. A view may have others beside these, which are drawn where nobody names one.
   virtual std::vector<std::string> cameras() const = 0;
+  /// The next pictures show that time: the one of the last tick, or one before the next. Of use to worlds that know
+  /// between ticks where things are.
+  virtual void set_time(SimTime) {}
+  /// What stands first in the caption below pictures: "11:40 PRODUCTION", "CYAN 317". Empty: nothing.
+  virtual std::vector<sim::ColouredText> headline() { return {}; }
 };
 
 /// Makes a view of a world for pictures of that size; a view may choose a smaller one.

@@ -7,15 +7,10 @@
 namespace cxlab::lab {
 
 Expected<PictureChannel> PictureChannel::create(RosBag& bag, const Run& run, const PictureChoice& choice) {
-  if (run.finished && !run.physics_hash)
-    return input_error(
-        "--pictures: the run has no physics to draw; cxlab run --tier physics plays it with bodies. The 3D panel of "
-        "Foxglove shows it without pictures",
-        run.folder.string());
-  auto physics = PhysicsOfRun::load(run);
-  if (!physics) return physics.error();
-  PictureChannel out(bag, *std::move(physics));
-  auto view = out.physics_.view(choice.width, choice.height);
+  auto shown = ShownRun::load(run);
+  if (!shown) return shown.error();
+  PictureChannel out(bag, *std::move(shown));
+  auto view = out.shown_.view(choice.width, choice.height);
   if (!view) return view.error();
   out.view_ = *std::move(view);
   auto scratch = ScratchFolder::create();
@@ -29,7 +24,8 @@ Expected<PictureChannel> PictureChannel::create(RosBag& bag, const Run& run, con
 Status PictureChannel::see(const Scene& scene) {
   if (scene.t < next_) return {};
   next_ = scene.t + every_;
-  if (Status s = physics_.advance_to(scene.t); !s) return s;
+  if (Status s = shown_.advance_to(scene.t); !s) return s;
+  view_->set_time(scene.t);
   const auto picture = view_->draw(camera_);
   if (!picture) return picture.error();
   const std::filesystem::path file = scratch_->path() / "picture.png";

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a run with physics, as a topic of a bag: /cxlab/camera/NAME.
+// Pictures of a run, as a topic of a bag: /cxlab/camera/NAME.
 
 #include <memory>
 #include <string>
@@ -7,7 +7,7 @@
 #include "cx/base/scratch_folder.h"
 #include "lab/export/ros_bag.h"
 #include "lab/export/run_pass.h"
-#include "lab/physics_replay.h"
+#include "lab/shown_run.h"
 #include "scenarios/view.h"
 
 namespace cxlab::lab {
@@ -18,7 +18,7 @@ struct PictureChoice {
   int width = 640, height = 480;
 };
 
-/// Plays the physics of the run again, up to each picture.
+/// Plays the physics of the run again, up to each picture, or draws its scene.
 class PictureChannel final : public PassListener {
  public:
   /// kInput where the run has nothing to look at or no such camera.
@@ -30,10 +30,10 @@ class PictureChannel final : public PassListener {
   Status see(const Scene& scene) override;
 
  private:
-  PictureChannel(RosBag& bag, PhysicsOfRun physics) : bag_(bag), physics_(std::move(physics)) {}
+  PictureChannel(RosBag& bag, ShownRun shown) : bag_(bag), shown_(std::move(shown)) {}
 
   RosBag& bag_;
-  PhysicsOfRun physics_;
+  ShownRun shown_;
   std::unique_ptr<View> view_;
   std::unique_ptr<ScratchFolder> scratch_;
   std::string camera_;

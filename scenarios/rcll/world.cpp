@@ -9,11 +9,13 @@
 #include "cx/journal/hash_text.h"
 #include "cx/journal/run_folder.h"
 #include "scenarios/floor/sections.h"
+#include "scenarios/rcll/floor_view.h"
 #include "scenarios/rcll/game/factory.h"
 #include "scenarios/rcll/game/floor_plan.h"
 #include "scenarios/rcll/game/result.h"
 #include "scenarios/rcll/game/scene.h"
 #include "scenarios/rcll/metrics.h"
+#include "scenarios/rcll/page/events.h"
 #include "scenarios/rcll/page/page.h"
 #include "scenarios/rcll/questions/questions.h"
 #include "scenarios/rcll/refbox/refbox_server.h"
@@ -21,7 +23,6 @@
 #include "scenarios/rcll/story/board.h"
 #include "sim/ledger/ledger_world.h"
 #include "sim/mujoco/mujoco_world.h"
-#include "sim/mujoco/render.h"
 #include "sim/skills/fleet.h"
 
 namespace cxlab::rcll {
@@ -40,31 +41,6 @@ sim::Fleet::Places zone_places() {
   return places;
 }
 
-/// What is written above a picture; empty = nothing.
-using LegendMaker = std::function<sim::Legend()>;
-
-class FloorView final : public View {
- public:
-  FloorView(std::unique_ptr<sim::Renderer> renderer, const sim::PhysicsGate& floor, LegendMaker legend)
-      : renderer_(std::move(renderer)), floor_(floor), legend_(std::move(legend)) {}
-  Expected<const sim::Picture*> draw(std::string_view camera) override {
-    return renderer_->draw(floor_, camera, legend_ ? legend_() : sim::Legend());
-  }
-  std::vector<std::string> cameras() const override { return {"field", "top"}; }
-
- private:
-  std::unique_ptr<sim::Renderer> renderer_;
-  const sim::PhysicsGate& floor_;
-  LegendMaker legend_;
-};
-
-Expected<std::unique_ptr<View>> view_of_floor(const sim::FloorPlan& plan, const sim::PhysicsGate& floor,
-                                              LegendMaker legend, int width, int height) {
-  auto renderer = sim::Renderer::create(plan, floor, width, height);
-  if (!renderer) return renderer.error();
-  return std::unique_ptr<View>(std::make_unique<FloorView>(*std::move(renderer), floor, std::move(legend)));
-}
-
 Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::filesystem::path& models) {
   if (!is_folder(models)) return resource_error("there is no folder of models at " + models.string());
   sim::ModelOptions options;
@@ -73,30 +49,54 @@ Expected<sim::ModelOptions> model_options(const Scenario& scenario, const std::f
   return options;
 }
 
+/// The board of a recorded run, at any time; none where the run has no journal.
+Expected<BoardAt> recorded_board(const Scenario& scenario, const std::filesystem::path& journal) {
+  if (!is_file(journal)) return BoardAt();
+  auto board = RecordedBoard::load(scenario.world.get<WorldConfig>(), journal);
+  if (!board) return board.error();
+  return BoardAt([board = *std::move(board)](SimTime t) { return board.at(t); });
+}
+
 class FloorReplay final : public WorldReplay {
  public:
   FloorReplay(sim::FloorPlan plan, const ReplaySetup& setup, sim::PhysicsReplay physics)
       : plan_(std::move(plan)), setup_(setup), physics_(std::move(physics)) {}
-  Status advance_to(SimTime t) override {
-    now_ = t;
-    return physics_.advance_to(t / setup_.scenario.physics_step);
-  }
+  Status advance_to(SimTime t) override { return physics_.advance_to(t / setup_.scenario.physics_step); }
   std::string hash() const override { return hash_text(physics_.hash()); }
   Expected<std::unique_ptr<View>> view(int width, int height) const override {
-    LegendMaker legend;
-    if (is_file(setup_.journal)) {
-      auto board = RecordedBoard::load(setup_.scenario.world.get<WorldConfig>(), setup_.journal);
-      if (!board) return board.error();
-      legend = [this, board = *std::move(board)] { return legend_of(board.at(now_)); };
-    }
-    return view_of_floor(plan_, physics_.gate(), std::move(legend), width, height);
+    auto board = recorded_board(setup_.scenario, setup_.journal);
+    if (!board) return board.error();
+    return view_of_physics(plan_, physics_.gate(), *std::move(board), width, height);
   }
 
  private:
   sim::FloorPlan plan_;
   ReplaySetup setup_;
   sim::PhysicsReplay physics_;
-  SimTime now_{};
+};
+
+/// A recorded game without physics.
+class SceneOfGame final : public RecordedWorld {
+ public:
+  SceneOfGame(sim::FloorPlan plan, sim::ModelOptions options, SceneSetup setup)
+      : plan_(std::move(plan)), options_(std::move(options)), setup_(std::move(setup)) {}
+  Status advance_to(SimTime t) override {
+    auto scene = setup_.scenes.at(t);
+    if (!scene) return scene.error();
+    scene_ = *std::move(scene);
+    return {};
+  }
+  Expected<std::unique_ptr<View>> view(int width, int height) const override {
+    auto board = recorded_board(setup_.scenario, setup_.journal);
+    if (!board) return board.error();
+    return view_of_scene(plan_, options_, [this](SimTime) { return scene_; }, *std::move(board), width, height);
+  }
+
+ private:
+  sim::FloorPlan plan_;
+  sim::ModelOptions options_;
+  SceneSetup setup_;
+  Scene scene_;
 };
 
 /// A game: field, robots with their skills, machines, referee.
@@ -117,7 +117,7 @@ class GameStage final : public Stage {
   sim::MujocoWorld* physics_ = nullptr;  // the same, in the physics tier
   sim::Fleet* fleet_ = nullptr;          // owned as server, as the factory
   Factory* factory_ = nullptr;
-  std::optional<BoardKeeper> board_;  // where there is a view
+  std::optional<BoardKeeper> board_;  // for pictures
 };
 
 /// Servers in the order referee box on the network, robots, factory.
@@ -135,10 +135,8 @@ Status GameStage::build(const StageSetup& setup) {
   auto factory = Factory::make(config, *game, scenario.seed, *floor_, setup.bus, setup.sink, faults_of(scenario));
   if (!factory) return factory.error();
   factory_ = factory->get();
-  if (physics_) {
-    board_.emplace(config);
-    factory_->events().listen([this](SimTime t, const Event& event) { board_->apply(t, event); });
-  }
+  board_.emplace(config);
+  factory_->events().listen([this](SimTime t, const Event& event) { board_->apply(t, event); });
   if (setup.log)
     factory_->on_warning([log = setup.log, &bus = setup.bus](const std::string& text) {
       log->line({bus.now(), cx::LogLevel::kWarn, "factory", text, {}});
@@ -168,8 +166,8 @@ Status GameStage::build_physics(const StageSetup& setup, sim::FloorPlan plan) {
   files = physics_->model_files();
   worlds.push_back(*std::move(made));
   views.push_back([this](int width, int height) {
-    return view_of_floor(
-        physics_->plan(), physics_->gate(), [this] { return legend_of(board_->at(physics_->now())); }, width, height);
+    return view_of_physics(
+        physics_->plan(), physics_->gate(), [this](SimTime t) { return board_->at(t); }, width, height);
   });
   return add_fleet(setup, sim::Fleet::create(*physics_, *physics_, zone_places(), setup.bus, setup.sink,
                                              {faults_of(scenario), scenario.seed}));
@@ -181,8 +179,15 @@ Status GameStage::build_ledger(const StageSetup& setup, sim::FloorPlan plan) {
   sim::LedgerWorld& ledger = *made;
   floor_ = &ledger;
   worlds.push_back(std::move(made));
-  without_views =
-      "the timed tier has no bodies to look at: play it with --tier physics, or --set tier=physics of render";
+  views.push_back([this, &scenario, models = setup.models](int width, int height) -> Expected<std::unique_ptr<View>> {
+    auto options = model_options(scenario, models);
+    if (!options) return options.error();
+    const auto seen = [&lister = scenes.front(), list = std::make_shared<SceneList>()](SimTime t) {
+      list->update({&lister, 1});
+      return list->at(t);
+    };
+    return view_of_scene(floor_->plan(), *options, seen, [this](SimTime t) { return board_->at(t); }, width, height);
+  });
   return add_fleet(setup, sim::Fleet::create(ledger, ledger, timed_of(scenario), scenario.seed, zone_places(),
                                              setup.bus, setup.sink, {faults_of(scenario), scenario.seed}));
 }
@@ -235,6 +240,16 @@ Expected<std::unique_ptr<WorldReplay>> replay(const ReplaySetup& setup) {
   return std::unique_ptr<WorldReplay>(std::make_unique<FloorReplay>(std::move(plan), setup, *std::move(physics)));
 }
 
+Expected<std::unique_ptr<RecordedWorld>> show(SceneSetup setup) {
+  const auto game = game_of(setup.scenario);
+  if (!game) return game.error();
+  auto options = model_options(setup.scenario, setup.models);
+  if (!options) return options.error();
+  sim::FloorPlan plan = floor_plan_of(setup.scenario.world.get<WorldConfig>(), game->layout);
+  return std::unique_ptr<RecordedWorld>(
+      std::make_unique<SceneOfGame>(std::move(plan), *std::move(options), std::move(setup)));
+}
+
 constexpr const SectionKind* kReads[]{&kTimedSection, &kFaultsSection};
 constexpr std::string_view kFiles[]{"game"};
 constexpr Tier kTiers[]{Tier::kPhysics, Tier::kTimed};
@@ -266,9 +281,11 @@ constinit const WorldKind kWorld{
     .tiers = kTiers,
     .make_stage = make_stage,
     .replay = replay,
+    .show = show,
     .sections = kSections,
     .metrics = kMetrics,
     .questions = kQuestions,
+    .happened = happened,
     .page = page_of,
 };
 

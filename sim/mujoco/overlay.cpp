@@ -138,6 +138,7 @@ Projection::Projection(const mjvGLCamera& camera, int width, int height) {
   const double near = static_cast<double>(camera.frustum_near), bottom = static_cast<double>(camera.frustum_bottom);
   pixels_ = near * height / (static_cast<double>(camera.frustum_top) - bottom);
   bottom_ = bottom / near;
+  centre_ = static_cast<double>(camera.frustum_center) / near;
   half_width_ = width / 2.0;
 }
 
@@ -145,7 +146,8 @@ std::optional<Projection::Pixel> Projection::pixel(const Vec3& point) const {
   const Vec3 offset = point - from_;
   const double along = offset.dot(forward_);
   if (along <= 0) return std::nullopt;
-  return Pixel{half_width_ + offset.dot(right_) / along * pixels_, (offset.dot(upward_) / along - bottom_) * pixels_};
+  return Pixel{half_width_ + (offset.dot(right_) / along - centre_) * pixels_,
+               (offset.dot(upward_) / along - bottom_) * pixels_};
 }
 
 Box Projection::around(std::span<const Vec3> points) const {
@@ -178,23 +180,11 @@ std::array<Vec3, 8> corners(const Pose2& pose, double half_depth, double half_wi
 
 int place_legend(const Legend& legend, const FactoryModel& factory, const mjrContext& gl, const Box& picture,
                  Overlay& overlay) {
-  constexpr int kSpace = 16;  // px between texts of the title
   const int line = line_height(gl), lowest = picture.top() - picture.height / 2;
   int bottom = picture.top();
   const auto add_text = [&](const Legend::Text& text, int left, int at) {
     overlay.lines.push_back({{left, at, text_width(gl, text.text), line}, text});
-    return overlay.lines.back().box.right();
   };
-
-  if (!legend.title.empty() && bottom - line - 2 * kMargin >= lowest) {
-    bottom -= line + 2 * kMargin;
-    int right = picture.left + kMargin - kSpace;
-    for (const Legend::Text& text : legend.title)
-      if (right + kSpace + text_width(gl, text.text) + kMargin <= picture.right())
-        right = add_text(text, right + kSpace, bottom + kMargin);
-    overlay.cards.push_back({picture.left, bottom, right + kMargin - picture.left, line + 2 * kMargin});
-  }
-
   const int icon = line, height = 2 * line + 2 * kMargin, layer = (height - 2 * kMargin - 2) / 6;
   int left = picture.right();  // the first card begins a row
   for (const Legend::Card& card : legend.cards) {
@@ -220,7 +210,7 @@ int place_legend(const Legend& legend, const FactoryModel& factory, const mjrCon
       overlay.ticks.push_back({{right -= tick + kMargin, box.top() - tick - kMargin, tick, tick}, colour});
     left = box.right() + kMargin;
   }
-  return picture.top() - bottom;
+  return std::max(picture.top() - bottom, std::min(legend.rows * (height + kMargin), picture.height / 2));
 }
 
 void place_pieces(const OverlayInput& input, const Projection& projection, const mjrContext& gl, const Box& free,

@@ -33,7 +33,7 @@ class Projection {
 
  private:
   Vec3 from_, forward_, upward_, right_;
-  double pixels_, bottom_, half_width_;  ///< px at distance 1; of the picture's lower edge; px
+  double pixels_, bottom_, centre_, half_width_;  ///< px at distance 1; of the picture's lower edge and middle; px
 };
 
 /// The corners of an upright box that stands on the floor.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <Eigen/Geometry>
+
 namespace cxlab::sim {
 namespace {
 
@@ -190,6 +192,24 @@ void PhysicsGate::move_piece(const PieceIds& piece, const Vec3& origin, double g
   for (int i = 0; i < 7; ++i) d->qpos[piece.qpos + i] = pose[i];
   for (int i = 0; i < 6; ++i) d->qvel[piece.dof + i] = d->qacc_warmstart[piece.dof + i] = 0;
   factory_.model->body_gravcomp[piece.body] = gravity_compensation;
+}
+
+void PhysicsGate::show(RobotId robot, const RobotState& state) {
+  const RobotIds& ids = factory_.robots[index_of(robot)];
+  move_base(ids, state.pose_in_world);
+  const double closed = kRobot.fingers_open - state.finger_opening;
+  const double axes[] = {state.gripper.x(), state.gripper.y(), state.gripper.z(), closed, closed};
+  for (int axis = kAxisForward; axis < kRobotAxes; ++axis)
+    data_->qpos[ids.qpos[index_of(axis)]] = axes[axis - kAxisForward];
+}
+
+void PhysicsGate::show(std::size_t body, const Pose3& underside) {
+  const double angle = underside.rotation.norm();
+  const Vec3 axis = angle > 0 ? Vec3(underside.rotation / angle) : Vec3(Vec3::UnitZ());
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, axis));
+  const Vec3 origin = underside.position + turn * Vec3(0, 0, kPieceOrigin);
+  const double pose[7] = {origin.x(), origin.y(), origin.z(), turn.w(), turn.x(), turn.y(), turn.z()};
+  for (int i = 0; i < 7; ++i) data_->qpos[factory_.pieces[body].qpos + i] = pose[i];
 }
 
 Expected<PhysicsReplay> PhysicsReplay::load(const FloorPlan& plan, const ModelOptions& options, std::string_view log) {

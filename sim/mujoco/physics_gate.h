@@ -43,6 +43,13 @@ class PhysicsGate {
   void lights(StationId station, const Lights& lights);
   void set_down(RobotId robot, const Pose2& to);
 
+  // --- A floor that is posed for a picture and takes no steps (sim/mujoco/posed_floor.h): nothing is logged
+  void show_time(double seconds) { data_->time = seconds; }
+  /// Where it stands, its gripper and its fingers.
+  void show(RobotId robot, const RobotState& state);
+  /// `body` is of the pool; its shape is written as ever.
+  void show(std::size_t body, const Pose3& underside_in_world);
+
   const FactoryModel& factory() const { return factory_; }
   const mjModel& model() const { return *factory_.model; }
   const mjData& data() const { return *data_; }

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -15,8 +17,12 @@ constexpr double kSeenHeight = 1.15;  ///< m: of all that stands on the field
 constexpr int kLargePicture = 1000;   ///< px high, from which texts are twice as large
 constexpr double kOutside = 0.85;     ///< m below the field that are seen: where robots stand that were taken away
 constexpr int kBorder = 4;            ///< px around the field
-constexpr std::string_view kFollow = "follow-";
-constexpr double kFollowDistance = 3.6, kFollowElevation = -35;  ///< m, degrees
+constexpr int kLowest = 35, kHighest = 65;  ///< degrees: how steeply "field" looks down
+constexpr float kGround[4]{0.16f, 0.18f, 0.22f, 1};
+constexpr double kGroundSize = 60;  ///< m
+constexpr double kDistance = 2.4;   ///< of a camera that shows the whole field: half of the field's diagonals
+constexpr std::string_view kFollow = "follow-", kFieldCamera = "field", kTopCamera = "top";
+constexpr double kFollowDistance = 3.4, kFollowElevation = -48;  ///< m, degrees
 
 }  // namespace
 
@@ -56,6 +62,10 @@ void Renderer::set_up(const PhysicsGate& world) {
   view.vis.global.offwidth = picture_.width;
   view.vis.global.offheight = picture_.height;
   view.vis.quality.shadowsize = 0;
+  // Corners cost most where no graphics card draws: as few as one does not see.
+  view.vis.quality.numquads = 1;
+  view.vis.quality.numslices = 20;
+  view.vis.quality.numstacks = 8;
   mjr_makeContext(&view, &gl_, picture_.height >= kLargePicture ? mjFONTSCALE_150 : mjFONTSCALE_50);
   mjr_setBuffer(mjFB_OFFSCREEN, &gl_);
 
@@ -75,12 +85,14 @@ Renderer::~Renderer() {
 }
 
 std::vector<std::string> Renderer::cameras() const {
-  std::vector<std::string> names{"field", "top"};
+  std::vector<std::string> names{std::string(kFieldCamera), std::string(kTopCamera)};
   for (const RobotStart& robot : plan_.robots) names.push_back(std::string(kFollow) + robot.name);
   for (const RobotStart& robot : plan_.robots) names.push_back(robot.name);
   for (const Station& station : plan_.stations) names.push_back(station.name);
   return names;
 }
+
+bool Renderer::shows_field(std::string_view camera) { return camera == kFieldCamera || camera == kTopCamera; }
 
 Status Renderer::choose(const mjModel& model, std::string_view camera) {
   const std::string name(camera);
@@ -95,14 +107,18 @@ Status Renderer::choose(const mjModel& model, std::string_view camera) {
     camera_.elevation = kFollowElevation;
     return {};
   }
-  camera_.type = mjCAMERA_FIXED;
-  kind_ = Kind::kWhole;
-  camera_.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
-  if (camera_.fixedcamid >= 0) return {};
+  if (shows_field(camera)) {
+    kind_ = Kind::kWhole;
+    camera_.type = mjCAMERA_FREE;  // `fit` aims it
+    return {};
+  }
   kind_ = Kind::kMounted;
+  camera_.type = mjCAMERA_FIXED;
   camera_.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, (name + "/view").c_str());
   if (camera_.fixedcamid >= 0) return {};
-  return input_error("no camera '" + name + "'" + did_you_mean(name, cameras()));
+  const std::vector<std::string> known = cameras();
+  return input_error("no camera '" + name + "', expected one of: " + some_of(known, known.size()) +
+                     did_you_mean(name, known));
 }
 
 Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_view name, const Legend& legend) {
@@ -117,17 +133,18 @@ Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_vi
   mjv_updateScene(m, copy_.get(), &option_, nullptr, &camera_, mjCAT_ALL, &scene_);
   scene_.camera[0] = scene_.camera[1] = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);  // no stereo
   shine(world);
+  lay_ground();
 
   const Box picture{0, 0, picture_.width, picture_.height};
   overlay_ = {};
   if (kind_ != Kind::kMounted) {
     Box free = picture;
     free.height -= place_legend(legend, world.factory(), gl_, picture, overlay_);
-    if (kind_ == Kind::kWhole) fit(free);
-    const Projection projection(scene_.camera[0], picture_.width, picture_.height);
+    if (kind_ == Kind::kWhole) fit(free, name == kTopCamera);
     const OverlayInput input{world, plan_, *copy_, robot_geoms_};
-    if (kind_ == Kind::kWhole) place_pieces(input, projection, gl_, free, overlay_);  // too small to be seen from afar
-    place_names(input, projection, gl_, free, overlay_);
+    if (kind_ == Kind::kWhole)
+      place_pieces(input, projection(), gl_, free, overlay_);  // too small to be seen from afar
+    place_names(input, projection(), gl_, free, overlay_);
   }
 
   const mjrRect whole{0, 0, picture_.width, picture_.height};
@@ -156,35 +173,88 @@ void Renderer::shine(const PhysicsGate& world) {
   }
 }
 
-// Turns the view so that the whole field, with all that stands on it, fills the free part of the picture.
-void Renderer::fit(const Box& free) {
-  mjvGLCamera& camera = scene_.camera[0];
-  const auto vector = [](const float* v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(v).cast<double>(); };
-  const Vec3 forward = vector(camera.forward), upward = vector(camera.up), from = vector(camera.pos);
-  const Vec3 right = forward.cross(upward);
-  double lowest = 0, highest = 0, widest = 0;  // at distance 1
-  const Pose2 middle{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, 0};
-  const auto field = corners(middle, (plan_.max_x - plan_.min_x) / 2 + 2 * kWall.half_thickness,
-                             (plan_.max_y - plan_.min_y) / 2 + 2 * kWall.half_thickness, kSeenHeight);
-  std::vector<Vec3> seen(field.begin(), field.end());
-  seen.emplace_back(middle.x, plan_.min_y - kOutside, 0);
-  for (const Vec3& corner : seen) {
-    const Vec3 offset = corner - from;
-    const double along = offset.dot(forward), up = offset.dot(upward) / along;
-    lowest = std::min(lowest, up);
-    highest = std::max(highest, up);
-    widest = std::max(widest, std::abs(offset.dot(right)) / along);
+// What the field lies on; without it half of a picture is sky.
+void Renderer::lay_ground() {
+  if (scene_.ngeom >= scene_.maxgeom) return;
+  mjvGeom& ground = scene_.geoms[scene_.ngeom++];
+  const double size[3]{kGroundSize, kGroundSize, 0.01};
+  const double at[3]{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, -0.03};
+  mjv_initGeom(&ground, mjGEOM_BOX, size, at, nullptr, kGround);
+  ground.category = mjCAT_DECOR;
+  ground.objtype = mjOBJ_UNKNOWN;
+  ground.objid = -1;
+  ground.specular = 0;
+}
+
+namespace {
+
+/// Where a camera looks, and what it sees of some points: tangents of angles, from the middle of its view.
+struct Aim {
+  Vec3 from, forward, up;
+  double left = 0, right = 0, low = 0, high = 0;
+
+  Aim(const Vec3& at, double distance, double azimuth, double elevation, std::span<const Vec3> points) {
+    const double a = azimuth * M_PI / 180, e = elevation * M_PI / 180;
+    const Vec3 ahead(std::cos(a), std::sin(a), 0);
+    forward = std::cos(e) * ahead - std::sin(e) * Vec3::UnitZ();
+    up = std::sin(e) * ahead + std::cos(e) * Vec3::UnitZ();
+    from = at - distance * forward;
+    const Vec3 rightward = forward.cross(up);
+    for (const Vec3& point : points) {
+      const Vec3 offset = point - from;
+      const double along = offset.dot(forward), x = offset.dot(rightward) / along, y = offset.dot(up) / along;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
   }
-  const double pixels = std::min((free.width / 2 - kBorder) / widest, (free.height - 2 * kBorder) / (highest - lowest));
+  double pixels(const Box& free) const {
+    return std::min((free.width - 2 * kBorder) / (right - left), (free.height - 2 * kBorder) / (high - low));
+  }
+  double area(const Box& free) const { return (right - left) * (high - low) * pixels(free) * pixels(free); }
+};
+
+}  // namespace
+
+// Turns the view so that the whole field, with all that stands on it, fills as much of the free part of the picture as
+// possible: it looks the more steeply the higher that part is, and along the field where that is upright.
+void Renderer::fit(const Box& free, bool from_above) {
+  const Pose2 middle{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, 0};
+  const double half_length = (plan_.max_x - plan_.min_x) / 2, half_width = (plan_.max_y - plan_.min_y) / 2;
+  const double wall = 2 * kWall.half_thickness;
+  const auto field = corners(middle, half_length + wall, half_width + wall, kSeenHeight);
+  std::vector<Vec3> seen(field.begin(), field.end());
+  for (const double side : {-1.0, 1.0}) seen.emplace_back(middle.x + side * half_length, plan_.min_y - kOutside, 0);
+  const Vec3 centre(middle.x, middle.y, 0);
+  const double distance = kDistance * std::hypot(half_length, half_width);
+
+  std::optional<Aim> best;
+  for (const double azimuth : {90.0, 180.0}) {
+    if (azimuth == 180 && free.width >= free.height) continue;
+    for (int elevation = from_above ? 90 : kLowest; elevation <= (from_above ? 90 : kHighest); ++elevation) {
+      const Aim aim(centre, distance, azimuth, elevation, seen);
+      if (!best || aim.area(free) > best->area(free)) best = aim;
+    }
+  }
+
+  mjvGLCamera& camera = scene_.camera[0];
+  for (int i = 0; i < 3; ++i) {
+    camera.pos[i] = static_cast<float>(best->from[i]);
+    camera.forward[i] = static_cast<float>(best->forward[i]);
+    camera.up[i] = static_cast<float>(best->up[i]);
+  }
+  const double pixels = best->pixels(free);
   // Three quarters of the space that is left are above, where legends are, so that the field stays as they grow.
-  const double height = (highest - lowest) * pixels;
+  const double height = (best->high - best->low) * pixels;
   const double below =
       std::clamp((picture_.height - height) / 4, static_cast<double>(kBorder), free.height - kBorder - height);
-  const double bottom = lowest - below / pixels;
+  const double bottom = best->low - below / pixels;
   const double near = static_cast<double>(camera.frustum_near);
-  camera.frustum_center = 0;
+  camera.frustum_center = static_cast<float>((best->left + best->right) / 2 * near);
   camera.frustum_bottom = static_cast<float>(bottom * near);
   camera.frustum_top = static_cast<float>((bottom + picture_.height / pixels) * near);
+  camera.frustum_width = static_cast<float>(picture_.width / pixels / 2 * near);
   scene_.camera[1] = camera;
 }
 

@@ -26,21 +26,25 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// "field" and "top", which show the whole field; "follow-" and a robot's name, from near behind it; the name of a
-  /// robot (what it sees) or of a machine (its input side).
+  /// "field", obliquely from above, and "top", which show the whole field as large as the picture allows; "follow-" and
+  /// a robot's name, from near behind it; the name of a robot (what it sees) or of a machine (its input side).
   std::vector<std::string> cameras() const;
+  static bool shows_field(std::string_view camera);
   /// The world as it is now. Labels, and a legend, are drawn over pictures from above. The picture is the renderer's
-  /// own and lasts until the next call.
+  /// own and lasts until the next call. A camera that does not exist is kInput; the error lists those that do.
   Expected<const Picture*> draw(const PhysicsGate& world, std::string_view camera, const Legend& legend = {});
   /// What the last picture has over it.
   const Overlay& overlay() const { return overlay_; }
+  /// Where points of the world are in it.
+  Projection projection() const { return {scene_.camera[0], picture_.width, picture_.height}; }
 
  private:
   Renderer(const FloorPlan& plan, std::unique_ptr<GlContext> context, int width, int height);
   void set_up(const PhysicsGate& world);
   Status choose(const mjModel& model, std::string_view camera);
   void shine(const PhysicsGate& world);
-  void fit(const Box& free);
+  void lay_ground();
+  void fit(const Box& free, bool from_above);
 
   std::unique_ptr<GlContext> context_;
   FloorPlan plan_;

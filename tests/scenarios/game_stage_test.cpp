@@ -132,10 +132,12 @@ TEST(GameResult, CountsWhatEachRobotDid) {
             "robot2   at work  50 %, driving   5 %, 2 skills, 0 failed, 2 contacts, 2 in maintenance, disqualified\n");
 }
 
-TEST_F(GameStage, TheTimedTierHasNoViewAndTellsWhereOneIs) {
+TEST_F(GameStage, TheTimedTierIsDrawnFromItsScene) {
   const auto view = view_of(episode_->stage(), 64, 64);
-  ASSERT_FALSE(view.ok());
-  EXPECT_THAT(view.error().text(), testing::HasSubstr("no bodies to look at: play it with --tier physics"));
+  ASSERT_TRUE(view.ok()) << view.error().text();
+  EXPECT_THAT((*view)->cameras(), testing::ElementsAre("field", "top"));
+  for (const char* camera : {"field", "follow-robot1", "robot1"}) EXPECT_TRUE((*view)->draw(camera).ok()) << camera;
+  EXPECT_EQ((*view)->headline().back().text, "CYAN 0");
 }
 
 TEST_F(GameStage, NeedsEachOfItsInterfaces) {

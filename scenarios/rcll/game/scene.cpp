@@ -1,7 +1,9 @@
 #include "scenarios/rcll/game/scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 #include <string_view>
 
 #include "scenarios/rcll/rules/layout.h"
@@ -13,6 +15,7 @@ using Shape = Solid::Shape;
 
 // Numbers of entities. Those that move most are the shortest in the file.
 constexpr std::uint32_t kNeverChanged = 1;  // a revision
+constexpr double kFingertip = 0.002;        // m between a piece and the middle of a fingertip that holds it
 constexpr EntityId kRobots = 1, kMachines = 32, kField = 64, kWalls = 65, kPieces = 100;
 EntityId number(sim::RobotId id) { return kRobots + static_cast<EntityId>(id); }
 EntityId number(sim::StationId id) { return kMachines + static_cast<EntityId>(id); }
@@ -101,6 +104,21 @@ std::string machine_text(MachineState state, const sim::Lights& lights) {
   return text;
 }
 
+/// The opposite of `machine_text`.
+sim::Lights lights_in(const Entity& machine) {
+  sim::Lights lights;
+  std::istringstream words(machine.state);
+  for (std::string word; words >> word;) {
+    const std::size_t end = word.find("-blink");
+    const sim::Light how = end == word.npos ? sim::Light::kOn : sim::Light::kBlink;
+    const std::string_view colour = std::string_view(word).substr(0, end);
+    if (colour == "red") lights.red = how;
+    if (colour == "yellow") lights.yellow = how;
+    if (colour == "green") lights.green = how;
+  }
+  return lights;
+}
+
 std::string robot_look(const sim::RobotStart& robot, std::size_t number_in_team) {
   const std::uint32_t colour = kRobotColours[static_cast<std::size_t>(team_of(robot))][number_in_team % 3];
   const Solid solids[]{{Shape::kCylinder, cylinder(sim::kRobot.hull_radius, 0.2), {0, 0, 0.03}, kDark},
@@ -126,6 +144,39 @@ std::string piece_look(const sim::Stack& stack) {
     if (ring) add(sim::kPiece.ring_height, sim::kPiece.radius, colour(kRings, ring));
   if (stack.cap) add(sim::kPiece.cap_height, sim::kPiece.radius, colour(kCaps, stack.cap));
   return look_of(solids);
+}
+
+sim::FloorPose floor_pose_of(const Scene& scene, const sim::FloorPlan& plan) {
+  sim::FloorPose out;
+  for (const sim::RobotStart& robot : plan.robots) {
+    sim::RobotState& state = out.robots.emplace_back();
+    state.pose_in_world = robot.pose_in_world;
+    state.finger_opening = sim::kRobot.fingers_open;
+  }
+  out.lights.resize(plan.stations.size());
+  const auto robot_of = [&](const Entity& entity) -> sim::RobotState* {
+    const auto at = std::ranges::find(plan.robots, entity.name, &sim::RobotStart::name);
+    return at == plan.robots.end() ? nullptr : &out.robots[static_cast<std::size_t>(at - plan.robots.begin())];
+  };
+  for (const Entity& entity : scene.entities) {
+    const sim::Pose3 pose = scene.in_world(entity);
+    if (entity.kind == "robot") {
+      if (sim::RobotState* robot = robot_of(entity))
+        robot->pose_in_world = {pose.position.x(), pose.position.y(), pose.yaw()};
+    } else if (entity.kind == "machine") {
+      if (const auto station = plan.find_station(entity.name)) out.lights[sim::index_of(*station)] = lights_in(entity);
+    } else if (entity.kind == "piece") {
+      out.pieces.push_back({stack_of(entity.state), pose});
+      const Entity* carrier = entity.carried_by && entity.place == "gripper" ? scene.find(*entity.carried_by) : nullptr;
+      if (sim::RobotState* robot = carrier ? robot_of(*carrier) : nullptr) {
+        const sim::Vec3& held = entity.pose.position;
+        robot->gripper =
+            sim::within_strokes({held.x() - sim::kRobot.home_forward, held.y(), held.z() - sim::kRobot.home_height});
+        robot->finger_opening = sim::kPiece.radius + kFingertip;
+      }
+    }
+  }
+  return out;
 }
 
 GameScene::GameScene(const sim::World& floor, const Factory& factory, const sim::Fleet& fleet)

@@ -10,6 +10,7 @@
 
 #include "scenarios/rcll/game/factory.h"
 #include "scenarios/scene.h"
+#include "sim/floor_pose.h"
 #include "sim/skills/fleet.h"
 #include "sim/world.h"
 
@@ -17,6 +18,10 @@ namespace cxlab::rcll {
 
 /// The solids of a workpiece.
 std::string piece_look(const sim::Stack& stack);
+
+/// The floor that a scene shows, for pictures: the opposite of `GameScene::list`. What the scene lacks is as at the
+/// start.
+sim::FloorPose floor_pose_of(const Scene& scene, const sim::FloorPlan& plan);
 
 class GameScene {
  public:

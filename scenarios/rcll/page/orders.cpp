@@ -48,8 +48,8 @@ PageTask task_of(const GameStory& story, const OrderWork& work, const std::vecto
 
 }  // namespace
 
-std::string task_id(const GameStory& story, Team team, int order) {
-  return (story.teams.size() > 1 ? std::string(to_string(team)) + '-' : "") + std::to_string(order);
+std::string task_id(const std::vector<Team>& teams, Team team, int order) {
+  return (teams.size() > 1 ? std::string(to_string(team)) + '-' : "") + std::to_string(order);
 }
 
 PageTasks tasks_of(const GameStory& story, const std::vector<OrderWork>& works) {

@@ -227,7 +227,6 @@ void Page::build() {
   out.parts.emplace_back(machine_lanes(story));
   if (!story.points.empty()) out.parts.emplace_back(points_over_time());
   if (!result["robots"].empty()) out.parts.emplace_back(robots());
-  out.events = events_of(story);
   for (const auto& [key, data] : {std::pair("skills", skills_data()),
                                   {"holds", holds_data()},
                                   {"scores", scores_data()},

@@ -20,11 +20,11 @@ inline double begin_of(const Interval& when) { return to_seconds(when.from); }
 inline double end_of(const Interval& when) { return to_seconds(when.to); }
 
 /// "5", or "CYAN-5" where both teams have orders.
-std::string task_id(const GameStory& story, Team team, int order);
+std::string task_id(const std::vector<Team>& teams, Team team, int order);
+inline std::string task_id(const GameStory& story, Team team, int order) { return task_id(story.teams, team, order); }
 
 PageTasks tasks_of(const GameStory& story, const std::vector<OrderWork>& works);
 PageLanes robot_lanes(const GameStory& story, const std::vector<OrderWork>& works);
 PageLanes machine_lanes(const GameStory& story);
-std::vector<PageEvent> events_of(const GameStory& story);
 
 }  // namespace cxlab::rcll

@@ -67,15 +67,20 @@ Board RecordedBoard::at(SimTime now) const {
   return board.at(now);
 }
 
-sim::Legend legend_of(const Board& board) {
-  sim::Legend legend;
-  legend.title.push_back({clock_text(board.game_time) + ' ' + board.phase + (board.paused ? " PAUSED" : ""), kPlain});
+std::vector<sim::ColouredText> headline_of(const Board& board) {
+  std::vector<sim::ColouredText> words;
+  words.push_back({clock_text(board.game_time) + ' ' + board.phase + (board.paused ? " PAUSED" : ""), kPlain});
   for (const Team team : kTeams) {
     const auto index = static_cast<std::size_t>(team);
     if (std::ranges::find(board.teams, team) == board.teams.end() && board.points[index] == 0) continue;
-    legend.title.push_back(
-        {std::string(to_string(team)) + ' ' + std::to_string(board.points[index]), kTeamColours[index]});
+    words.push_back({std::string(to_string(team)) + ' ' + std::to_string(board.points[index]), kTeamColours[index]});
   }
+  return words;
+}
+
+sim::Legend legend_of(const Board& board) {
+  sim::Legend legend;
+  legend.rows = 1;
   for (const BoardOrder& order : board.orders) {
     const int delivered = std::ranges::max(order.delivered);
     const bool done = delivered >= order.quantity;

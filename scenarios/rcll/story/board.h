@@ -70,7 +70,9 @@ class RecordedBoard {
   std::vector<std::pair<SimTime, Event>> events_;
 };
 
-/// Time, phase and points, and a card for each order: its number, complexity and gate ("G2"), "vs" when it is
+/// Time, phase and points.
+std::vector<sim::ColouredText> headline_of(const Board& board);
+/// A card for each order: its number, complexity and gate ("G2"), "vs" when it is
 /// competitive, and its window, beside its product. One that waits for its window is grey, one that is late is red;
 /// each team that has delivered it has a tick in its colour.
 sim::Legend legend_of(const Board& board);

@@ -53,9 +53,9 @@ TEST(Board, TellsTimePointsAndPublishedOrders) {
   board = board_of(story, config);
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("1 C0 G1 0/2, 0:00-3:20", "2 C3 G1, 6:40-8:20"));
   EXPECT_EQ(board.orders[1].product, (sim::Stack{3, {1, 3, 4}, 1}));
-  ASSERT_EQ(legend_of(board).title.size(), 2u);
-  EXPECT_EQ(legend_of(board).title[0].text, "0:12 PRODUCTION");
-  EXPECT_EQ(legend_of(board).title[1].text, "CYAN 0");
+  ASSERT_EQ(headline_of(board).size(), 2u);
+  EXPECT_EQ(headline_of(board)[0].text, "0:12 PRODUCTION");
+  EXPECT_EQ(headline_of(board)[1].text, "CYAN 0");
 }
 
 TEST(Board, SaysThatTheGameIsPaused) {
@@ -63,7 +63,7 @@ TEST(Board, SaysThatTheGameIsPaused) {
   config.pauses = {{5, 100}};
   GameStory story(config);
   story.run_until(12);
-  EXPECT_EQ(legend_of(board_of(story, config)).title[0].text, "0:05 PRODUCTION PAUSED");
+  EXPECT_EQ(headline_of(board_of(story, config))[0].text, "0:05 PRODUCTION PAUSED");
 }
 
 TEST(Board, TicksWhatHasBeenDelivered) {
@@ -74,14 +74,14 @@ TEST(Board, TicksWhatHasBeenDelivered) {
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 1}").code, 0);
   const sim::Legend legend = legend_of(board_of(story, config));
   EXPECT_THAT(cards(legend), ElementsAre("1 C0 G1, 0:00-3:20, done", "2 C3 G1, 6:40-8:20"));
-  EXPECT_EQ(legend.title[1].text, "CYAN " + std::to_string(story.score().total()));
+  EXPECT_EQ(headline_of(board_of(story, config))[1].text, "CYAN " + std::to_string(story.score().total()));
   EXPECT_GT(story.score().total(), 0);
 }
 
 TEST(Board, ACardHasGateAndCompetitionAndTheTicksOfTheTeams) {
   Board board{{Team::kCyan, Team::kMagenta}, "PRODUCTION", 50, {}, {{4, "C0", {1, {}, 1}, 0, 200, 1, 3, true, {}}}};
   EXPECT_THAT(cards(legend_of(board)), ElementsAre("4 C0 G3 vs, 0:00-3:20"));
-  const sim::Legend::Colour cyan = legend_of(board).title[1].colour, magenta = legend_of(board).title[2].colour;
+  const sim::Legend::Colour cyan = headline_of(board)[1].colour, magenta = headline_of(board)[2].colour;
   board.orders[0].delivered = {0, 1};
   EXPECT_THAT(legend_of(board).cards[0].ticks, ElementsAre(magenta));
   board.orders[0].delivered = {1, 1};
@@ -118,7 +118,7 @@ TEST(Board, OfARecordedGameFollowsAControllerWhoEndsSetUp) {
   const auto board = RecordedBoard::load(config, journal);
   ASSERT_TRUE(board) << board.error().text();
   for (const auto& [at, title] : {std::pair{9, "0:09 SETUP"}, {12, "0:02 PRODUCTION"}, {29, "0:19 PRODUCTION"}})
-    EXPECT_EQ(legend_of(board->at(std::chrono::seconds(at))).title[0].text, title) << at;
+    EXPECT_EQ(headline_of(board->at(std::chrono::seconds(at)))[0].text, title) << at;
   EXPECT_EQ(board->at(std::chrono::seconds(31)).phase, "POST_GAME");
 }
 

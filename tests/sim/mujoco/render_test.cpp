@@ -10,6 +10,7 @@
 
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/overlay.h"
+#include "sim/mujoco/posed_floor.h"
 #include "test_floor.h"
 
 namespace cxlab::sim {
@@ -56,6 +57,7 @@ TEST_F(Rendering, EveryCameraShowsAnotherPicture) {
 TEST_F(Rendering, UnknownCameraNamesTheNearest) {
   const auto picture = renderer_->draw(world_->gate(), "C-CS2");
   ASSERT_FALSE(picture.ok());
+  EXPECT_THAT(picture.error().message, HasSubstr("no camera 'C-CS2', expected one of: field, top, follow-R1, "));
   EXPECT_THAT(picture.error().message, HasSubstr("did you mean 'C-CS1'?"));
 }
 
@@ -147,7 +149,6 @@ TEST_F(Rendering, ColumnsShowAllPartsOfAProduct) {
 
 TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
   Legend legend;
-  legend.title = {{"12:34", {1, 1, 1}}, {"CYAN 30", {0, 1, 1}}};
   legend.cards = {{Stack{1, {1, 2, 3}, 2}, {{{"1 C3"}, {"0:00-1:00"}}}, {{0, 1, 1}}},
                   {Stack{3, {}, 1}, {{{"2 C0"}, {"0:00-1:00"}}}, {}}};
   auto renderer = std::move(*Renderer::create(small_floor(), world_->gate(), 640, 480));
@@ -162,14 +163,14 @@ TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
     EXPECT_EQ(base, (std::array<int, 3>{217, 20, 20})) << camera;
     EXPECT_EQ(ring, (std::array<int, 3>{255, 128, 13})) << camera;
     ASSERT_EQ(overlay.ticks.size(), 1u);
-    EXPECT_TRUE(overlay.ticks[0].box.within(overlay.cards[1]));
+    EXPECT_TRUE(overlay.ticks[0].box.within(overlay.cards[0]));
     const Box& tick = overlay.ticks[0].box;
     EXPECT_GT(pixel(picture, tick.right() - 1, tick.top() - 1)[1], 200);
 
-    EXPECT_EQ(overlay.lines.size(), 6u);
-    ASSERT_EQ(overlay.cards.size(), 3u);
+    EXPECT_EQ(overlay.lines.size(), 4u);
+    ASSERT_EQ(overlay.cards.size(), 2u);
     for (const Overlay::Line& line : overlay.lines) EXPECT_TRUE(line.box.within({0, 0, 640, 480})) << line.text.text;
-    EXPECT_FALSE(overlay.cards[1].overlaps(overlay.cards[2]));
+    EXPECT_FALSE(overlay.cards[0].overlaps(overlay.cards[1]));
     for (const Overlay::Label& label : overlay.labels)
       for (const Box& card : overlay.cards) {
         EXPECT_FALSE(card.overlaps(label.box)) << camera << ' ' << label.name;
@@ -182,11 +183,117 @@ TEST_F(Rendering, LegendHasProductsInTheirColoursAndCoversNothing) {
 
 TEST_F(Rendering, LegendOfManyCardsLeavesHalfOfThePicture) {
   Legend legend;
-  legend.title = {{"12:34", {1, 1, 1}}};
   for (int i = 0; i < 60; ++i) legend.cards.push_back({Stack{1, {}, 1}, {{{"1 C0"}, {"0:00-1:00"}}}, {}});
   ASSERT_TRUE(renderer_->draw(world_->gate(), "field", legend).ok());
-  EXPECT_GT(renderer_->overlay().cards.size(), 6u);
+  EXPECT_GT(renderer_->overlay().cards.size(), 5u);
   for (const Box& card : renderer_->overlay().cards) EXPECT_GE(card.bottom, 120);
+}
+
+/// The corners of the small floor's field and of what stands on it.
+std::array<Vec3, 8> field_corners(const FloorPlan& plan) {
+  return corners({(plan.min_x + plan.max_x) / 2, (plan.min_y + plan.max_y) / 2, 0}, (plan.max_x - plan.min_x) / 2,
+                 (plan.max_y - plan.min_y) / 2, 1.1);
+}
+
+struct Shape {
+  int width, height;
+  double least;  ///< share of the picture that the field's outline has
+};
+
+TEST_F(Rendering, FieldFillsPicturesOfAnyShape) {
+  const auto one_team = [] {  // one half of the field
+    FloorPlan plan = small_floor();
+    plan.min_x = 0;
+    return plan;
+  };
+  for (const FloorPlan& plan : {small_floor(), one_team()}) {
+    auto world = std::move(*MujocoWorld::create(plan, test_options()));
+    const double field = (plan.max_x - plan.min_x) / (plan.max_y - plan.min_y);
+    for (const auto& [width, height, least] : {Shape{640, 480, 0.6},
+                                               {640, 360, 0.75},
+                                               {961, 400, 0.75},
+                                               {300, 640, 0.5},
+                                               {480, 480, 0.45},
+                                               {101, 77, 0.5}}) {
+      auto renderer = std::move(*Renderer::create(plan, world->gate(), width, height));
+      for (const char* camera : {"field", "top"}) {
+        const std::string where = std::to_string(width) + 'x' + std::to_string(height) + ' ' + camera;
+        const Picture picture = **renderer->draw(world->gate(), camera);
+        const auto points = field_corners(plan);
+        const Box outline = renderer->projection().around(points);
+        EXPECT_TRUE(outline.within({0, 0, width, height})) << where;
+        // As large as the picture lets it be, in one direction at least.
+        EXPECT_TRUE(outline.width > width * 0.9 || outline.height > (height - 60) * 0.8) << where << outline.height;
+        const double share = static_cast<double>(outline.width) * outline.height / (width * height);
+        if (field > 1.5) {
+          EXPECT_GT(share, camera == std::string("field") ? least : least * 0.8) << where;
+        }
+        // No sky, which is lighter than the ground around the field.
+        for (const auto& [x, y] : {std::pair{0, 0}, {width - 1, 0}, {0, height - 1}, {width - 1, height - 1}})
+          EXPECT_LT(pixel(picture, x, y)[2], 130) << where << ' ' << x << ' ' << y;
+      }
+    }
+  }
+}
+
+TEST_F(Rendering, ThingsAreWhereTheProjectionSays) {
+  world_->set_lights(station("C-CS1"), {Light::kOff, Light::kOff, Light::kOff});
+  const PieceId piece = *world_->dispense(station("C-CS1"), 0.155, Stack{1, {}, 0});
+  for (const auto& [width, height] : {std::pair{640, 480}, {300, 640}}) {
+    auto renderer = std::move(*Renderer::create(small_floor(), world_->gate(), width, height));
+    for (const char* camera : {"field", "top"}) {
+      const Picture& picture = **renderer->draw(world_->gate(), camera);
+      const auto at = renderer->projection().pixel(world_->find(piece)->position_in_world);
+      ASSERT_TRUE(at);
+      const auto colour = pixel(picture, static_cast<int>(at->x), static_cast<int>(at->y) + 4);
+      EXPECT_EQ(colour, (std::array<int, 3>{217, 20, 20})) << camera << ' ' << width;
+    }
+  }
+}
+
+TEST_F(Rendering, PosedFloorLooksAsTheWorldThatItIsPosedAs) {
+  const PieceId piece = *world_->dispense(station("C-CS1"), 0.155, Stack{3, {2, 4, 0}, 1});
+  world_->set_lights(station("C-RS1"), {Light::kOn, Light::kOff, Light::kBlink});
+  for (int tick = 0; tick < 60; ++tick) {
+    world_->command_base(RobotId{0}, 0.4, 0.2, 0.7);
+    world_->command_gripper(RobotId{1}, {0.1, 0.02, 0.03});
+    world_->command_fingers(RobotId{1}, 0.01);
+    ASSERT_TRUE(world_->advance(std::chrono::milliseconds(20)).ok());
+  }
+  auto floor = std::move(*PosedFloor::create(small_floor(), test_options()));
+  const auto pose_of_world = [&] {
+    FloorPose pose;
+    for (int i = 0; i < 2; ++i) pose.robots.push_back(world_->robot(RobotId{i}));
+    for (int i = 0; i < 4; ++i) pose.lights.push_back(world_->lights(StationId{i}));
+    for (const Piece& one : world_->pieces())
+      pose.pieces.push_back(
+          {one.stack, compose(pose_in_space(small_floor().stations[1].pose_in_world), world_->pose_in_holder(one))});
+    return pose;
+  };
+  const auto expect_alike = [&](const char* camera) {
+    const auto moved = draw(camera);
+    auto renderer = std::move(*Renderer::create(small_floor(), floor->gate(), 320, 240));
+    const auto& posed = (*renderer->draw(floor->gate(), camera))->rgb;
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) others += std::abs(moved[i] - posed[i]) > 8;
+    // Fingers may differ by a hair, and edges of what is small by a pixel.
+    EXPECT_LT(others, moved.size() / (camera == std::string("field") ? 100 : 500)) << camera;
+  };
+  floor->pose(pose_of_world(), to_seconds(world_->now()));
+  for (const char* camera : {"field", "C-CS1", "R2", "follow-R1"}) expect_alike(camera);
+  world_->retire(piece, Holder::kGate);
+  world_->set_lights(station("C-RS1"), {});
+  floor->pose(pose_of_world(), to_seconds(world_->now()));
+  for (const char* camera : {"field", "C-CS1"}) expect_alike(camera);
+}
+
+TEST_F(Rendering, PosedFloorLeavesOutPiecesThatItHasNoBodiesFor) {
+  auto floor = std::move(*PosedFloor::create(small_floor(), test_options()));
+  FloorPose pose;
+  pose.pieces.resize(PosedFloor::kMostPieces + 10, {Stack{1, {}, 0}, {{1, 1, 1}}});
+  floor->pose(pose, 0);
+  auto renderer = std::move(*Renderer::create(small_floor(), floor->gate(), 320, 240));
+  EXPECT_TRUE(renderer->draw(floor->gate(), "top").ok());
 }
 
 TEST_F(Rendering, CameraThatFollowsHasItsRobotInTheMiddle) {

@@ -1,0 +1,14 @@
+#pragma once
+// What of a game people hear of: faults, failed skills, machines that break, deliveries, points.
+
+#include <vector>
+
+#include "scenarios/question.h"
+#include "scenarios/run_page.h"
+
+namespace cxlab::rcll {
+
+/// `WorldKind::happened`.
+void happened(const Scenario& scenario, const JournalRecord& record, std::vector<PageEvent>& out);
+
+}  // namespace cxlab::rcll
