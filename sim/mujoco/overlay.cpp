@@ -15,7 +15,7 @@ constexpr int kTied = 5;              ///< px between a label and its body from 
 constexpr double kMachineTop = 1.12;  ///< m, with its signal light
 constexpr double kRobotTop = 0.9;     ///< m, with its gripper
 constexpr Legend::Colour kLamps[3] = {{1.0f, 0.15f, 0.1f}, {1.0f, 0.85f, 0.0f}, {0.15f, 0.95f, 0.25f}};
-constexpr int kNarrow = 640;  ///< px: in a picture that is less wide names are short
+constexpr int kNarrow = 700;  ///< px: in a picture that is less wide names are short
 constexpr float kUnlit = 0.22f;
 
 mjrRect rect(const Box& box) { return {box.left, box.bottom, box.width, box.height}; }

@@ -84,9 +84,11 @@ class Exports(Lab):
         self.assertEqual([(r["stream"], int(r["n"]), int(r["t_ns"]), r["kind"], json.loads(r["data"]), r["cause"].split()) for r in rows],
                          [(r["stream"], r["n"], r["t"], r["kind"], r["data"], r["cause"]) for r in self.records()])
 
-    def test_pictures_need_physics(self):
-        self.game()
-        self.assertIn("--tier physics", self.cxlab("export", "out", "--mcap", "--pictures", 5, code=3).stderr)
+    def test_pictures_of_the_timed_tier_come_from_its_scene(self):
+        self.game("--set", "world.exploration=false")
+        self.cxlab("export", "out", "--mcap", "--pictures", 50, "-o", "bag")
+        bag = next(p for p in (self.folder / "bag").rglob("*.mcap")).read_bytes()
+        self.assertIn(b"/cxlab/camera/field", bag)
         self.cxlab("export", "out", "--trace", "--pictures", 5, code=2)
 
     def test_parquet_begins_and_ends_as_it_must(self):

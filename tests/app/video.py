@@ -1,12 +1,14 @@
-"""Films, `cxlab run --video` and `cxlab render --video`. Most tests have a stand-in for ffmpeg that keeps the frames."""
+"""Films, `cxlab run --video` and `cxlab render --video`. Many tests have a stand-in for ffmpeg that keeps the frames."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
 import time
 import unittest
 
+from gif import read_gif
 from lab import CXLAB, SOURCE, Lab
 
 GAME = SOURCE / "scenarios/rcll/game.yaml"
@@ -79,6 +81,156 @@ class Film(Lab):
             self.assertEqual(len(film), 21 * frame)
             self.assertEqual(film == live[10 * frame:31 * frame], camera == "follow-robot1", camera)
 
+    def run_game(self, out, *options, until=60, scenario="two_teams", tier="timed"):
+        self.cxlab("run", SOURCE / f"scenarios/rcll/{scenario}.yaml", "--tier", tier, "--seed", 1, "--until", until, "--out", out,
+                   "--quiet", *options)
+
+    @staticmethod
+    def rows(frame, width, first, last):
+        return frame[3 * width * first:3 * width * last]
+
+    def test_the_timed_tier_is_filmed_as_it_is_played_and_as_it_was_recorded(self):
+        self.needs_opengl()
+        size, frame = "320x240", 320 * 240 * 3
+        live = ["--video", "film.mp4", "--video-size", size, "--video-camera", "field,follow-robot1"]
+        self.run_game("run", *live)
+        played = (self.folder / "frames").read_bytes()
+        self.assertEqual(len(played), 76 * frame)  # at 0, 0.8 ... 60 s
+        again = ["render", "run", "--video", "film.mp4", "--size", size, "--camera", "field,follow-robot1"]
+        recorded = self.film(*again)
+        self.assertEqual(recorded, self.film(*again), "the same run has the same frames")
+        # Ways of robots are kept in whole milliseconds and millimetres: an edge may lie a pixel further.
+        for k in range(0, 76, 5):
+            here, there = played[k * frame:(k + 1) * frame], recorded[k * frame:(k + 1) * frame]
+            self.assertLess(sum(a != b for a, b in zip(here, there)), frame // 50, k)
+        self.assertGreater(sum(a != b for a, b in zip(played[:frame], played[70 * frame:])), frame // 50, "robots move")
+
+    def test_a_caption_has_lines_of_its_own(self):
+        self.needs_opengl()
+        self.run_game("run", "--set", "faults=[{kind: skill_fails, mean_s: 20}]")
+        film = ["render", "run", "--video", "film.mp4", "--size", "480x300", "--from", 59, "--to", 59]
+        with_it, without = self.film(*film), self.film(*film, "--no-caption")
+        self.assertEqual((len(with_it), len(without)), (480 * 300 * 3,) * 2)
+        below = self.rows(with_it, 480, 262, 300)
+        self.assertNotEqual(below, self.rows(without, 480, 262, 300))
+        colours = {below[i:i + 3] for i in range(0, len(below), 3)}
+        self.assertIn(bytes((255, 153, 115)), colours, "a fault stands out")
+        self.assertIn(bytes((51, 242, 255)), colours, "the points of cyan")
+        self.assertIn(bytes((255, 128, 217)), colours, "the points of magenta")
+        # Without a journal nothing is told.
+        (self.folder / "run/journal.jsonl").unlink()
+        self.assertNotIn(bytes((255, 153, 115)), self.film(*film))
+
+    def test_snapshots_of_the_timed_tier_are_at_the_times_that_were_asked_for(self):
+        self.needs_opengl()
+        self.run_game("run", "--snapshot", "7.3,20", until=30)
+        self.assertEqual(sorted(p.name for p in (self.folder / "run/snapshots").iterdir()),
+                         ["0007.30-field.png", "0007.30-top.png", "0020.00-field.png", "0020.00-top.png"])
+
+    # --- Animated images
+
+    def gif(self, name="film.gif"):
+        data = (self.folder / name).read_bytes()
+        return (len(data), *read_gif(data))
+
+    def test_an_animated_image_has_the_frames_of_the_film_without_ffmpeg(self):
+        self.environment["PATH"] = f"{self.folder}/nothing"
+        options = ["render", TURTLES, "--to", 8, "--size", "120x120", "--speed", 4]
+        self.cxlab(*options, "--video", "film.gif")
+        _, width, height, frames = self.gif()
+        self.assertEqual((width, height), (120, 120))
+        self.environment["PATH"] = f"{self.folder}/bin:{os.environ['PATH']}"
+        raw = self.film(*options, "--video", "film.mp4", "--frame-rate", 10)
+        size = 120 * 120 * 3
+        shown, at = [], 0
+        for delay, pixels in frames:  # a frame that repeats the one before makes it longer
+            shown += [(at + k, pixels) for k in range(0, delay, 10)]
+            at += delay
+        self.assertEqual(at, 210)
+        self.assertEqual([t for t, _ in shown], list(range(0, 210, 10)))
+        for k, (_, pixels) in enumerate(shown):
+            wanted = raw[k * size:(k + 1) * size]
+            self.assertLess(max(abs(a - b) for a, b in zip(pixels, wanted)), 40, k)  # 255 colours in a frame
+            self.assertLess(sum(a != b for a, b in zip(pixels, wanted)), size // 4, k)
+
+    def test_an_animated_image_of_a_whole_game_is_below_five_megabytes(self):
+        self.needs_opengl()
+        self.run_game("run", until=1200)
+        done = self.cxlab("render", "run", "--video", "game.gif", "--speed", 60)
+        size, width, height, frames = self.gif("game.gif")
+        self.assertEqual((width, height, done.stdout), (640, 400, "game.gif\n"))
+        self.assertLess(size, 5_000_000)
+        self.assertGreater(len(frames), 150)
+        self.assertAlmostEqual(sum(delay for delay, _ in frames), 2010, delta=20)
+
+    def test_an_animated_image_is_made_to_fit_and_says_how(self):
+        options = ["render", TURTLES, "--to", 30, "--size", "200x200", "--speed", 5]
+        self.cxlab(*options, "--video", "whole.gif")
+        whole = self.gif("whole.gif")
+        done = self.cxlab(*options, "--video", "small.gif", "--max-size", f"{whole[0] * 2 // 5}")
+        small = self.gif("small.gif")
+        self.assertLessEqual(small[0], whole[0] * 2 // 5)
+        self.assertRegex(done.stderr, r"small\.gif: 0\.\d\d MB with 5 frames a second instead of 10.* to stay below 0\.\d\d MB")
+        self.assertEqual(sum(delay for delay, _ in whole[3]), sum(delay for delay, _ in small[3]), "it lasts as long")
+        self.assertEqual(f"{small[1]}x{small[2]}" in done.stderr, small[1] < 200)
+        tiny = self.cxlab(*options, "--video", "tiny.gif", "--max-size", "10kB")
+        self.assertLessEqual(self.gif("tiny.gif")[0], 10_000)
+        self.assertIn("instead of 200x200", tiny.stderr)
+        self.assertEqual((self.folder / "whole.gif").stat().st_size, whole[0])
+
+    def test_an_animated_image_that_is_interrupted_is_whole(self):
+        process = subprocess.Popen([CXLAB, "render", TURTLES, "--video", "film.gif", "--speed", "1", "--set", "expect=[]", "--set",
+                                    "duration_s=100000"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        time.sleep(2)
+        self.assertFalse((self.folder / "film.gif").exists())
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 130, error)
+        self.assertIn("film.gif ends there", error)
+        self.assertGreater(len(self.gif()[3]), 1)
+        self.assertEqual([p.name for p in self.folder.iterdir() if "part" in p.name], [])
+
+    def test_a_killed_film_leaves_no_half_file(self):
+        process = subprocess.Popen([CXLAB, "render", TURTLES, "--video", "film.gif", "--speed", "1", "--set", "expect=[]", "--set",
+                                    "duration_s=100000"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not any("part" in p.name for p in self.folder.iterdir()) and process.poll() is None:
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        for _ in range(100):
+            if not [p for p in self.folder.iterdir() if p.suffix == ".gif"]:
+                return
+            time.sleep(0.05)
+        self.fail("a part of a film is left")
+
+    def test_what_is_wrong_with_a_film_is_said(self):
+        turtles = ["render", TURTLES, "--to", 1]
+        self.run_game("run", until=2)
+        for code, text, arguments in (
+                (2, "expected a name that ends in .mp4, .mkv, .mov, .avi, .webm or .gif", [*turtles, "--video", "film.bmp"]),
+                (2, "which only an animated image (.gif) can have", [*turtles, "--video", "film.mp4", "--max-size", "2MB"]),
+                (2, "expected a size of at least 10kB", [*turtles, "--video", "film.gif", "--max-size", "2"]),
+                (2, "expected a size of at least 10kB", [*turtles, "--video", "film.gif", "--max-size", "2 apples"]),
+                (2, "expected at most 50 for an animated image", [*turtles, "--video", "film.gif", "--frame-rate", 60]),
+                (2, "expected a number from 1 to 120", [*turtles, "--video", "film.gif", "--frame-rate", 0]),
+                (2, "--from: found 5 s, which is after the end of the film at 1 s", [*turtles, "--from", 5, "--video", "film.gif"]),
+                (3, "expected: canvas", [*turtles, "--video", "film.gif", "--camera", "canvas,field"]),
+                (5, "film.gif: the film cannot be written", [*turtles, "--video", "/proc/film.gif"]),
+                (2, "--to: there is no picture at 5 s: the run ends at 2 s", ["render", "run", "--video", "film.gif", "--to", 5])):
+            done = self.cxlab(*arguments, expect=code)
+            self.assertIn(text, done.stderr)
+        self.needs_opengl()
+        done = self.cxlab("render", "run", "--video", "film.gif", "--camera", "field,folow-robot1", expect=3)
+        self.assertRegex(done.stderr, r"no camera 'folow-robot1', expected one of: field, top, follow-robot1, .*C-CS1.*did you mean 'follow-robot1'")
+        self.assertEqual([p.name for p in self.folder.iterdir() if p.suffix == ".gif"], [])
+
+    def test_odd_sizes_are_drawn(self):
+        self.needs_opengl()
+        self.run_game("run", until=2)
+        for size in ("17x16", "641x399", "100x900"):
+            self.cxlab("render", "run", "--video", "film.gif", "--size", size, "--camera", "field,follow-robot1,top")
+            self.assertEqual("%dx%d" % self.gif()[1:3], size)
+
     def interrupt(self, *arguments):
         """Sends SIGINT once frames have been written."""
         process = subprocess.Popen([CXLAB, *map(str, arguments)], cwd=self.folder, env=self.environment,
@@ -113,7 +265,8 @@ class Film(Lab):
         nowhere = os.environ | {"PATH": f"{self.folder}/empty"}
         for command in (run, ["render", TURTLES, "--to", 1]):
             done = self.cxlab(*command, "--video", "film.mp4", expect=5, environment=nowhere)
-            self.assertEqual(done.stderr, "error: no pictures: --video needs ffmpeg: apt-get install ffmpeg\n")
+            self.assertEqual(done.stderr, "error: no pictures: --video needs ffmpeg: apt-get install ffmpeg, or a name that ends in .gif, "
+                             "which needs nothing\n")
             done = self.cxlab(*command, "--video", "/proc/none/film.mp4", expect=5)
             self.assertEqual(done.stderr, "error: /proc/none: the folder cannot be made: No such file or directory\n")
         self.stand_in("exit 1\n")
