@@ -93,21 +93,21 @@ class Film(Lab):
         self.needs_opengl()
         size, frame = "320x240", 320 * 240 * 3
         live = ["--video", "film.mp4", "--video-size", size, "--video-camera", "field,follow-robot1"]
-        self.run_game("run", *live)
+        self.run_game("run", *live, until=24)
         played = (self.folder / "frames").read_bytes()
-        self.assertEqual(len(played), 76 * frame)  # at 0, 0.8 ... 60 s
+        self.assertEqual(len(played), 31 * frame)  # at 0, 0.8 ... 24 s
         again = ["render", "run", "--video", "film.mp4", "--size", size, "--camera", "field,follow-robot1"]
         recorded = self.film(*again)
         self.assertEqual(recorded, self.film(*again), "the same run has the same frames")
         # Ways of robots are kept in whole milliseconds and millimetres: an edge may lie a pixel further.
-        for k in range(0, 76, 5):
+        for k in range(0, 31, 3):
             here, there = played[k * frame:(k + 1) * frame], recorded[k * frame:(k + 1) * frame]
             self.assertLess(sum(a != b for a, b in zip(here, there)), frame // 50, k)
-        self.assertGreater(sum(a != b for a, b in zip(played[:frame], played[70 * frame:])), frame // 50, "robots move")
+        self.assertGreater(sum(a != b for a, b in zip(played[:frame], played[30 * frame:])), frame // 50, "robots move")
 
     def test_a_caption_has_lines_of_its_own(self):
         self.needs_opengl()
-        self.run_game("run", "--set", "faults=[{kind: skill_fails, mean_s: 20}]")
+        self.run_game("run", "--set", "faults=[{kind: skill_fails, probability: 0.7}]")
         film = ["render", "run", "--video", "film.mp4", "--size", "480x300", "--from", 59, "--to", 59]
         with_it, without = self.film(*film), self.film(*film, "--no-caption")
         self.assertEqual((len(with_it), len(without)), (480 * 300 * 3,) * 2)
@@ -156,21 +156,21 @@ class Film(Lab):
     def test_an_animated_image_of_a_whole_game_is_below_five_megabytes(self):
         self.needs_opengl()
         self.run_game("run", until=1200)
-        done = self.cxlab("render", "run", "--video", "game.gif", "--speed", 60)
+        done = self.cxlab("render", "run", "--video", "game.gif", "--speed", 150)
         size, width, height, frames = self.gif("game.gif")
         self.assertEqual((width, height, done.stdout), (640, 400, "game.gif\n"))
         self.assertLess(size, 5_000_000)
-        self.assertGreater(len(frames), 150)
-        self.assertAlmostEqual(sum(delay for delay, _ in frames), 2010, delta=20)
+        self.assertGreater(len(frames), 60)
+        self.assertAlmostEqual(sum(delay for delay, _ in frames), 810, delta=10)
 
     def test_an_animated_image_is_made_to_fit_and_says_how(self):
         options = ["render", TURTLES, "--to", 30, "--size", "200x200", "--speed", 5]
         self.cxlab(*options, "--video", "whole.gif")
         whole = self.gif("whole.gif")
-        done = self.cxlab(*options, "--video", "small.gif", "--max-size", f"{whole[0] * 2 // 5}")
+        done = self.cxlab(*options, "--video", "small.gif", "--max-size", f"{whole[0] * 4 // 5}")
         small = self.gif("small.gif")
-        self.assertLessEqual(small[0], whole[0] * 2 // 5)
-        self.assertRegex(done.stderr, r"small\.gif: 0\.\d\d MB with 5 frames a second instead of 10.* to stay below 0\.\d\d MB")
+        self.assertLessEqual(small[0], whole[0] * 4 // 5)
+        self.assertRegex(done.stderr, r"small\.gif: 0\.\d\d MB with 5 frames a second instead of 10.*, to stay below 0\.\d\d MB")
         self.assertEqual(sum(delay for delay, _ in whole[3]), sum(delay for delay, _ in small[3]), "it lasts as long")
         self.assertEqual(f"{small[1]}x{small[2]}" in done.stderr, small[1] < 200)
         tiny = self.cxlab(*options, "--video", "tiny.gif", "--max-size", "10kB")
@@ -227,7 +227,7 @@ class Film(Lab):
     def test_odd_sizes_are_drawn(self):
         self.needs_opengl()
         self.run_game("run", until=2)
-        for size in ("17x16", "641x399", "100x900"):
+        for size in ("65x49", "321x199", "100x400"):
             self.cxlab("render", "run", "--video", "film.gif", "--size", size, "--camera", "field,follow-robot1,top")
             self.assertEqual("%dx%d" % self.gif()[1:3], size)
 
