@@ -106,7 +106,7 @@ void Bus::begin_tick(SimTime now) {
 // --- Endpoints
 
 Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
-                              std::string_view type_name) {
+                              std::string_view type_name, Rank rank) {
   Participant& owner = state_->participant(p);
   if (owner.gone) return run_error("node '" + owner.name.full_name() + "' has left the bus");
   const std::string noun(noun_of(made->kind));
@@ -135,7 +135,10 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
   endpoint.id = static_cast<EndpointId>(static_cast<std::uint64_t>(p) << 32 | owner.endpoints.size());
   endpoint.owner = p;
   endpoint.channel = channel.get();
-  (endpoint.provides() ? channel->providers : channel->users).push_back(&endpoint);
+  endpoint.stands_in = rank == Rank::kStandIn;
+  auto& siblings = endpoint.provides() ? channel->providers : channel->users;
+  siblings.insert(endpoint.stands_in ? siblings.end() : std::ranges::find(siblings, true, &Endpoint::stands_in),
+                  &endpoint);
   owner.endpoints.push_back(std::move(made));
   if (endpoint.kind == EndpointKind::kPublisher) endpoint.opening = state_->begin("publish", endpoint);
   state_->begin(op_of(endpoint.kind), endpoint).field("type", type_name);
@@ -145,7 +148,7 @@ Expected<EndpointId> Bus::add(ParticipantId p, std::string_view written, std::un
     for (const auto& [what, message] : channel->kept)
       state_->enqueue(endpoint, Delivery(message.delivery), message.tick);
   const bool serves = endpoint.provides() && endpoint.kind != EndpointKind::kPublisher;
-  if (serves && channel->providers.size() > 1 && state_->report_rivals &&
+  if (serves && !endpoint.stands_in && channel->providers.front() != &endpoint && state_->report_rivals &&
       !state_->is_twin_of(*channel->providers.front(), owner))
     state_->report_rivals(noun + " '" + name +
                           "' has more than one server: " + state_->owner_of(*channel->providers.front()) +
@@ -181,10 +184,10 @@ Expected<EndpointId> Bus::subscribe(ParticipantId p, std::string_view topic, con
   return add(p, topic, make_endpoint(EndpointKind::kSubscription, {&type}, {std::move(handler)}), type.name());
 }
 
-Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type,
-                                Handler on_request) {
+Expected<EndpointId> Bus::serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request,
+                                Rank rank) {
   return add(p, service, make_endpoint(EndpointKind::kServer, {type.request, type.response}, {std::move(on_request)}),
-             type.name);
+             type.name, rank);
 }
 
 Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view service, const ServiceType& type,
@@ -194,11 +197,11 @@ Expected<EndpointId> Bus::create_client(ParticipantId p, std::string_view servic
 }
 
 Expected<EndpointId> Bus::serve_action(ParticipantId p, std::string_view action, const ActionType& type,
-                                       ActionServerHandlers h) {
+                                       ActionServerHandlers h, Rank rank) {
   return add(p, action,
              make_endpoint(EndpointKind::kActionServer, {type.goal, type.result, type.feedback},
                            {std::move(h.goal), std::move(h.cancel)}),
-             type.name);
+             type.name, rank);
 }
 
 Expected<EndpointId> Bus::create_action_client(ParticipantId p, std::string_view action, const ActionType& type,
@@ -408,6 +411,23 @@ void Bus::inject(ParticipantId to, const std::vector<Delivery>& deliveries) {
     state_->handle(now_, delivery);
   }
 }
+
+std::vector<ParticipantId> Bus::owners(NameKind kind, std::string_view name, bool providing) const {
+  std::vector<ParticipantId> all;
+  const Channels& channels = state_->channels_of(kind);
+  for (auto at = channels.lower_bound(name); at != channels.end() && at->first.starts_with(name); ++at) {
+    if (at->second->name != name) continue;  // under its type the same name, or a longer one
+    for (const Endpoint* endpoint : providing ? at->second->providers : at->second->users)
+      if (std::ranges::find(all, endpoint->owner) == all.end()) all.push_back(endpoint->owner);
+  }
+  return all;
+}
+
+std::vector<ParticipantId> Bus::providers(NameKind kind, std::string_view name) const {
+  return owners(kind, name, true);
+}
+std::vector<ParticipantId> Bus::users(NameKind kind, std::string_view name) const { return owners(kind, name, false); }
+std::string Bus::described(ParticipantId p) const { return state_->described(p); }
 
 std::vector<Bus::Info> Bus::topics() const { return info_of(state_->channels_of(NameKind::kTopic)); }
 std::vector<Bus::Info> Bus::services() const { return info_of(state_->channels_of(NameKind::kService)); }

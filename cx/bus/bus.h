@@ -156,14 +156,17 @@ class Bus : private Feed {
   // a removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
-  Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request);
+  /// A stand-in answers only while no other server has the name, which takes over without being its rival.
+  enum class Rank : std::uint8_t { kServer, kStandIn };
+  Expected<EndpointId> serve(ParticipantId p, std::string_view service, const ServiceType& type, Handler on_request,
+                             Rank rank = Rank::kServer);
   Expected<EndpointId> create_client(ParticipantId p, std::string_view service, const ServiceType& type,
                                      Handler on_response);
   struct ActionServerHandlers {
     Handler goal, cancel;
   };
   Expected<EndpointId> serve_action(ParticipantId p, std::string_view action, const ActionType& type,
-                                    ActionServerHandlers handlers);
+                                    ActionServerHandlers handlers, Rank rank = Rank::kServer);
   struct ActionClientHandlers {
     Handler goal_response, feedback, result, cancel_response;
   };
@@ -240,7 +243,15 @@ class Bus : private Feed {
   void mute(bool on);
   void inject(ParticipantId to, const std::vector<Delivery>& deliveries);
 
-  // --- Introspection, sorted by name
+  // --- Introspection
+  /// Owners of the publishers or servers of that absolute name, in the order in which they answer; once for each.
+  std::vector<ParticipantId> providers(NameKind kind, std::string_view name) const;
+  /// The same for subscriptions or clients.
+  std::vector<ParticipantId> users(NameKind kind, std::string_view name) const;
+  /// "/clips_manager (environment main)".
+  std::string described(ParticipantId p) const;
+
+  // Sorted by name
   struct Info {
     std::string name, type;
     int providers = 0, users = 0;
@@ -257,7 +268,8 @@ class Bus : private Feed {
   SimTime next_due() const override { return kNever; }
   struct State;
   Expected<EndpointId> add(ParticipantId p, std::string_view written, std::unique_ptr<Endpoint> made,
-                           std::string_view type_name);
+                           std::string_view type_name, Rank rank = Rank::kServer);
+  std::vector<ParticipantId> owners(NameKind kind, std::string_view name, bool providing) const;
   void cancel(EndpointId client, const GoalId& goal, SimTime stamp, Causes causes);
 
   Registry& registry_;

@@ -82,6 +82,7 @@ struct Endpoint {
   std::map<GoalId, ServedGoal> served;
   std::deque<std::pair<SimTime, GoalId>> ended;  ///< of `served`, with their ends
   std::size_t next_order = 0;
+  bool stands_in = false;
 
   bool provides() const {
     return kind == EndpointKind::kPublisher || kind == EndpointKind::kServer || kind == EndpointKind::kActionServer;
@@ -156,10 +157,11 @@ struct Bus::State {
   Channels& channels_of(NameKind kind) { return channels[static_cast<std::size_t>(kind)]; }
 
   /// "/clips_manager (environment main)".
-  std::string owner_of(const Endpoint& endpoint) {
-    const Participant& owner = participant(endpoint.owner);
+  std::string described(ParticipantId p) {
+    const Participant& owner = participant(p);
     return owner.name.full_name() + (owner.part.empty() ? "" : " (" + owner.part + ')');
   }
+  std::string owner_of(const Endpoint& endpoint) { return described(endpoint.owner); }
 
   /// Whether it belongs to a node of the same full name, which is reported elsewhere.
   bool is_twin_of(const Endpoint& endpoint, const Participant& other) {

@@ -35,7 +35,8 @@ std::vector<std::uint16_t> utf16_of(std::string_view text) {
       whole = (next & 0xc0U) == 0x80;
       point = point << 6 | (next & 0x3fU);
     }
-    whole = whole && point <= 0x10ffff && (point < 0xd800 || point > 0xdfff);
+    constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // shorter sequences have what is below
+    whole = whole && point >= kLeast[length] && point <= 0x10ffff && (point < 0xd800 || point > 0xdfff);
     if (!whole) point = 0xfffd;
     i += whole ? length : 1;
     if (point >= 0x10000) {
@@ -62,108 +63,6 @@ void append_utf8(std::uint32_t point, std::string& out) {
     tail(12), tail(6), tail(0);
   }
 }
-
-class CdrReader {
- public:
-  explicit CdrReader(std::string_view fields) : fields_(fields) {}
-
-  Status read(const MessageView& message) {
-    if (message.type().fields().empty()) return take(1, 1) ? Status() : cut_off(message.type().name());
-    for (const Field& field : message.type().fields())
-      if (Status s = read_field(message, field); !s) return s;
-    return {};
-  }
-
- private:
-  Status fail(const std::string& what) const {
-    return input_error(what + " at byte " + std::to_string(at_ + kLittleEndian.size()));
-  }
-  Status cut_off(const std::string& name) const { return fail("field '" + name + "': found the end of the bytes"); }
-
-  /// `size` bytes from the next multiple of `alignment` on; nullptr where they are not there.
-  const char* take(std::size_t size, std::size_t alignment) {
-    const std::size_t begin = (at_ + alignment - 1) / alignment * alignment;
-    if (begin > fields_.size() || size > fields_.size() - begin) return nullptr;
-    at_ = begin + size;
-    return fields_.data() + begin;
-  }
-  template <class T>
-  bool number(T& value) {
-    const char* const data = take(sizeof value, sizeof value);
-    if (data) std::memcpy(&value, data, sizeof value);
-    return data != nullptr;
-  }
-
-  Status read_field(const MessageView& message, const Field& field) {
-    std::size_t count = message.size(field);
-    if (field.is_sequence()) {
-      std::uint32_t found = 0;
-      if (!number(found)) return cut_off(field.name);
-      const std::size_t least = field.is_text()      ? 4
-                                : field.is_message() ? field.nested->serialized_min()
-                                                     : field.stride;
-      if ((fields_.size() - at_) / least < found)
-        return fail("field '" + field.name + "': found " + std::to_string(found) +
-                    " elements, more than the bytes hold,");
-      count = found;
-      if (Status s = message.resize(field, count); !s) return fail("field '" + field.name + "': " + s.error().message);
-    }
-    if (count == 0) return {};
-    if (field.is_message()) {
-      for (std::size_t i = 0; i < count; ++i)
-        if (Status s = read(message.nested(field, i)); !s) return s;
-      return {};
-    }
-    if (field.is_text()) {
-      for (std::size_t i = 0; i < count; ++i)
-        if (Status s = field.type == FieldType::kString ? read_text(message, field, i) : read_wide(message, field, i);
-            !s)
-          return s;
-      return {};
-    }
-    const char* const data = take(count * field.stride, field.stride);
-    if (!data) return cut_off(field.name);
-    if (field.type == FieldType::kBool && std::any_of(data, data + count, [](char c) { return c != 0 && c != 1; }))
-      return fail("field '" + field.name + "': found neither 0 nor 1 before");
-    std::memcpy(numbers_of(message, field), data, count * field.stride);
-    return {};
-  }
-
-  Status set(const MessageView& message, const Field& field, std::string_view text, std::size_t index) const {
-    const Status s = message.set_text(field, text, index);
-    return s ? Status() : fail("field '" + field.name + "': " + s.error().message);
-  }
-  Status read_text(const MessageView& message, const Field& field, std::size_t index) {
-    std::uint32_t size = 0;
-    if (!number(size)) return cut_off(field.name);
-    const char* const data = take(size, 1);
-    if (!data) return cut_off(field.name);
-    std::string_view text(data, size);
-    if (text.ends_with('\0')) text.remove_suffix(1);
-    return set(message, field, text, index);
-  }
-  Status read_wide(const MessageView& message, const Field& field, std::size_t index) {
-    std::uint32_t size = 0;
-    if (!number(size)) return cut_off(field.name);
-    if ((fields_.size() - at_) / 2 < size) return cut_off(field.name);
-    std::string text;
-    std::uint32_t high = 0;
-    for (std::uint32_t i = 0; i < size; ++i) {
-      std::uint16_t unit = 0;
-      if (!number(unit)) return cut_off(field.name);
-      const bool is_high = unit >= 0xd800 && unit < 0xdc00, is_low = unit >= 0xdc00 && unit < 0xe000;
-      if (high && !is_low) append_utf8(0xfffd, text);
-      if (is_low) append_utf8(high ? 0x10000 + ((high - 0xd800) << 10) + (unit - 0xdc00U) : 0xfffd, text);
-      if (!is_high && !is_low) append_utf8(unit, text);
-      high = is_high ? unit : 0;
-    }
-    if (high) append_utf8(0xfffd, text);
-    return set(message, field, text, index);
-  }
-
-  std::string_view fields_;
-  std::size_t at_ = 0;
-};
 
 void collect(const MessageType& type, std::vector<const MessageType*>& types) {
   if (std::ranges::find(types, &type) != types.end()) return;
@@ -224,15 +123,127 @@ CdrWriter& CdrWriter::message(const MessageView& message) {
   return *this;
 }
 
-Expected<Message> read_cdr(const MessageType& type, std::string_view value) {
+CdrReader::CdrReader(std::string_view value) {
   if (value.size() < kLittleEndian.size())
-    return input_error("found " + std::to_string(value.size()) + " bytes, expected CDR with its header of 4");
-  if (value[0] != 0 || value[1] != 1)
-    return input_error("found the representation " + std::to_string(static_cast<unsigned char>(value[0])) + ' ' +
-                       std::to_string(static_cast<unsigned char>(value[1])) +
-                       ", expected 0 1, which is little-endian CDR");
+    status_ = input_error("found " + std::to_string(value.size()) + " bytes, expected CDR with its header of 4");
+  else if (value[0] != 0 || value[1] != 1)
+    status_ = input_error("found the representation " + std::to_string(static_cast<unsigned char>(value[0])) + ' ' +
+                          std::to_string(static_cast<unsigned char>(value[1])) +
+                          ", expected 0 1, which is little-endian CDR");
+  else
+    fields_ = value.substr(kLittleEndian.size());
+}
+
+void CdrReader::fail(const std::string& what) {
+  if (!status_) return;
+  status_ = input_error((field_.empty() ? "" : "field '" + field_ + "': ") + what + ", at byte " +
+                        std::to_string(at_ + kLittleEndian.size()));
+}
+
+const char* CdrReader::take(std::size_t size, std::size_t alignment) {
+  if (!status_) return nullptr;
+  const std::size_t begin = (at_ + alignment - 1) / alignment * alignment;
+  if (begin > fields_.size() || size > fields_.size() - begin) {
+    fail("found the end of the bytes");
+    return nullptr;
+  }
+  at_ = begin + size;
+  return fields_.data() + begin;
+}
+
+CdrReader& CdrReader::size(std::uint32_t& size, std::uint32_t most) {
+  number(size);
+  if (size > most) fail("found " + std::to_string(size) + " elements, expected at most " + std::to_string(most));
+  return *this;
+}
+
+CdrReader& CdrReader::text(std::string_view& text) {
+  std::uint32_t size = 0;
+  number(size);
+  const char* const data = take(size, 1);
+  text = data ? std::string_view(data, size) : std::string_view();
+  if (text.ends_with('\0')) text.remove_suffix(1);
+  return *this;
+}
+
+CdrReader& CdrReader::bytes(std::string& bytes, std::size_t size) {
+  if (const char* const data = take(size, 1)) bytes.assign(data, size);
+  return *this;
+}
+
+CdrReader& CdrReader::message(const MessageView& message) {
+  if (message.type().fields().empty()) {
+    field_ = message.type().name();
+    take(1, 1);
+  }
+  for (const Field& field : message.type().fields()) {
+    if (!status_) break;
+    field_ = field.name;
+    read_field(message, field);
+  }
+  return *this;
+}
+
+void CdrReader::read_field(const MessageView& message, const Field& field) {
+  std::size_t count = message.size(field);
+  if (field.is_sequence()) {
+    std::uint32_t found = 0;
+    number(found);
+    const std::size_t least = field.is_text() ? 4 : field.is_message() ? field.nested->serialized_min() : field.stride;
+    if ((fields_.size() - at_) / least < found)
+      return fail("found " + std::to_string(found) + " elements, more than the bytes hold");
+    count = found;
+    if (Status s = message.resize(field, count); !s) return fail(s.error().message);
+  }
+  if (!field.is_message() && !field.is_text()) return read_numbers(message, field, count);
+  std::string wide;
+  for (std::size_t i = 0; i < count && status_; ++i) {
+    if (field.is_message()) {
+      this->message(message.nested(field, i));
+      continue;
+    }
+    std::string_view text;
+    field.type == FieldType::kString ? static_cast<void>(this->text(text)) : read_wide(wide);
+    if (!status_) return;
+    const Status s = message.set_text(field, field.type == FieldType::kString ? text : wide, i);
+    if (!s) fail(s.error().message);
+  }
+}
+
+void CdrReader::read_numbers(const MessageView& message, const Field& field, std::size_t count) {
+  const char* const data = count > 0 ? take(count * field.stride, field.stride) : nullptr;
+  if (!data) return;
+  if (field.type == FieldType::kBool)
+    if (const char* const other = std::find_if(data, data + count, [](char c) { return c != 0 && c != 1; });
+        other != data + count) {
+      at_ -= static_cast<std::size_t>(data + count - other);
+      return fail("found " + std::to_string(static_cast<unsigned char>(*other)) + ", expected 0 or 1 for a bool");
+    }
+  std::memcpy(numbers_of(message, field), data, count * field.stride);
+}
+
+void CdrReader::read_wide(std::string& text) {
+  std::uint32_t size = 0;
+  number(size);
+  if ((fields_.size() - at_) / 2 < size) return fail("found the end of the bytes");
+  text.clear();
+  std::uint32_t high = 0;
+  for (std::uint32_t i = 0; i < size; ++i) {
+    std::uint16_t unit = 0;
+    number(unit);
+    const bool is_high = unit >= 0xd800 && unit < 0xdc00, is_low = unit >= 0xdc00 && unit < 0xe000;
+    if (high && !is_low) append_utf8(0xfffd, text);
+    if (is_low) append_utf8(high ? 0x10000 + ((high - 0xd800) << 10) + (unit - 0xdc00U) : 0xfffd, text);
+    if (!is_high && !is_low) append_utf8(unit, text);
+    high = is_high ? unit : 0;
+  }
+  if (high) append_utf8(0xfffd, text);
+}
+
+Expected<Message> read_cdr(const MessageType& type, std::string_view value) {
   Message message(type);
-  if (Status s = CdrReader(value.substr(kLittleEndian.size())).read(message.view()); !s) return s.error();
+  CdrReader in(value);
+  if (!in.message(message.view()).status()) return in.status().error();
   return message;
 }
 

@@ -6,6 +6,7 @@
 //   CdrWriter(bytes).message(pose);                       // a value of one message
 //   CdrWriter(bytes).number(std::uint32_t{1}).text("a");  // a composed one
 //   Expected<Message> again = read_cdr(pose_type, bytes);
+//   CdrReader(bytes).number(count).text(name);            // a composed one
 
 #include <bit>
 #include <cstdint>
@@ -46,7 +47,44 @@ class CdrWriter {
   std::string& out_;
 };
 
-/// Reads a value of that type. Errors name the field and the byte. What comes after the last field is left alone.
+/// Reads one value. After the first error, which `status` keeps, nothing more is read. Errors name the field and the
+/// byte. What comes after the last field is left alone.
+class CdrReader {
+ public:
+  /// `value` has the header and outlives this.
+  explicit CdrReader(std::string_view value);
+
+  /// All fields.
+  CdrReader& message(const MessageView& message);
+  template <class T>
+    requires std::is_arithmetic_v<T>
+  CdrReader& number(T& value) {
+    if (const char* const data = take(sizeof value, sizeof value)) std::memcpy(&value, data, sizeof value);
+    return *this;
+  }
+  /// The length of a sequence that has at most so many elements.
+  CdrReader& size(std::uint32_t& size, std::uint32_t most);
+  CdrReader& text(std::string_view& text);
+  /// Bytes of a fixed array of uint8.
+  CdrReader& bytes(std::string& bytes, std::size_t size);
+
+  const Status& status() const { return status_; }
+
+ private:
+  /// `size` bytes from the next multiple of `alignment` on; nullptr, and an error, where they are not there.
+  const char* take(std::size_t size, std::size_t alignment);
+  void fail(const std::string& what);
+  void read_field(const MessageView& message, const Field& field);
+  void read_numbers(const MessageView& message, const Field& field, std::size_t count);
+  void read_wide(std::string& text);
+
+  std::string_view fields_;
+  std::size_t at_ = 0;
+  std::string field_;  ///< that is being read, for errors
+  Status status_;
+};
+
+/// Reads a value of that type.
 Expected<Message> read_cdr(const MessageType& type, std::string_view value);
 
 /// How definitions name a type: "geometry_msgs/Pose", "std_srvs/SetBool_Request".

@@ -111,8 +111,8 @@ TEST_F(CdrTest, ErrorsNameTheFieldAndTheByte) {
   EXPECT_EQ(error(text, ""), "found 0 bytes, expected CDR with its header of 4");
   EXPECT_EQ(error(text, hex("00 00 00 00 00 00")),
             "found the representation 0 0, expected 0 1, which is little-endian CDR");
-  EXPECT_EQ(error(text, hex("00 01 00 00 09 00 00 00 61")), "field 'data': found the end of the bytes at byte 8");
-  EXPECT_EQ(error(flag, hex("00 01 00 00 02")), "field 'data': found neither 0 nor 1 before at byte 5");
+  EXPECT_EQ(error(text, hex("00 01 00 00 09 00 00 00 61")), "field 'data': found the end of the bytes, at byte 8");
+  EXPECT_EQ(error(flag, hex("00 01 00 00 02")), "field 'data': found 2, expected 0 or 1 for a bool, at byte 4");
   EXPECT_EQ(error(list, hex("00 01 00 00 ff ff ff ff 00 00 00 00")),
             "field 'dim': found 4294967295 elements, more than the bytes hold, at byte 8");
 }
