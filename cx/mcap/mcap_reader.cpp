@@ -37,7 +37,7 @@ Expected<Reader> Reader::begin(Reader reader) {
   char magic[kMagicSize] = {};
   reader.in_->read(magic, kMagicSize);
   if (!*reader.in_ || std::string_view(magic, kMagicSize) != std::string_view(kMagic, kMagicSize))
-    return input_error("this is no MCAP file: its first bytes are others", reader.name_);
+    return input_error("the file does not begin with the bytes of an MCAP file, 89 4d 43 41 50 30 0d 0a", reader.name_);
   reader.at_ = kMagicSize;
   return reader;
 }
@@ -87,6 +87,12 @@ Status Reader::take_channel(ByteReader content) {
   Channel channel;
   channel.topic = text_of_record(content);
   channel.message_encoding = text_of_record(content);
+  ByteReader texts(text_of_record(content));
+  while (content.ok() && texts.left() > 0) {
+    const std::string key(text_of_record(texts));
+    channel.metadata[key] = text_of_record(texts);
+    if (!texts.ok()) content.refuse();
+  }
   if (!content.ok()) return broken("the channel is malformed");
   if (schema != 0) {
     const auto known = schemas_.find(schema);
@@ -149,7 +155,17 @@ Expected<ReadMessage> Reader::message_of(ByteReader content) const {
   out.channel = &known->second;
   out.t = SimTime(static_cast<std::int64_t>(time));
   out.bytes = content.raw(content.left());
+  out.place = record_start_;
   return out;
+}
+
+void Reader::go_to(std::uint64_t place) {
+  in_->clear();
+  in_->seekg(static_cast<std::streamoff>(place));
+  at_ = place;
+  chunk_.clear();
+  chunk_at_ = 0;
+  ended_ = false;
 }
 
 Expected<std::optional<ReadMessage>> Reader::next() {
@@ -182,7 +198,10 @@ Expected<std::optional<ReadMessage>> Reader::next() {
       case Opcode::kChannel: status = take_channel(ByteReader(content)); break;
       case Opcode::kMessage: {
         auto message = message_of(ByteReader(content));
-        if (message) return std::optional(*message);
+        if (message) {
+          message->in_chunk = in_chunk;
+          return std::optional(*message);
+        }
         status = message.error();
         break;
       }

@@ -31,6 +31,7 @@ struct Schema {
 struct Channel {
   std::string topic, message_encoding;
   const Schema* schema = nullptr;  ///< none: the messages have none
+  std::map<std::string, std::string> metadata;
 };
 
 /// What it points to is there until the next call of `Reader::next`.
@@ -39,6 +40,8 @@ struct ReadMessage {
   SimTime t{};  ///< when it was recorded
   std::uint32_t sequence = 0;
   std::string_view bytes;
+  std::uint64_t place = 0;  ///< the byte of the file at which its chunk begins; its own record, where it is in none
+  bool in_chunk = false;
 };
 
 class Reader {
@@ -50,8 +53,11 @@ class Reader {
   /// The next message in the order of the file; none at its end. Errors name the file and the byte: what comes after a
   /// broken record is not read.
   Expected<std::optional<ReadMessage>> next();
+  /// Goes on with the chunk or message at that byte, which is the `place` of a message that was read before.
+  void go_to(std::uint64_t place);
   /// The file ends without its end mark: its recorder was killed.
   bool cut_off() const { return cut_off_; }
+  const std::string& name() const { return name_; }
 
  private:
   Reader(std::string name, std::unique_ptr<std::istream> in, std::uint64_t size)

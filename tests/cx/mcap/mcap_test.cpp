@@ -196,7 +196,8 @@ TEST_F(McapTest, ChangedByteOfAChunkIsFound) {
 TEST_F(McapTest, OtherFileIsRefused) {
   const auto file = Reader::from_bytes("#ROSBAG V2.0\n", "old.bag");
   ASSERT_FALSE(file);
-  EXPECT_EQ(file.error().text(), "old.bag: this is no MCAP file: its first bytes are others");
+  EXPECT_EQ(file.error().text(),
+            "old.bag: the file does not begin with the bytes of an MCAP file, 89 4d 43 41 50 30 0d 0a");
   EXPECT_FALSE(Reader::open(folder_.path()));
   EXPECT_FALSE(Reader::open(folder_.path() / "none.mcap"));
 }
