@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/play.h"
 #include "app/suggestions.h"
+#include "cx/base/number_text.h"
 #include "lab/env_scenario.h"
 
 namespace cxlab::app {
@@ -25,14 +26,15 @@ std::vector<std::string> companion_names() {
 
 int env(const EnvOptions& options) {
   lab::EnvOptions env = options.env;
-  if (options.run.play.spec.until) env.until = *options.run.play.spec.until;
+  env.until = options.run.play.spec.until;
   if (options.run.seed) env.seed = options.run.seed;
   auto scenario = lab::env_scenario(env, catalogue());
   if (!scenario) return fail(scenario.error());
   PlayCommand run = options.run;
   run.lives = true;
   if (!run.play.spec.until && !run.quiet)
-    std::fprintf(stderr, "ends at %.0f s of simulated time; --until T for another\n", env.until);
+    std::fprintf(stderr, "ends at %s s of simulated time; --until T for another\n",
+                 general_text(to_seconds(scenario->duration), 9).c_str());
   run.play.spec.until.reset();  // it is the scenario's duration
   const auto [code, played] = play(run, *std::move(scenario));
   if (played.result.journal_hash.empty()) return code;
@@ -59,6 +61,7 @@ void declare(CLI::App& command, EnvOptions& options) {
   once_each(command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter"));
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));
+  declare_bag(command, options.env.bag);
   command.add_option("--stimuli", options.env.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
   command.add_flag("!--no-activate", options.env.activate,
                    "Managers without autostart_node stay unconfigured until somebody asks");
@@ -77,7 +80,8 @@ void declare(CLI::App& command, EnvOptions& options) {
                0, std::int64_t{1} << 62);
   command.add_flag("--trust-rules", options.env.trust_rules, "Rules may read, write and run anything");
   declare_play(command, options.run);
-  command.get_option("--until")->description("End, s of simulated time (default 60)");
+  command.get_option("--until")->description(
+      "End, s of simulated time (default 60; with --bag a second after its end)");
 }
 
 }  // namespace
@@ -88,7 +92,8 @@ void add_env(CLI::App& app, Action& action) {
       "env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
   command->footer(
       "Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 "
-      "--stimuli tests/stimuli.yaml\n  cxlab env scenarios/turtlesim/agents/params/boundary.yaml --with turtlesim");
+      "--stimuli tests/stimuli.yaml\n  cxlab env my_agent/params/agent.yaml --bag floor.mcap --out runs/floor\n  cxlab "
+      "env scenarios/turtlesim/agents/params/boundary.yaml --with turtlesim");
   declare(*command, *options);
   command->callback([options, &action] { action = [options] { return env(*options); }; });
 }

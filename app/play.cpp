@@ -36,6 +36,19 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }
 
+void declare_bag(CLI::App& command, lab::BagOptions& options) {
+  command.add_option("--bag", options.file,
+                     "Plays a recording: an MCAP file, or a folder of ros2 bag record (docs/bag.md)");
+  time_option(command.add_option("--bag-start", options.start, "Plays it from there on, s after its first message"));
+  time_option(command.add_option("--bag-offset", options.offset, "Simulated time at which that comes (0)"));
+  command.add_option("--bag-rate", options.rate, "Seconds of the bag in a second of simulated time (1)");
+  command.add_option("--bag-topics", options.topics, "Regular expression: plays only names in which it is found");
+  command.add_option("--bag-exclude", options.exclude, "Regular expression: leaves out names in which it is found");
+  once_each(command.add_option("--bag-remap", options.remaps,
+                               "FROM:=TO: plays a topic, service or action under another name"));
+  command.add_flag("--bag-own", options.own, "Plays topics that this run publishes, too");
+}
+
 Outcome play(const PlayCommand& command, Scenario scenario) {
   show_debug_lines({.lives = command.lives || command.verbose, .others = command.verbose});
   Console console(command.quiet);

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/console.h"
+#include "lab/bag_options.h"
 #include "lab/session.h"
 
 namespace cxlab::app {
@@ -16,6 +17,9 @@ struct PlayCommand {
 };
 /// Declares the options that all these commands have.
 void declare_play(CLI::App& command, PlayCommand& options);
+
+/// The options of a recording that is played.
+void declare_bag(CLI::App& command, lab::BagOptions& options);
 
 struct Outcome {
   int exit_code = 0;

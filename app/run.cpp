@@ -17,6 +17,7 @@ struct RunOptions : PlayCommand {
   std::string scenario, tier, video_size, cameras, most_of_video;
   bool no_caption = false;
   std::vector<std::string> overrides;
+  lab::BagOptions bag;
 };
 
 /// Address of the run's page for a browser. The folder, if a full disk kept the page from being written.
@@ -34,6 +35,9 @@ int run(RunOptions options) {
   std::vector<Override> overrides(options.overrides.begin(), options.overrides.end());
   if (options.seed) overrides.emplace_back("seed=" + std::to_string(*options.seed), "--seed");
   if (!options.tier.empty()) overrides.emplace_back("tier=" + options.tier, "--tier " + options.tier);
+  const auto of_bag = lab::overrides_of(options.bag);
+  if (!of_bag) return fail(of_bag.error());
+  overrides.insert(overrides.end(), of_bag->begin(), of_bag->end());
   const auto file = find_scenario(options.scenario);
   if (!file) return fail(file.error());
   auto scenario = Scenario::load(*file, catalogue(), overrides);
@@ -71,6 +75,7 @@ void declare(CLI::App& command, RunOptions& options) {
   command.add_option("--tier", options.tier, "physics: MuJoCo; timed: durations only")
       ->check(one_of({"physics", "timed"}));
   once_each(command.add_option("--set", options.overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
+  declare_bag(command, options.bag);
   command.add_option("--snapshot", options.play.snapshot, "Pictures: every:SECONDS or SECONDS,SECONDS,...");
   lab::VideoOptions& video = options.play.video;
   CLI::Option* film = command.add_option("--video", video.file, kVideoHelp);

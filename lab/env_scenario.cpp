@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <set>
 
+#include "cx/bag/bag_server.h"
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/bus/names.h"
@@ -260,6 +261,29 @@ Status add_stimuli(const EnvOptions& options, Scenario& scenario) {
   return {};
 }
 
+// --- A recording
+
+constexpr double kDefaultEnd = 60;  // s
+
+/// The bag that is played, and the end of the run.
+Status add_bag(const EnvOptions& options, Scenario& scenario) {
+  auto changes = overrides_of(options.bag);
+  if (!changes) return changes.error();
+  auto document = yaml::Document::parse("{}", "--bag");
+  if (!document) return document.error();
+  for (const Override& change : *changes)
+    if (Status s = document->set(change.assignment, change.option); !s) return s;
+  yaml::Map keys = document->root().as_map();
+  read_bag(keys, scenario.bag);
+  if (Status s = document->status(); !s) return s;
+  scenario.duration = from_seconds(options.until.value_or(kDefaultEnd));
+  if (options.until || !scenario.bag) return {};
+  const auto recording = bag::Recording::open(scenario.bag.file);
+  if (!recording) return at(scenario.bag.origin, recording.error());
+  scenario.duration = bag::end_of(*recording, scenario.bag) + std::chrono::seconds(1);
+  return {};
+}
+
 }  // namespace
 
 std::vector<Companion> companions(const Catalogue& catalogue) {
@@ -287,7 +311,7 @@ Expected<Scenario> env_scenario(const EnvOptions& options, const Catalogue& cata
   for (const auto add : {add_agents, add_packages, add_stimuli})
     if (Status s = add(options, scenario); !s) return s.error();
   if (Status s = add_companions(options, catalogue, scenario); !s) return s.error();
-  scenario.duration = from_seconds(options.until);
+  if (Status s = add_bag(options, scenario); !s) return s.error();
   scenario.stop_on_rule_error = options.stop_on_rule_error;
   scenario.trust_rules = options.trust_rules;
   scenario.seed = options.seed.value_or(scenario.seed);

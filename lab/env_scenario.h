@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "lab/bag_options.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
@@ -26,7 +27,8 @@ struct EnvOptions {
   bool activate = true;  ///< managers without autostart_node are configured and activated
   std::optional<std::int64_t> max_firings;
   std::optional<std::uint64_t> seed;
-  double until = 60;  ///< s
+  BagOptions bag;
+  std::optional<double> until;  ///< s; none: a second after the end of the bag, without a bag 60
 };
 
 /// Errors name the option that they are in.

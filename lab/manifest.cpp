@@ -24,6 +24,7 @@ void for_each_name(Manifest& manifest, Change change) {
   for (Manifest::Agent& agent : manifest.agents)
     for (auto& [package, share] : agent.packages) change(share);
   for (auto& [key, file] : manifest.world_files) change(file);
+  if (const auto file = manifest.bag.find("file"); file != manifest.bag.end()) change(file->second);
 }
 
 /// The absolute name of what is called so from the folder.

@@ -42,6 +42,7 @@ struct Manifest {
   std::vector<Agent> agents;
   std::vector<std::string> seats;                  ///< names of programs that took part (scenarios/seat.h)
   std::map<std::string, std::string> world_files;  ///< absolute; by key, as Scenario::world_files
+  std::map<std::string, std::string> bag;          ///< `file`, absolute, and its `digest`; empty: none is played
   std::string repeat;                              ///< the command that plays the run again
 
   std::filesystem::path scenario_file() const { return std::filesystem::path(folder) / scenario; }
@@ -63,6 +64,7 @@ struct Manifest {
     keys.required("agents", agents);
     keys.unless_empty("seats", seats);
     keys("world_files", world_files);
+    keys.unless_empty("bag", bag);
     keys("repeat", repeat);
   }
 

@@ -44,6 +44,17 @@ std::map<std::string, std::string> hashes_of_files(const std::filesystem::path& 
   return files ? files->hashes() : std::map<std::string, std::string>();
 }
 
+/// The bag, where the two runs played another one.
+void add_changed_bag(const Run& run, const std::filesystem::path& again, std::vector<std::string>& changed) {
+  const auto manifest = Manifest::read(again);
+  const auto digest = [](const std::map<std::string, std::string>& bag) {
+    const auto known = bag.find("digest");
+    return known == bag.end() ? std::string() : known->second;
+  };
+  if (manifest && digest(manifest->bag) != digest(run.manifest.bag))
+    changed.push_back("the bag " + run.manifest.bag.at("file"));
+}
+
 /// The first file or folder of the scenario that is not there any more.
 Status still_there(const Run& run, const Scenario& scenario) {
   const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
@@ -61,6 +72,8 @@ Status still_there(const Run& run, const Scenario& scenario) {
   }
   for (const auto& [key, file] : scenario.world_files)
     if (!path_exists(file.path)) return missing("world." + key, file.path);
+  if (scenario.bag && !path_exists(scenario.resolve(scenario.bag.file)))
+    return missing("the bag", scenario.resolve(scenario.bag.file));
   return {};
 }
 
@@ -235,6 +248,8 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
     if (host.stopped() || again.played.result.stream_hashes.empty()) return again;
     if (Status s = compare(run, world, from_seconds(given.what_if->at), again); !s) return s.error();
     if (again.before) again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
+    if (again.before && run.manifest.bag.contains("file"))
+      add_changed_bag(run, again.played.folder, again.changed_files);
     return again;
   }
   if (again.played.result.stream_hashes.empty() || host.stopped()) return again;
@@ -244,6 +259,7 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
       again.first.push_back(
           first_difference(stream, run.folder / "journal.jsonl", again.played.folder / "journal.jsonl"));
   again.changed_files = changed_files(files_then, hashes_of_files(again.played.folder));
+  if (run.manifest.bag.contains("file")) add_changed_bag(run, again.played.folder, again.changed_files);
   return again;
 }
 

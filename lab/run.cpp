@@ -112,6 +112,8 @@ Expected<Scenario> Run::scenario() const {
   for (auto& [key, file] : scenario->world_files)
     if (const auto then = manifest.world_files.find(key); then != manifest.world_files.end())
       file.path = found(then->second);
+  if (const auto then = manifest.bag.find("file"); then != manifest.bag.end())
+    scenario->bag.file = found(then->second).string();
   const auto find = [this](auto& name) { name = found(name).string(); };
   const auto find_packages = [&](std::map<std::string, PackageSpec>& packages) {
     for (auto& [name, package] : packages) find(package.folder);

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "cx/bag/recording.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
 #include "lab/confine.h"
@@ -120,6 +121,11 @@ Manifest manifest_of(const RunAtPlay& run) {
   for (const Seat& seat : run.options.seats) out.seats.push_back(seat.name);
   for (const AgentSpec& agent : scenario.agents) out.agents.push_back({agent.config, scenario.shares(agent)});
   for (const auto& [key, file] : scenario.world_files) out.world_files[key] = fs::absolute(file.path).string();
+  if (scenario.bag) {
+    const fs::path file = fs::absolute(scenario.resolve(scenario.bag.file)).lexically_normal();
+    out.bag["file"] = file.string();
+    if (const auto digest = bag::digest_of(file)) out.bag["digest"] = *digest;
+  }
   out.repeat = "cxlab rerun " + run.folder.string();
   return out;
 }

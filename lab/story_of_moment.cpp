@@ -42,6 +42,8 @@ std::string seconds_of(SimTime t) { return general_text(to_seconds(t), 12); }
 /// Names in the records of an environment are as its rules wrote them.
 std::string whole_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
 
+std::string name_in(const JournalRecord& record) { return whole_name(std::string(record.data.text("name"))); }
+
 std::string type_of(const std::vector<bus::Bus::Info>& all, const std::string& name) {
   const auto found = std::ranges::find(all, whole_name(name), &bus::Bus::Info::name);
   return found == all.end() ? "" : found->type;
@@ -215,7 +217,7 @@ class Writer {
 
   /// Finds goals and calls on their way at the moment, and what servers there are.
   void before(const JournalRecord& record) {
-    const std::string name(record.data.text("name"));
+    const std::string name = name_in(record);
     if (record.kind == RecordKind::kBus && record.data.text("op") == "goal")
       actions_met_[name].under_way.push_back({.answer = {record.t}, .id = std::string(record.data.text("goal_id"))});
     if (record.kind == RecordKind::kBus && record.data.text("op") == "call") ++services_met_[name].earlier;
@@ -262,8 +264,8 @@ class Writer {
     if (record.data.text("what") != "look" || record.data.text("value") != "TRUE") return;
     const std::string text(record.data.text("name"));
     const std::size_t blank = text.find(' ');
-    if (text.starts_with("action-ready ")) actions_met_[text.substr(blank + 1)];
-    if (text.starts_with("service-ready ")) services_met_[text.substr(blank + 1)];
+    if (text.starts_with("action-ready ")) actions_met_[whole_name(text.substr(blank + 1))];
+    if (text.starts_with("service-ready ")) services_met_[whole_name(text.substr(blank + 1))];
   }
 
   void after(const JournalRecord& record) {
@@ -283,7 +285,7 @@ class Writer {
   }
 
   void sent(const JournalRecord& record) {
-    const std::string op(record.data.text("op")), name(record.data.text("name"));
+    const std::string op(record.data.text("op")), name = name_in(record);
     if (op == "goal") actions_met_[name].answers.push_back({record.t});
     if (op == "call") services_met_[name].answers.push_back({record.t});
     const std::string fields = message(record, op == "goal" ? "goal" : "msg");
@@ -299,7 +301,7 @@ class Writer {
   }
 
   void came(const JournalRecord& record) {
-    const std::string what(record.data.text("what")), name(record.data.text("name"));
+    const std::string what(record.data.text("what")), name = name_in(record);
     const std::string content = message(record, "message");
     look(record);
     if (what == "topic") {
@@ -409,13 +411,22 @@ class Writer {
            (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
   }
 
+  /// The name of an action or service as the facts of the plugin have it, by which rules find their client.
+  std::string as_written(const std::string& name) const {
+    const std::string relative = '"' + name.substr(1) + '"';
+    const auto has = [&](const std::string& fact) {
+      return fact.starts_with("(ros-msgs-") && fact.find(relative) != std::string::npos;
+    };
+    return std::ranges::any_of(given_facts_, has) ? name.substr(1) : name;
+  }
+
   std::string stand_ins(const std::map<std::string, SkillAnswers>& met, const char* word,
                         const std::vector<bus::Bus::Info>& known) const {
     std::string out;
     for (const auto& [name, answers] : met) {
       const std::string type = type_of(known, name);
       if (type.empty()) continue;
-      std::string item = std::string("{") + word + ": " + yaml_quoted(name) + ", type: " + type;
+      std::string item = std::string("{") + word + ": " + yaml_quoted(as_written(name)) + ", type: " + type;
       std::string under_way;
       for (const GoalUnderWay& goal : answers.under_way) {
         std::string one;

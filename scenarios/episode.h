@@ -136,10 +136,12 @@ class Episode {
   Status build_bus();
   Status build_stage();
   Status build_stimuli();
+  Status build_bag();
   Status open_sockets();
   Status build_agents();
   Status build_seats();
   Status check_stimuli();
+  std::vector<std::string> manager_names() const;
   cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cx/bag/bag_server.h"
 #include "cx/base/file.h"
 #include "cx/bus/needed.h"
 #include "cx/network/socket_gateway.h"
@@ -182,7 +183,8 @@ Status Episode::build_stage() {
     if (!log) return log.error();
     scene_log_ = *std::move(log);
   }
-  if (Status s = build_stimuli(); !s) return s;
+  for (const auto build : {&Episode::build_stimuli, &Episode::build_bag})
+    if (Status s = (this->*build)(); !s) return s;
   return options_.spec.sockets ? open_sockets() : Status();
 }
 
@@ -195,17 +197,41 @@ Status Episode::open_sockets() {
   return {};
 }
 
+std::vector<std::string> Episode::manager_names() const {
+  std::vector<std::string> names;
+  for (const AgentSpec& agent : scenario_.agents) names.push_back(manager_node(agent).full_name());
+  return names;
+}
+
 Status Episode::build_stimuli() {
   if (scenario_.stimuli.empty()) return {};
-  std::vector<std::string> managers;
-  for (const AgentSpec& agent : scenario_.agents) {
-    managers.push_back(manager_node(agent).full_name());
-  }
-  auto stimuli = StimuliServer::create(scenario_.stimuli, managers, *bus_, journal_, [this](const std::string& line) {
-    if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
-  });
+  auto stimuli =
+      StimuliServer::create(scenario_.stimuli, manager_names(), *bus_, journal_, [this](const std::string& line) {
+        if (options_.log) options_.log->line({bus_->now(), cx::LogLevel::kInfo, "stimuli", line, {}});
+      });
   if (!stimuli) return stimuli.error();
   stage_->servers.insert(stage_->servers.begin(), *std::move(stimuli));
+  return {};
+}
+
+Status Episode::build_bag() {
+  const bag::BagSpec& spec = scenario_.bag;
+  if (!spec) return {};
+  auto recording = bag::Recording::open(scenario_.resolve(spec.file));
+  if (!recording) return at(spec.origin, recording.error());
+  bag::BagSetup setup{
+      .spec = spec, .recording = *std::move(recording), .managers = manager_names(), .beside = {}, .log = {}};
+  if (!scenario_.stimuli.empty()) setup.beside.push_back(*bus_->find_node("/stimuli"));
+  setup.log = [this](bool warning, const std::string& line) {
+    if (options_.log)
+      options_.log->line({bus_->now(), warning ? cx::LogLevel::kWarn : cx::LogLevel::kInfo, "bag", line, {}});
+  };
+  auto server = bag::BagServer::create(std::move(setup), *bus_, journal_);
+  if (!server) return at(spec.origin, server.error());
+  stage_->reports.push_back([bag = server->get()](Result& result) {
+    for (std::string& warning : bag->warnings()) result.warnings.push_back("bag: " + std::move(warning));
+  });
+  stage_->servers.insert(stage_->servers.begin(), *std::move(server));
   return {};
 }
 

@@ -169,6 +169,15 @@ void read_expectations(const yaml::Value& list, Scenario& scenario) {
 
 }  // namespace
 
+void read_bag(yaml::Map& scenario, bag::BagSpec& bag) {
+  const yaml::Value value = scenario.get("bag");
+  if (!value) return;
+  scenario.read("bag", bag);
+  const yaml::Value file = value.as_map().get("file");
+  bag.origin = file ? file.origin() : value.origin();
+  if (file && bag.origin.line == 0) bag.file = std::filesystem::absolute(bag.file).lexically_normal().string();
+}
+
 std::string_view to_string(Tier tier) { return tier == Tier::kTimed ? "timed" : "physics"; }
 
 Expected<Scenario> Scenario::load(const std::filesystem::path& file, const Catalogue& catalogue,
@@ -205,6 +214,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   if (const yaml::Value servers = map.get("servers"))
     for (const yaml::Value& server : servers.as_list()) read_server(server, catalogue, scenario);
   if (const yaml::Value stimuli = map.get("stimuli")) scenario.stimuli = read_stimuli(stimuli);
+  read_bag(map, scenario.bag);
   read_sections(map, catalogue, scenario);
   std::string on_rule_error = "stop";
   map.read_word("on_rule_error", on_rule_error, {"stop", "continue"});

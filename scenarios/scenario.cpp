@@ -78,6 +78,7 @@ std::string Scenario::to_yaml() const {
   for (const AgentSpec& agent : agents) out.append("agents", write(agent));
   for (const ServerSpec& server : servers) out.append("servers", write("node", server));
   for (const Stimulus& stimulus : stimuli) out.append("stimuli", write_stimulus(stimulus));
+  if (bag) out.put("bag", yaml::Writer::changed(bag));
   for (const SectionSpec& section : sections) out.add(section.kind->write(section.kind->key, section.config));
   out("on_rule_error", stop_on_rule_error ? "stop" : "continue");
   out("max_firings_per_tick", max_firings_per_tick);

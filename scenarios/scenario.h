@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "cx/bag/bag_spec.h"
 #include "cx/base/expected.h"
 #include "cx/base/origin.h"
 #include "cx/base/time.h"
@@ -146,6 +147,7 @@ struct Scenario {
   std::map<std::string, PackageSpec> packages;  ///< interface and share folders, for all agents
   std::vector<AgentSpec> agents;
   std::vector<Stimulus> stimuli;               ///< in order of time
+  bag::BagSpec bag;                            ///< a recording that is played; its file from the scenario's folder
   std::vector<SectionSpec> sections;           ///< at most one of each kind
   bool stop_on_rule_error = true;              ///< on_rule_error: stop | continue
   std::int64_t max_firings_per_tick = 100000;  ///< 0 = no limit
@@ -183,6 +185,8 @@ struct Scenario {
 /// A list of stimuli, from a scenario or from a file of its own.
 std::vector<Stimulus> read_stimuli(const yaml::Value& list);
 yaml::Writer write_stimulus(const Stimulus& stimulus);
+/// The key `bag` of a scenario. A file that an option names is looked for from the current folder.
+void read_bag(yaml::Map& scenario, bag::BagSpec& bag);
 /// By time; those of one time keep their order.
 void sort_stimuli(std::vector<Stimulus>& stimuli);
 

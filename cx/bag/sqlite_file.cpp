@@ -63,10 +63,14 @@ class SqliteFile final : public BagFile {
   }
 
   Expected<std::optional<RecordedMessage>> next() override {
+    // Contents are read one by one: a file without an index is sorted in memory.
     if (!rows_ && !over_) {
-      auto rows = prepare("SELECT id, topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
+      auto rows = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY timestamp, id");
       if (!rows) return rows.error();
+      auto content = prepare("SELECT data FROM messages WHERE id = ?");
+      if (!content) return content.error();
       rows_ = *std::move(rows);
+      content_ = *std::move(content);
     }
     while (!over_) {
       const int code = sqlite3_step(rows_.get());
@@ -88,8 +92,11 @@ class SqliteFile final : public BagFile {
       const auto time = sqlite3_column_int64(row, 2);
       if (time < 0) return input_error(where() + "found the time " + std::to_string(time) + " ns", name_);
       if (!wanted_.empty() && !wanted_[topic->second]) continue;
-      return std::optional(
-          RecordedMessage{topic->second, SimTime(time), text_at(row, 3), 0, static_cast<std::uint64_t>(number)});
+      sqlite3_reset(content_.get());
+      sqlite3_bind_int64(content_.get(), 1, number);
+      if (sqlite3_step(content_.get()) != SQLITE_ROW) return failed();
+      return std::optional(RecordedMessage{topic->second, SimTime(time), text_at(content_.get(), 0), 0,
+                                           static_cast<std::uint64_t>(number)});
     }
     return std::optional<RecordedMessage>();
   }
@@ -141,7 +148,7 @@ class SqliteFile final : public BagFile {
   std::vector<Topic> topics_;
   std::map<sqlite3_int64, std::size_t> places_;
   std::vector<bool> wanted_;
-  Statement rows_;
+  Statement rows_, content_;
   bool over_ = false;
 };
 

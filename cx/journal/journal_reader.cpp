@@ -108,6 +108,18 @@ std::string_view RecordValue::text(std::string_view key) const {
   return text ? std::string_view(*text) : std::string_view();
 }
 
+double RecordValue::real(std::string_view key) const {
+  const RecordValue* found = find(key);
+  const auto* real = found ? std::get_if<double>(&found->value) : nullptr;
+  return real ? *real : static_cast<double>(integer(key));
+}
+
+bool RecordValue::flag(std::string_view key) const {
+  const RecordValue* found = find(key);
+  const auto* flag = found ? std::get_if<bool>(&found->value) : nullptr;
+  return flag && *flag;
+}
+
 bool is_planned(const JournalRecord& record) {
   if (record.kind != RecordKind::kControl || !record.stream.starts_with("env/")) return false;
   const std::string_view what = record.data.text("what");

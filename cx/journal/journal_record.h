@@ -28,6 +28,10 @@ struct RecordValue {
   /// The integer or text under `key`; 0 or empty if there is none of that type.
   std::int64_t integer(std::string_view key) const;
   std::string_view text(std::string_view key) const;
+  /// The number under `key`, whole or not; 0 if there is none.
+  double real(std::string_view key) const;
+  /// Whether the value under `key` is true.
+  bool flag(std::string_view key) const;
 
   friend bool operator==(const RecordValue& a, const RecordValue& b);
 };

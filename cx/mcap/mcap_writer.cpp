@@ -136,6 +136,9 @@ void Writer::end_chunk() {
   const std::size_t size = ZSTD_compress(compressed_.data(), compressed_.size(), chunk_.data(), chunk_.size(), kLevel);
   if (ZSTD_isError(size)) {
     if (status_) status_ = resource_error(std::string("zstd: ") + ZSTD_getErrorName(size));
+    for (Channel& channel : channels_) channel.index.clear();
+    under_way_ = {};
+    chunk_.clear();
     return;
   }
   Chunk chunk = std::exchange(under_way_, {});

@@ -24,8 +24,6 @@ class PictureChannel final : public PassListener {
   /// kInput where the run has nothing to look at or no such camera.
   static Expected<PictureChannel> create(RosBag& bag, const Run& run, const PictureChoice& choice);
 
-  bool wants(RecordKind) const override { return false; }
-  Status hear(const JournalRecord&) override { return {}; }
   bool wants_scenes() const override { return true; }
   Status see(const Scene& scene) override;
 

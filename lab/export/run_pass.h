@@ -23,9 +23,9 @@ struct Stretch {
 class PassListener {
  public:
   virtual ~PassListener() = default;
-  virtual bool wants(RecordKind kind) const = 0;
+  virtual bool wants(RecordKind) const { return false; }
   /// A record, from the start of the run on: what came before the stretch explains what is in it.
-  virtual Status hear(const JournalRecord& record) = 0;
+  virtual Status hear(const JournalRecord&) { return {}; }
   /// Whether `see` is called.
   virtual bool wants_scenes() const { return false; }
   /// What there is to see, ten times in each second of the stretch, after all records up to then.

@@ -82,9 +82,8 @@ Expected<SceneChannels> SceneChannels::create(RosBag& bag, const Run& run, const
 
 Status SceneChannels::see(const Scene& scene) {
   put_poses(scene);
-  put_markers(scene);
   first_ = false;
-  return {};
+  return put_markers(scene);
 }
 
 void SceneChannels::put_poses(const Scene& scene) {
@@ -115,7 +114,7 @@ void SceneChannels::put_poses(const Scene& scene) {
   last_poses_ = std::move(poses);
 }
 
-void SceneChannels::put_markers(const Scene& scene) {
+Status SceneChannels::put_markers(const Scene& scene) {
   std::map<std::string, std::vector<const Entity*>> kinds;
   for (const auto& [kind, _] : last_markers_) kinds[kind];  // one whose last entity has gone is told, too
   for (const Entity& entity : scene.entities) kinds[entity.kind].push_back(&entity);
@@ -142,7 +141,7 @@ void SceneChannels::put_markers(const Scene& scene) {
         return marker;
       };
       const auto solids = solids_of(entity->look);
-      if (!solids) return;
+      if (!solids) return input_error("the look of " + entity->name + ": " + solids.error().message);
       for (const Solid& solid : *solids) {
         const bus::MessageView marker = add(solid.shape == Solid::Shape::kBox ? kCube : kCylinder);
         const double height = solid.size[2];
@@ -160,6 +159,7 @@ void SceneChannels::put_markers(const Scene& scene) {
     }
     bag_.put("/cxlab/scene/" + topic_part(kind), scene.t, message);
   }
+  return {};
 }
 
 }  // namespace cxlab::lab

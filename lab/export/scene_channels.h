@@ -27,15 +27,13 @@ class SceneChannels final : public PassListener {
   /// Looks at the scenes of the stretch once, to learn what never moves.
   static Expected<SceneChannels> create(RosBag& bag, const Run& run, const Stretch& stretch);
 
-  bool wants(RecordKind) const override { return false; }
-  Status hear(const JournalRecord&) override { return {}; }
   bool wants_scenes() const override { return true; }
   Status see(const Scene& scene) override;
 
  private:
   explicit SceneChannels(RosBag& bag) : bag_(bag) {}
   void put_poses(const Scene& scene);
-  void put_markers(const Scene& scene);
+  Status put_markers(const Scene& scene);
 
   RosBag& bag_;
   FrameNames frames_;

@@ -33,20 +33,6 @@ std::optional<std::string_view> bracket(std::string_view& rest) {
   return inside;
 }
 
-bool flag_in(const RecordValue& data, std::string_view key) {
-  const RecordValue* value = data.find(key);
-  const bool* flag = value ? std::get_if<bool>(&value->value) : nullptr;
-  return flag && *flag;
-}
-
-double real_in(const RecordValue& data, std::string_view key) {
-  const RecordValue* value = data.find(key);
-  if (!value) return 0;
-  if (const auto* real = std::get_if<double>(&value->value)) return *real;
-  const auto* whole = std::get_if<std::int64_t>(&value->value);
-  return whole ? static_cast<double>(*whole) : 0;
-}
-
 /// Adds a word behind a blank, unless there is none.
 void add_word(std::string& text, std::string_view word) {
   if (!word.empty()) (text.empty() ? text : text += ' ') += word;
@@ -119,7 +105,7 @@ void StoryChannels::put_skill(const JournalRecord& record) {
   for (const char* const key : {"robot", "skill", "target", "event", "phase"}) message->set(key, data.text(key));
   message->set("state", state_after(data)).set("code", data.integer("code"));
   message->set("error", data.text(data.text("event") == "refused" ? "reason" : "error"));
-  message->set("cancelled", flag_in(data, "cancelled")).set("duration_s", real_in(data, "duration_s"));
+  message->set("cancelled", data.flag("cancelled")).set("duration_s", data.real("duration_s"));
   bag_.put("/cxlab/skills/" + topic_part(data.text("robot")), record.t, message);
 }
 

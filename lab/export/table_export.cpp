@@ -14,12 +14,6 @@ using Kind = TableColumn::Kind;
 /// Columns of the table of skills.
 enum SkillColumn : std::size_t { kRobot, kSkill, kTarget, kBegin, kEnd, kState, kCode, kReason };
 
-bool is_cancelled(const RecordValue& data) {
-  const RecordValue* value = data.find("cancelled");
-  const bool* flag = value ? std::get_if<bool>(&value->value) : nullptr;
-  return flag && *flag;
-}
-
 }  // namespace
 
 Expected<std::unique_ptr<TableExport>> TableExport::create(const Run& run, const Stretch& stretch, CreateTable create) {
@@ -76,7 +70,7 @@ void TableExport::hear_skill(const JournalRecord& record) {
     auto& row = skills_.rows[open_[record.stream]];
     row[kEnd] = record.t;
     row[kCode] = data.integer("code");
-    row[kState] = is_cancelled(data) ? "cancelled" : data.integer("code") == 0 ? "succeeded" : "failed";
+    row[kState] = data.flag("cancelled") ? "cancelled" : data.integer("code") == 0 ? "succeeded" : "failed";
     row[kReason] = data.text("error").empty() ? TableCell() : TableCell(data.text("error"));
     open_.erase(record.stream);
   }

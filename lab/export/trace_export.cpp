@@ -21,12 +21,6 @@ Json args_of(const RecordValue& data) {
   return args.is_object() ? args : Json::object();
 }
 
-double number_in(const RecordValue& data, std::string_view key) {
-  const RecordValue* value = data.find(key);
-  const auto* real = value ? std::get_if<double>(&value->value) : nullptr;
-  return real ? *real : static_cast<double>(data.integer(key));
-}
-
 }  // namespace
 
 TraceExport::TraceExport(const Run& run, const Stretch& stretch, AppendFile file)
@@ -61,6 +55,7 @@ void TraceExport::put_span(const std::string& process, const std::string& thread
 }
 
 Status TraceExport::hear(const JournalRecord& record) {
+  reaches(record.t);
   if (record.kind == RecordKind::kReferee) put_window(record);
   if (record.kind == RecordKind::kSkill) {
     hear_skill(record);
@@ -115,9 +110,9 @@ void TraceExport::put_window(const JournalRecord& record) {
   const RecordValue& data = record.data;
   if (event_of(data) == "phase" && data.text("phase") == "PRODUCTION") production_ = record.t;
   if (!data.find("order") || !data.find("begin") || !data.find("end")) return;
-  Open window{std::string(data.text("product")), production_ + from_seconds(number_in(data, "begin")), args_of(data)};
+  Open window{std::string(data.text("product")), production_ + from_seconds(data.real("begin")), args_of(data)};
   put_span("orders", "order " + std::to_string(data.integer("order")), window, "order",
-           production_ + from_seconds(number_in(data, "end")));
+           production_ + from_seconds(data.real("end")));
 }
 
 void TraceExport::hear_referee(const JournalRecord& record) {
@@ -134,6 +129,7 @@ void TraceExport::hear_referee(const JournalRecord& record) {
 }
 
 Status TraceExport::see(const Scene& scene) {
+  reaches(scene.t);
   std::set<EntityId> there;
   const auto end_of = [&](const State& state) { put_span(state.kind, state.name, state.open, "state", scene.t); };
   for (const Entity& entity : scene.entities) {

@@ -1,6 +1,7 @@
 #pragma once
 // A run as a trace: who did what along simulated time.
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -43,9 +44,11 @@ class TraceExport final : public PassListener {
                 SimTime end);
   void end_phase(const std::string& stream, const std::string& robot, SimTime t);
   Status flush();
+  /// A run that was killed does not say when it ended: at the last time that is known of it.
+  void reaches(SimTime t) { end_ = std::max(end_, std::min(t, stretch_.to)); }
 
   Stretch stretch_;
-  SimTime end_;
+  SimTime end_;           ///< of what has not ended
   SimTime production_{};  ///< its begin: windows count from there
   AppendFile file_;
   std::string text_;

@@ -41,6 +41,27 @@ class Exports(Lab):
         self.assertEqual((self.folder / "one.mcap").read_bytes(), first[min(n for n in first if n.suffix == ".mcap")])
         self.assertFalse(list(self.folder.rglob("*.part")))
 
+    def test_trace_of_a_killed_run_has_what_was_under_way(self):
+        self.game("--journal", "full")
+        lines = [line for line in (self.out / "journal.jsonl").read_text().splitlines() if json.loads(line)["t"] <= 100e9]
+        (self.out / "journal.jsonl").write_text("".join(line + "\n" for line in lines))
+        result = json.loads((self.out / "result.json").read_text())
+        result |= {"status": "failed", "sim_time_s": 0, "stream_hashes": {}, "reason": {"code": "unfinished", "message": "unfinished"}}
+        (self.out / "result.json").write_text(json.dumps(result))
+        under_way, last = {}, 0
+        for record in map(json.loads, lines):
+            last = max(last, record["t"])
+            if record["kind"] == "skill" and record["data"]["event"] in ("start", "end"):
+                under_way[record["stream"]] = record if record["data"]["event"] == "start" else None
+        starts = [r for r in under_way.values() if r]
+        self.assertTrue(starts)
+        self.cxlab("export", "out", "--trace", "-o", "t.json", "--to", 99.9)
+        spans = {(e["name"], e["ts"]): e["dur"] for e in json.loads((self.folder / "t.json").read_text())["traceEvents"] if e["ph"] == "X" and e["cat"] == "skill"}
+        for record in starts:
+            name = f"{record['data']['skill']} {record['data']['target']}"
+            if record["t"] < 99.9e9:
+                self.assertGreater(spans[name, record["t"] / 1e3], 0, name)
+
     def test_trace(self):
         self.game("--journal", "full")
         self.cxlab("export", "out", "--trace", "-o", "t.json")

@@ -45,6 +45,9 @@ class Tutorials(unittest.TestCase):
     def test_ci(self):
         self.assertGreater(len(self.play("tutorial-ci.md", "/tmp/ci")), 10, "the page is read")
 
+    def test_bag(self):
+        self.assertGreater(len(self.play("bag.md", "/tmp/floor")), 5, "the page is read")
+
 
 if __name__ == "__main__":
     unittest.main()

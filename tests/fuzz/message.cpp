@@ -1,25 +1,13 @@
 // Messages as YAML, and as bytes: what is read is the same again after a way through bytes and through its own text.
 
-#include <filesystem>
 #include <span>
 
 #include "cx/bus/literal.h"
 #include "cx/bus/message.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/types.h"
 
 namespace {
-
-cxlab::bus::Registry& registry() {
-  static cxlab::bus::Registry packages = [] {
-    cxlab::bus::Registry made;
-    const std::filesystem::path source = CXLAB_SOURCE_DIR;
-    cxlab::fuzz::promise(made.add_packages_in(source / "cx/interfaces").ok(), "the packages of cxlab are there");
-    cxlab::fuzz::promise(made.add_package("every", source / "tests/fuzz/every").ok(),
-                         "the package of this target is there");
-    return made;
-  }();
-  return packages;
-}
 
 std::string bytes_of(const cxlab::bus::Message& message) {
   std::string bytes;
@@ -33,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cxlab;
   if (size == 0) return 0;
   const char* names[] = {"every/msg/Kind", "rcll_interfaces/msg/MachineInfo", "geometry_msgs/msg/PoseStamped"};
-  const auto type = registry().message(names[data[0] / 2 % 3]);
+  const auto type = fuzz::types().message(names[data[0] / 2 % 3]);
   fuzz::promise(type.ok(), "the types are known");
   const std::string text = fuzz::text_of(data + 1, size - 1);
   (void)bus::parse_list(text);

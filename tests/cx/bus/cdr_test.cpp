@@ -117,6 +117,56 @@ TEST_F(CdrTest, ErrorsNameTheFieldAndTheByte) {
             "field 'dim': found 4294967295 elements, more than the bytes hold, at byte 8");
 }
 
+TEST_F(CdrTest, TextThatIsNoUtf8BecomesTheReplacementCharacter) {
+  const MessageType& type = type_of("wstring a\n");
+  const auto units = [&](std::string_view text) {
+    Message message(type);
+    message->set("a", text);
+    return bytes_of(message).substr(8);
+  };
+  const std::string unknown = hex("fd ff");
+  EXPECT_EQ(units("\xc3\xa9"), hex("e9 00"));
+  EXPECT_EQ(units("\xe0\xa0\x80"), hex("00 08")) << "the first of three bytes";
+  EXPECT_EQ(units("\xf0\x90\x80\x80"), hex("00 d8 00 dc")) << "the first of four bytes";
+  // Longer than needed, half of a pair, cut off, and beyond the last.
+  EXPECT_EQ(units("\xc0\xaf"), unknown + unknown);
+  EXPECT_EQ(units("\xe0\x9f\xbf"), unknown + unknown + unknown);
+  EXPECT_EQ(units("\xf0\x8f\xbf\xbf"), unknown + unknown + unknown + unknown);
+  EXPECT_EQ(units("\xed\xa0\x80"), unknown + unknown + unknown);
+  EXPECT_EQ(units("\xe2\x82"), unknown + unknown);
+  EXPECT_EQ(units("\xf4\x90\x80\x80"), unknown + unknown + unknown + unknown);
+}
+
+TEST_F(CdrTest, ComposedValueIsReadPartByPart) {
+  const MessageType& point = **registry_.message("geometry_msgs/msg/Point");
+  Message value(point);
+  value->set("y", 2.5);
+  std::string bytes;
+  CdrWriter(bytes).number(std::uint8_t{7}).bytes("abc").text("hello").size(1).message(value).number(std::int16_t{-3});
+  const auto read = [&](std::size_t size, std::uint32_t most) {
+    std::uint8_t first = 0;
+    std::string three;
+    std::string_view hello;
+    std::uint32_t count = 0;
+    std::int16_t last = 0;
+    Message again(point);
+    CdrReader in(std::string_view(bytes).substr(0, size));
+    in.number(first).bytes(three, 3).text(hello).size(count, most).message(again.view()).number(last);
+    if (in.status()) {
+      EXPECT_EQ(first, 7);
+      EXPECT_EQ(three, "abc");
+      EXPECT_EQ(hello, "hello");
+      EXPECT_EQ(count, 1U);
+      EXPECT_EQ(again->real("y"), 2.5);
+      EXPECT_EQ(last, -3);
+    }
+    return in.status() ? std::string() : in.status().error().message;
+  };
+  EXPECT_EQ(read(bytes.size(), 1), "");
+  EXPECT_EQ(read(bytes.size(), 0), "found 1 elements, expected at most 0, at byte 24");
+  for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_NE(read(size, 1), "") << size;
+}
+
 TEST_F(CdrTest, SchemaHasEachTypeOnce) {
   const std::string line(80, '=');
   EXPECT_EQ(ros2msg_schema(**registry_.message("geometry_msgs/msg/PoseStamped")),

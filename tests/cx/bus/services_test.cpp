@@ -51,6 +51,41 @@ TEST_F(ServiceTest, AnswersGoToTheCallerUnderItsOwnNumber) {
   EXPECT_THAT(deliver(a), ElementsAre("2 late"));
 }
 
+TEST_F(ServiceTest, StandInAnswersOnlyWhileNobodyElseServes) {
+  std::vector<std::string> rivals;
+  bus_.on_rivals([&](const std::string& text) { rivals.push_back(text); });
+  const auto stand_in = node("stand_in"), server = node("server"), late = node("late"), a = environment("a");
+  EndpointId of_stand_in{}, of_server{};
+  const auto answering = [&](EndpointId& service, const char* who) {
+    return [&, who](const Delivery& d) { bus_.respond(service, d, answer(who)); };
+  };
+  of_stand_in = *bus_.serve(stand_in, "s", *set_bool_, answering(of_stand_in, "stand-in"), Bus::Rank::kStandIn);
+  const auto client = *bus_.create_client(a, "s", *set_bool_, note_responses());
+  EXPECT_TRUE(bus_.service_ready(client));
+  const auto ask = [&] {
+    tick();
+    bus_.call(client, blank(*set_bool_->request));
+    for (const auto p : {stand_in, server}) bus_.deliver(p);
+    return deliver(a);
+  };
+  EXPECT_THAT(ask(), ElementsAre("1 stand-in"));
+  of_server = *bus_.serve(server, "s", *set_bool_, answering(of_server, "server"));
+  EXPECT_THAT(bus_.providers(NameKind::kService, "/s"), ElementsAre(server, stand_in));
+  EXPECT_THAT(bus_.users(NameKind::kService, "/s"), ElementsAre(a));
+  EXPECT_THAT(bus_.providers(NameKind::kService, "/"), IsEmpty()) << "the whole name counts";
+  EXPECT_EQ(bus_.described(server), "/server");
+  EXPECT_THAT(ask(), ElementsAre("2 server"));
+  EXPECT_THAT(rivals, IsEmpty());
+  ASSERT_TRUE(bus_.serve(late, "s", *set_bool_, {}));
+  EXPECT_THAT(bus_.providers(NameKind::kService, "/s"), ElementsAre(server, late, stand_in));
+  EXPECT_EQ(rivals.size(), 1U) << "two servers are rivals";
+  bus_.leave(late);
+  bus_.remove(of_server);
+  EXPECT_THAT(ask(), ElementsAre("3 stand-in"));
+  const auto second = bus_.serve(late, "t", *set_bool_, {});
+  EXPECT_FALSE(second) << "it has left";
+}
+
 TEST_F(ServiceTest, AnAnswerIsRecordedWithItsMessageAndNamesItsRequest) {
   const auto server = node("server"), a = environment("a");
   const auto service = *bus_.serve(server, "s", *set_bool_, keep_requests());
