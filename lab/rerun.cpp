@@ -55,14 +55,18 @@ void add_changed_bag(const Run& run, const std::filesystem::path& again, std::ve
     changed.push_back("the bag " + run.manifest.bag.at("file"));
 }
 
+Error not_there(const Run& run, const std::string& what, const std::filesystem::path& path) {
+  return input_error(what + " is not there any more: " + path.string() +
+                         "; bring it back to rerun, or play the rules alone "
+                         "from the run's own copies: cxlab replay " +
+                         run.folder.string(),
+                     run.folder.string());
+}
+
 /// The first file or folder of the scenario that is not there any more.
 Status still_there(const Run& run, const Scenario& scenario) {
   const auto missing = [&](const std::string& what, const std::filesystem::path& path) {
-    return input_error(what + " is not there any more: " + path.string() +
-                           "; bring it back to rerun, or play the rules alone "
-                           "from the run's own copies: cxlab replay " +
-                           run.folder.string(),
-                       run.folder.string());
+    return not_there(run, what, path);
   };
   for (const AgentSpec& agent : scenario.agents) {
     if (const auto config = scenario.resolve(agent.config); !path_exists(config))
@@ -72,8 +76,6 @@ Status still_there(const Run& run, const Scenario& scenario) {
   }
   for (const auto& [key, file] : scenario.world_files)
     if (!path_exists(file.path)) return missing("world." + key, file.path);
-  if (scenario.bag && !path_exists(scenario.resolve(scenario.bag.file)))
-    return missing("the bag", scenario.resolve(scenario.bag.file));
   return {};
 }
 
@@ -186,6 +188,8 @@ Status compare(const Run& run, const WorldKind& world, SimTime since, Rerun& aga
 Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& host) {
   auto scenario = run.scenario();
   if (!scenario) return scenario.error();
+  if (scenario->bag && !path_exists(scenario->resolve(scenario->bag.file)))  // too large for a copy
+    return not_there(run, "the bag", scenario->resolve(scenario->bag.file));
   std::unique_ptr<ScratchFolder> copies;
   if (Status there = still_there(run, *scenario); !there) {
     auto files = StoredFiles::open(run.folder);

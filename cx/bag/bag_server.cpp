@@ -301,7 +301,9 @@ void BagServer::report() {
 
 Status BagServer::sense(SimTime now) {
   ++playing_.turn;
-  if (!std::exchange(begun_, true)) report();
+  if (!std::exchange(reported_, true)) report();
+  begun_ = begun_ || now >= begins();
+  if (!begun_) return {};
   while (next_ && next_due() <= now) {
     const RecordedMessage& message = *next_;
     if (Status s = part_of_[message.topic]->take(recording_.topics()[message.topic], message.bytes); !s)
@@ -318,7 +320,12 @@ Status BagServer::act(SimTime) {
   return {};
 }
 
-SimTime BagServer::next_due() const { return next_ ? time_in_run(next_->t, playing_.first, spec_) : kNever; }
+SimTime BagServer::begins() const { return from_seconds(spec_.offset_s); }
+
+SimTime BagServer::next_due() const {
+  if (!begun_ && !parts_.empty()) return begins();  // with what topics hold from before
+  return next_ ? time_in_run(next_->t, playing_.first, spec_) : kNever;
+}
 
 std::vector<std::string> BagServer::warnings() const {
   std::vector<std::string> all = playing_.warnings;

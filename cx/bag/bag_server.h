@@ -56,6 +56,7 @@ class BagServer final : public Server {
   Error differs(const Topic& topic, const std::string& type, const std::string& difference) const;
   std::string remapped(const std::string& name) const;
 
+  SimTime begins() const;  ///< in the run
   Status advance();
   Status skip();
   void report();
@@ -70,7 +71,7 @@ class BagServer final : public Server {
   std::vector<std::string> left_out_, unknown_;
   std::size_t filtered_ = 0;
   std::optional<RecordedMessage> next_;
-  bool begun_ = false;
+  bool reported_ = false, begun_ = false;
 };
 
 }  // namespace cxlab::bag

@@ -117,12 +117,13 @@ TEST_F(BagServerTest, MessageThatWasKeptComesToWhoSubscribesLate) {
   bag().message(1, "/map", kString, "{data: new}", kTransientLocal);
   bag().message(1, "/other", kString, "{data: lost}");
   bag().message(9, "/map", kString, "{data: last}", kTransientLocal);
-  open({.start_s = 2});
+  open({.start_s = 2, .offset_s = 1});
+  EXPECT_EQ(server_->next_due(), from_seconds(1));
   play(3);
   hear("/map");
   hear("/other");
-  play(7);
-  EXPECT_THAT(taken(), ElementsAre("3.1 /map new", "7 /map last"));
+  play(8);
+  EXPECT_THAT(taken(), ElementsAre("3.1 /map new", "8 /map last"));
 }
 
 // --- What is left out
