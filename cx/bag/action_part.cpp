@@ -13,6 +13,8 @@ namespace {
 using bus::GoalAnswer;
 using bus::GoalStatus;
 
+bool is_end(GoalStatus status) { return status >= GoalStatus::kSucceeded && status <= GoalStatus::kAborted; }
+
 /// The k-th goal of this run meets what happened to the k-th goal of the recording, at the times of the recording, or
 /// at once where they have passed.
 class ActionPart final : public Part {
@@ -164,12 +166,12 @@ class ActionPart final : public Part {
       const std::string id = id_of(info.nested("goal_id"));
       const SimTime accepted = std::chrono::seconds(stamp.integer("sec")) + SimTime(stamp.integer("nanosec"));
       const bool before = first && accepted < playing_.first;
-      if (!find(id) && (before || status > GoalStatus::kCanceling)) over_.insert(id);
-      if (status == GoalStatus::kUnknown) continue;
+      if (!find(id) && (before || is_end(status))) over_.insert(id);
+      if (status <= GoalStatus::kUnknown || status > GoalStatus::kAborted) continue;
       Recorded* recorded = goal_of(id);
       if (!recorded) continue;
       recorded->accepted = recorded->accepted || !recorded->rejected;
-      if (status > GoalStatus::kCanceling && !get_result_.has_responses) recorded->ended = status;
+      if (is_end(status) && !get_result_.has_responses) recorded->ended = status;
       go_on(*recorded);
     }
     return {};
@@ -208,7 +210,7 @@ class ActionPart final : public Part {
       Recorded* recorded = goal_of(request->id);
       requests.erase(request);
       const auto ended = static_cast<GoalStatus>(status);
-      if (!recorded || ended < GoalStatus::kSucceeded || ended > GoalStatus::kAborted) return {};
+      if (!recorded || !is_end(ended)) return {};
       recorded->accepted = true;
       recorded->ended = ended;
       recorded->result = std::make_shared<const bus::Message>(std::move(result));
