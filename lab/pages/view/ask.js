@@ -34,7 +34,8 @@ export class Ask {
     this.words = el('datalist', { id: 'words' });
     this.about = el('button', { type: 'button', class: 'about', hidden: true, onclick: () => this.factsAbout() });
     const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ act) => el('button', { type: 'button', title, onclick: act }, text);
-    this.backwards = [button('◀ firing', 'to before the last rule that fired (,)', () => this.go({ back: 1 })), button('◀ until', 'back to where that happened last (Shift+Enter)', () => this.go({ back_until: this.until.value.trim() }))];
+    this.backwards = [button('◀ firing', 'to before the last rule that fired (,)', () => this.go({ back: 1 })),
+      button('◀ until', 'back to where that happened last (Shift+Enter)', () => this.go({ back_until: this.until.value.trim() }))];
     this.moves = el('span', { class: 'moves' }, this.backwards[0], button('firing ▶', 'until one rule has fired (.)', () => this.go({ step: 1 })), this.backwards[1], this.until,
       button('until ▶', 'to where that happens next (Enter)', () => this.go({ until: this.until.value.trim() })));
     /** @type {any[]} */
@@ -247,8 +248,10 @@ export class Ask {
     return this.detailOf(async () => {
       const source = await this.question('source', { rule }, t);
       if (!source) return;
-      this.showDetail(rule, el('h3', {}, 'rule ', ruleButton(rule, this), el('span', { class: 'note' }, title)), el('p', { class: 'note' }, source.file + ':' + source.first_line + (marks ? ', conditions as of ' + timeText(t ?? this.page.clock.t) : '')),
-        el('p', { class: 'buttons' }, askButton('why', 'why it fired the last time', () => this.why(rule)), askButton('why not', 'what it lacks', () => this.whyNot(rule)), askButton('until ▶', 'to where it fires next', () => this.go({ until: rule })), askButton('◀ until', 'to where it fired last', () => this.go({ back_until: rule }))),
+      this.showDetail(rule, el('h3', {}, 'rule ', ruleButton(rule, this), el('span', { class: 'note' }, title)),
+        el('p', { class: 'note' }, (source.file ? source.file + ':' + source.first_line : 'it is in no file') + (marks ? ', conditions as of ' + timeText(t ?? this.page.clock.t) : '')),
+        el('p', { class: 'buttons' }, askButton('why', 'why it fired the last time', () => this.why(rule)), askButton('why not', 'what it lacks', () => this.whyNot(rule)),
+          askButton('until ▶', 'to where it fires next', () => this.go({ until: rule })), askButton('◀ until', 'to where it fired last', () => this.go({ back_until: rule }))),
         values && Object.keys(values).length ? el('p', {}, el('code', {}, valuesText(values))) : '', sourceView(source, marks));
     });
   }

@@ -15,6 +15,11 @@ import { sortedTable } from './sorted.js';
 const GOOD = ['completed', 'stopped'];
 const shortNumber = (/** @type {number|null|undefined} */ value) => (value === null || value === undefined ? '' : Number.isInteger(value) ? String(value) : value.toPrecision(4).replace(/\.?0+$/, ''));
 
+function nameOf(/** @type {ListedRun} */ run) {
+  if (run.id === null) return el('span', { title: run.command ? 'plays it again: ' + run.command : undefined }, run.name);
+  return el('a', { href: '/run/' + encodeURIComponent(run.id) + '/' }, run.name);
+}
+
 class RunsTable {
   constructor(/** @type {{folder: string, runs: ListedRun[], metrics: Metric[]}} */ listed) {
     // A run that cannot be read has a name and says why; a row of a sweep may have no folder, and then no id.
@@ -36,7 +41,8 @@ class RunsTable {
     this.count = el('span', { class: 'note' });
     this.compare = el('button', { type: 'button', class: 'compare', onclick: () => location.assign('/two?a=' + encodeURIComponent(this.chosen[0]) + '&b=' + encodeURIComponent(this.chosen[1])) });
     this.list = el('div', { class: 'scroll', tabindex: 0 });
-    this.box = el('section', { class: 'runs' }, el('div', { class: 'filters' }, ...this.filters.map((one) => one.select), this.text, el('label', {}, this.troubled, ' with warnings or errors'), this.count, this.compare, themeButton(() => {})), this.list);
+    this.box = el('section', { class: 'runs' }, el('div', { class: 'filters' }, ...this.filters.map((one) => one.select), this.text,
+      el('label', {}, this.troubled, ' with warnings or errors'), this.count, this.compare, themeButton(() => {})), this.list);
     this.show();
   }
 
@@ -50,7 +56,7 @@ class RunsTable {
     /** @type {{head: string, cell: (run: ListedRun) => any, key: (run: ListedRun) => string|number|null}[]} */
     const columns = [
       { head: '', cell: (run) => (run.id === null ? '' : this.choice(run)), key: () => null },
-      { head: 'run', cell: (run) => (run.id === null ? el('span', { title: run.command ? 'plays it again: ' + run.command : undefined }, run.name) : el('a', { href: '/run/' + encodeURIComponent(run.id) + '/' }, run.name)), key: (run) => run.name },
+      { head: 'run', cell: nameOf, key: (run) => run.name },
       { head: 'scenario', cell: (run) => run.scenario, key: (run) => run.scenario || null },
       ...(has((run) => run.strategy) ? [{ head: 'strategy', cell: (/** @type {ListedRun} */ run) => run.strategy || '', key: (/** @type {ListedRun} */ run) => run.strategy || null }] : []),
       { head: 'seed', cell: (run) => run.seed ?? '', key: (run) => run.seed ?? null },
@@ -59,7 +65,8 @@ class RunsTable {
       { head: 'time', cell: (run) => (run.sim_time_s ? timeText(run.sim_time_s, 0) : ''), key: (run) => run.sim_time_s ?? null },
       { head: 'warnings', cell: (run) => run.warnings || '', key: (run) => run.warnings },
       { head: 'errors', cell: (run) => (run.errors ? el('b', { class: 'bad' }, run.errors) : ''), key: (run) => run.errors },
-      ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''), cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
+      ...this.metrics.map((metric) => ({ head: metric.name + (metric.unit ? ' (' + metric.unit + ')' : ''),
+        cell: (/** @type {ListedRun} */ run) => shortNumber(run.metrics[metric.name]), key: (/** @type {ListedRun} */ run) => run.metrics[metric.name] ?? null })),
     ];
     this.list.replaceChildren(found.length ? sortedTable(columns.map((one) => one.head), found.map((run) => ({ cells: columns.map((one) => one.cell(run)), keys: columns.map((one) => one.key(run)), class: '' })),
       this.order, (order) => { this.order = order; }) : el('p', {}, this.runs.length ? 'No run fits.' : 'There is no run in this folder.'));

@@ -45,7 +45,8 @@ class Two {
     this.jump = el('button', { type: 'button', class: 'jump', disabled: true }, 'looks for the first difference …');
     this.text = el('pre', {});
     this.whole = el('details', { class: 'difference', hidden: true }, el('summary', {}, 'all that differs'), this.text);
-    this.box = el('div', {}, el('div', { class: 'player' }, play, el('div', { class: 'range' }, slider, this.flag), time, el('span', { class: 'note' }, 'of ' + timeText(clock.end, 0)), this.jump, themeButton(() => this.paint())), this.whole);
+    this.box = el('div', {}, el('div', { class: 'player' }, play, el('div', { class: 'range' }, slider, this.flag), time,
+      el('span', { class: 'note' }, 'of ' + timeText(clock.end, 0)), this.jump, themeButton(() => this.paint())), this.whole);
     const read = () => {
       const t = readTime(new URLSearchParams(location.hash.slice(1)).get('t') || '');
       if (!Number.isNaN(t)) clock.seek(t);

@@ -2,7 +2,7 @@
 
 import { el } from '../run/draw.js';
 import { timeText } from '../run/time.js';
-import { done, factText } from './facts.js';
+import { askButton, done, factText } from './facts.js';
 import { Graph } from './graph.js';
 import { valuesText } from './rules.js';
 
@@ -143,7 +143,8 @@ export class Why extends GraphTab {
     const what = step.fact || step.text;
     return ask.showDetail(what, el('h3', {}, step.fact || (FACT_KINDS.includes(step.kind) ? 'a fact' : step.kind)), FACT_KINDS.includes(step.kind) ? factText(step.text) : el('p', {}, step.text),
       el('p', { class: 'note' }, done(step.kind) + ' at ' + timeText(Math.max(0, step.t_s), 3) + (step.note ? ' ' + step.note : '') + (step.outside ? ', from ' + step.outside + ' of the journal' : '')),
-      FACT_KINDS.includes(step.kind) ? el('p', { class: 'buttons' }, el('button', { type: 'button', class: 'ask', onclick: () => ask.whyNot(what) }, 'who waits for it'), step.fact ? el('button', { type: 'button', class: 'ask', onclick: () => ask.showFact(what) }, 'its history') : '') : '');
+      FACT_KINDS.includes(step.kind) ? el('p', { class: 'buttons' }, askButton('who waits for it', 'rules that need it, and what they lack', () => ask.whyNot(what)),
+        step.fact ? askButton('its history', 'each of its changes', () => ask.showFact(what)) : '') : '');
   }
 }
 
@@ -175,11 +176,12 @@ export class WhyNot extends GraphTab {
     const rows = [];
     for (const one of found.conditions || (unmet ? [{ condition: unmet.condition, text: unmet.pattern || '', holds: false }] : [])) {
       const fails = one.condition === unmet?.condition;
-      rows.push({ kind: fails ? 'fails' : one.holds ? 'holds' : 'unsure', text: one.condition + '  ' + one.text, below: fails ? unmet.because : '', atOnce: fails, open: fails && found.makers ? () => this.makerNodes(found.makers) : undefined });
+      rows.push({ kind: fails ? 'fails' : one.holds ? 'holds' : 'unsure', text: one.condition + '  ' + one.text, below: fails ? unmet.because : '', atOnce: fails,
+        open: fails && found.makers ? () => this.makerNodes(found.makers) : undefined });
     }
-    if (unmet) {
-      if (unmet.fact) rows.push({ kind: 'fact', text: unmet.fact, act: () => this.ask.showDetail(unmet.fact, el('h3', {}, 'the nearest fact'), factText(unmet.fact), el('p', { class: 'buttons' }, el('button', { type: 'button', class: 'ask', onclick: () => this.ask.why(unmet.fact) }, 'why'))) });
-    }
+    if (unmet?.fact)
+      rows.push({ kind: 'fact', text: unmet.fact, act: () => this.ask.showDetail(unmet.fact, el('h3', {}, 'the nearest fact'), factText(unmet.fact),
+        el('p', { class: 'buttons' }, askButton('why', 'how it came about', () => this.ask.why(unmet.fact)))) });
     for (const fact of (found.holds?.facts || [])) rows.push({ kind: 'fact', text: fact });
     if (found.lost) rows.push({ kind: '', text: 'was on the agenda up to ' + timeText(found.lost.t_s, 3) + ', until ' + (found.lost.by ? 'rule ' + found.lost.by : 'something outside of rules') + ' took it off',
       act: () => { this.ask.page.clock.seek(found.lost.t_s); if (found.lost.by) this.ask.showRule(found.lost.by); } });
@@ -199,7 +201,8 @@ export class WhyNot extends GraphTab {
         this.ask.page.clock.seek(Math.max(0, change.t_s));
         if (change.by.startsWith('rule ')) this.ask.showRule(change.by.slice(5));
       } });
-      nodes.push({ key: 'last ' + made.fact + made.t_s, kind: 'fact', title: made.fact, lines: ['the last fact that matched ' + makers.pattern], rows: [row(done(made.what), made), ...(then ? [row(done(then.what), then)] : [])], act: () => this.ask.page.clock.seek(Math.max(0, made.t_s)) });
+      nodes.push({ key: 'last ' + made.fact + made.t_s, kind: 'fact', title: made.fact, lines: ['the last fact that matched ' + makers.pattern], rows: [row(done(made.what), made), ...(then ? [row(done(then.what), then)] : [])],
+        act: () => this.ask.page.clock.seek(Math.max(0, made.t_s)) });
     }
     for (const one of makers.rules) {
       const fired = one.fired ? 'fired ' + one.fired + ' times, the last at ' + timeText(one.last_s, 3) : 'has not fired so far';
