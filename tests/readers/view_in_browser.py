@@ -305,8 +305,12 @@ class View(Browser):
         self.all_is_well()
 
     def test_narrow_screens_scroll_down_only(self):
-        self.view(self.game(), link="#t=300&ask=why&what=order-begin", size=(500, 800))
-        self.assertLessEqual(self.js("document.documentElement.scrollWidth"), self.js("innerWidth"))
+        self.view(self.game(), link="#t=300&ask=why&what=order-begin")
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": False})
+        self.assertEqual(self.js("innerWidth"), 400)
+        for tab in ("facts", "rules", "why", "users"):
+            self.tab(tab)
+            self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400, tab)
         self.all_is_well()
 
 
