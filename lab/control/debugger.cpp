@@ -250,6 +250,8 @@ void Debugger::stay_at_end(SimTime t, const Status& how) {
   const std::vector<cx::Environment*> all = environments();
   if (all.empty()) {
     lines_.send_all(json_text(Json{{"event", "end"}, {"text", "the run has no environment"}}));
+    place_ = {t, 0, -1};
+    at_end_ = stopped_ = true;
     while (!left_ && !options_.over())
       if (auto line = lines_.take(kSlice)) answer(*line);
     return;
@@ -321,9 +323,9 @@ std::string Debugger::where() const {
 
 /// Where the person is; nothing while the run is between two places.
 std::optional<Debugger::Where> Debugger::place() const {
-  if (!here_) return std::nullopt;
   if (shown_) return seen(*shown_);
-  Where here{place_, here_->unique_name(), at_end_};
+  if (!here_ && !at_end_) return std::nullopt;
+  Where here{place_, here_ ? here_->unique_name() : "", at_end_};
   if (const auto next = place_.fired < 0 ? std::nullopt : next_activation(here_->engine())) {
     here.rule = next->rule;
     here.facts = next->facts;

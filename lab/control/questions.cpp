@@ -341,7 +341,7 @@ Json Debugger::place_json() const {
   const auto there = place();
   if (!there) return json;
   json["t"] = to_seconds(there->place.t);
-  json["env"] = there->environment;
+  if (!there->environment.empty()) json["env"] = there->environment;
   json["at_end"] = there->at_end;
   if (there->place.fired >= 0) json["firing"] = there->place.fired;
   if (there->rule) json["rule"] = *there->rule;

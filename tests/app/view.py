@@ -300,6 +300,16 @@ class Questions(View):
         self.assertEqual(of_killed.send("GET", "/run/killed/")[0], 200)
         self.assertGreaterEqual(of_killed.get("/run/killed/data.json")["end"], 0)
 
+    def test_a_run_without_an_environment(self):
+        self.write("scenario.yaml", "schema: 1\nduration_s: 3\nworld: {kind: rcll}\ntier: timed\n")
+        subprocess.run([CXLAB, "run", "scenario.yaml", "--out", "run", "--quiet"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL, timeout=60)
+        server = Server(self, "run")
+        place = server.ask("where")
+        self.assertEqual((place["at_end"], place["env"], place["text"]), (True, None, "at the end of the run, 3.000 s"))
+        self.assertEqual(server.ask("facts", t=2, expect=400), "there is no environment")
+        self.assertIn("end of the run", server.go(step=1, expect=400))
+        self.assertEqual(server.send("GET", "/run/run/")[0], 200)
+
     def test_a_process_that_dies_is_started_again(self):
         self.play()
         server = Server(self, "run")
