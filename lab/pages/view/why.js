@@ -121,16 +121,16 @@ export class Why extends GraphTab {
 
   /** The latest cause of each box, up to what came from outside; not through a rule that stands there already. */
   async follow(/** @type {Node} */ root) {
-    const rules = new Set();
+    const seen = new Set();
     let node = root;
     for (let length = 0; length < LONGEST_WAY; ++length) {
-      if (node.kind === 'rule' && rules.has(node.title)) break;
-      if (node.kind === 'rule') rules.add(node.title);
+      seen.add(node.title);
       const row = node.rows.find((one) => one.open);
-      if (!row) break;
-      const fresh = await this.graph.open(node, row);
-      if (!fresh.length) break;
-      node = fresh[0];
+      const [next] = (await row?.open?.()) || [];
+      if (!row || !next || seen.has(next.title)) break;
+      const [fresh] = await this.graph.open(node, row);
+      if (!fresh) break;
+      node = fresh;
     }
     await super.follow(root);
   }
