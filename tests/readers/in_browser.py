@@ -53,11 +53,11 @@ class Browser(unittest.TestCase):
         return self.browser.execute_script(f"return {expression}", *arguments)
 
     def until(self, what):
-        for _ in range(200):
+        for _ in range(400):
             if what():
                 return
             time.sleep(0.05)
-        self.fail(f"has not come in 10 s; console: {self.browser.get_log('browser')}")
+        self.fail(f"has not come in 20 s; console: {self.browser.get_log('browser')}")
 
     def press(self, *keys):
         ActionChains(self.browser).send_keys(*keys).perform()
