@@ -107,8 +107,8 @@ class Film(Lab):
 
     def test_a_caption_has_lines_of_its_own(self):
         self.needs_opengl()
-        self.run_game("run", "--set", "faults=[{kind: skill_fails, probability: 0.7}]")
-        film = ["render", "run", "--video", "film.mp4", "--size", "480x300", "--from", 59, "--to", 59]
+        self.run_game("run", "--set", "faults=[{kind: skill_fails, probability: 0.7}]", until=30)
+        film = ["render", "run", "--video", "film.mp4", "--size", "480x300", "--from", 27, "--to", 27]
         with_it, without = self.film(*film), self.film(*film, "--no-caption")
         self.assertEqual((len(with_it), len(without)), (480 * 300 * 3,) * 2)
         below = self.rows(with_it, 480, 262, 300)
