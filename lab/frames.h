@@ -2,7 +2,7 @@
 // Pictures of a world as people get them, one or film by film: what cameras show, side by side, above a caption with
 // time, points and the last events. The same world gives the same pixels.
 
-#include <functional>
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>

@@ -10,6 +10,10 @@
 #include "cx/journal/journal_record.h"
 #include "scenarios/run_page.h"
 
+namespace cxlab {
+struct Scenario;
+}
+
 namespace cxlab::lab {
 
 struct Run;

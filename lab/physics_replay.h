@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "cx/base/scratch_folder.h"
 #include "lab/run.h"
 #include "scenarios/stage.h"
 

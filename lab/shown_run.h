@@ -2,6 +2,7 @@
 // A recorded run to look at, whatever its tier: its physics is played again, or its scene shows it.
 
 #include <memory>
+#include <optional>
 
 #include "lab/physics_replay.h"
 #include "lab/run.h"
