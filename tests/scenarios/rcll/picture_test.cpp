@@ -4,6 +4,7 @@
 
 #include "scenarios/rcll/game/floor_plan.h"
 #include "scenarios/rcll/game/game.h"
+#include "scenarios/rcll/game/scene.h"
 #include "sim/mujoco/mujoco_world.h"
 #include "sim/mujoco/overlay.h"
 #include "sim/mujoco/render.h"
@@ -43,6 +44,49 @@ TEST(Pictures, ShowEveryMachineWholeWithItsLabelInFiftyLayouts) {
       expect_labelled((*renderer)->overlay(), {0, 0, width, height}, std::to_string(seed) + ' ' + camera);
     }
   }
+}
+
+TEST(Pictures, FloorIsPosedAsTheSceneSays) {
+  const sim::FloorPlan plan = floor_plan_of({}, game_of({}, 1)->layout);
+  const auto entity = [](EntityId id, const char* kind, const char* name, const char* state, sim::Pose3 pose) {
+    Entity out;
+    out.id = id;
+    out.kind = kind;
+    out.name = name;
+    out.state = state;
+    out.pose = pose;
+    return out;
+  };
+  Scene scene;
+  scene.entities = {entity(1, "robot", "robot2", "pick", {{2, 3, 0}, {0, 0, 1}}),
+                    entity(2, "machine", "C-RS1", "BROKEN red-blink yellow", {}),
+                    entity(3, "piece", "piece7", "BASE_SILVER RING_GREEN CAP_GREY",
+                           {{sim::kRobot.home_forward + 0.1, -0.02, sim::kRobot.home_height + 0.04}}),
+                    entity(4, "piece", "piece8", "BASE_RED", {{1, 1, 0.9}}),
+                    entity(5, "robot", "nobody", "", {}),
+                    entity(6, "machine", "X-BS", "IDLE green", {})};
+  scene.entities[2].carried_by = 1;
+  scene.entities[2].place = "gripper";
+  const sim::FloorPose pose = floor_pose_of(scene, plan);
+
+  ASSERT_EQ(pose.robots.size(), plan.robots.size());
+  EXPECT_NEAR(pose.robots[1].pose_in_world.x, 2, 1e-9);
+  EXPECT_NEAR(pose.robots[1].pose_in_world.yaw, 1, 1e-9);
+  EXPECT_TRUE(pose.robots[1].gripper.isApprox(sim::Vec3(0.1, -0.02, 0.04), 1e-9));
+  EXPECT_NEAR(pose.robots[1].finger_opening, 0.022, 1e-9);
+  EXPECT_EQ(pose.robots[0].pose_in_world.x, plan.robots[0].pose_in_world.x) << "as at the start";
+  EXPECT_EQ(pose.robots[0].finger_opening, sim::kRobot.fingers_open);
+
+  const auto lights = pose.lights[sim::index_of(*plan.find_station("C-RS1"))];
+  EXPECT_EQ(lights, (sim::Lights{sim::Light::kBlink, sim::Light::kOn, sim::Light::kOff}));
+  EXPECT_EQ(pose.lights[sim::index_of(*plan.find_station("C-BS"))], sim::Lights());
+
+  ASSERT_EQ(pose.pieces.size(), 2u);
+  EXPECT_EQ(pose.pieces[0].stack, (sim::Stack{3, {2, 0, 0}, 2}));
+  EXPECT_NEAR(pose.pieces[0].underside_in_world.position.z(), sim::kRobot.home_height + 0.04, 1e-9);
+  EXPECT_NEAR((pose.pieces[0].underside_in_world.position - sim::Vec3(2, 3, 0)).head<2>().norm(),
+              std::hypot(sim::kRobot.home_forward + 0.1, 0.02), 1e-9);
+  EXPECT_EQ(pose.pieces[1].stack, (sim::Stack{1, {}, 0}));
 }
 
 }  // namespace
