@@ -20,6 +20,7 @@ MORE = (
     "cxlab run scenarios/turtlesim/hypotheses.yaml",
     "cxlab env scenarios/turtlesim/agents/params/figures.yaml --with turtlesim",
     "cxlab env scenarios/turtlesim/agents/params/hypotheses.yaml --with turtlesim",
+    "cxlab env docs/examples/bag/greeter.yaml --with turtlesim --stimuli docs/examples/bag/visitors.yaml --until 10",
     "cxlab env docs/examples/blocksworld/params/helpers.yaml --with pddl_manager",
     "cxlab env docs/templates/agent/agent.yaml --package my_agent=docs/templates/agent --until 5",
     "cxlab run docs/templates/agent/scenario.yaml",
