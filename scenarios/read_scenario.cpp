@@ -175,7 +175,7 @@ void read_bag(yaml::Map& scenario, bag::BagSpec& bag) {
   scenario.read("bag", bag);
   const yaml::Value file = value.as_map().get("file");
   bag.origin = file ? file.origin() : value.origin();
-  if (file && bag.origin.line == 0) bag.file = std::filesystem::absolute(bag.file).lexically_normal().string();
+  if (bag && bag.origin.line == 0) bag.file = std::filesystem::absolute(bag.file).lexically_normal().string();
 }
 
 std::string_view to_string(Tier tier) { return tier == Tier::kTimed ? "timed" : "physics"; }

@@ -70,6 +70,7 @@ stimuli:
   - {at: 7, create_env: more}
   - {at: 8, destroy_env: more}
   - {at: 9, stop_node: /d}
+bag: {file: floor, start_s: 2.5, offset_s: 1, rate: 0.5, topics: "^/a", exclude: b$, remap: {/x: /y}, own: true}
 faults:
   - {kind: skill_fails, at: 60, robot: robot1, skill: pick, error: 206, after_s: 8}
   - {kind: skill_fails, probability: 0.05, skill: drive_to, after_s: 4, from: 3, times: 2}
@@ -103,6 +104,10 @@ TEST(Scenario, IsWrittenAsItIsRead) {
   EXPECT_EQ(timed_of(*again).pick_mean_s, 3.25);
   EXPECT_THAT(text, AllOf(HasSubstr("planner:\n  latency:\n    a: 0.5\n"), HasSubstr("  budget: 1000\n")));
   EXPECT_FALSE(again->stop_on_rule_error);
+  EXPECT_EQ(std::tie(again->bag.file, again->bag.start_s, again->bag.offset_s, again->bag.rate, again->bag.topics,
+                     again->bag.exclude, again->bag.remap, again->bag.own),
+            std::tuple("floor", 2.5, 1, 0.5, "^/a", "b$", scenario.bag.remap, true));
+  EXPECT_THAT(scenario.bag.remap, ElementsAre(std::pair("/x", "/y")));
   ASSERT_THAT(again->stimuli, SizeIs(11));
   for (std::size_t i = 0; i < again->stimuli.size(); ++i) {
     const Stimulus &now = again->stimuli[i], &then = scenario.stimuli[i];
@@ -227,6 +232,19 @@ TEST(Scenario, ErrorsInAnOptionNameTheOption) {
   EXPECT_EQ(scenario.seed, 3u);
   EXPECT_THAT(scenario.overrides, ElementsAre("expect[0].min=5", "seed=3"));
   EXPECT_EQ(scenario.expect[0].min, 5);
+}
+
+TEST(Scenario, TheFileOfABagIsFoundFromItsFolderOrFromTheOption) {
+  EXPECT_EQ(parsed("bag: {file: floor.mcap}\n").bag.file, "floor.mcap");
+  EXPECT_EQ(parsed("bag: {file: floor.mcap}\n").bag.origin, (Origin{"s.yaml", 2}));
+  EXPECT_EQ(parsed("", {"bag.file=floor.mcap"}).bag.file, (std::filesystem::current_path() / "floor.mcap").string());
+  EXPECT_FALSE(parsed("").bag);
+  EXPECT_FALSE(parsed("bag: {file: ''}\n").bag) << "no bag";
+  EXPECT_FALSE(parsed("bag: {file: floor.mcap}\n", {"bag.file=''"}).bag);
+  EXPECT_THAT(error_of("bag: {rate: 2}\n"), StartsWith("s.yaml:2: bag: key 'file' is missing"));
+  EXPECT_EQ(error_of("bag: {file: a, rate: 0}\n"), "s.yaml:2: bag.rate: found 0, expected a number from 0.001 to 1000");
+  EXPECT_THAT(error_of("bag: {file: a}\n", {{"bag.topics='('", "--bag-topics ("}}),
+              StartsWith("--bag-topics (: bag.topics: found '(', expected a regular expression"));
 }
 
 TEST(Scenario, PathsOfPackagesAreRelativeToItsFolder) {
