@@ -455,6 +455,18 @@ TEST_F(BagActions, TheKthGoalMeetsWhatTheKthMet) {
   EXPECT_THAT(server_->warnings(), ElementsAre("/f: 1 goal of this run has no answer in the bag"));
 }
 
+TEST_F(BagActions, LateGoalGetsTheLastFeedback) {
+  bag().status(0, "/f", {{'a', 2}});
+  bag().feedback(1, "/f", kFibonacci, 'a', "{sequence: [1]}");
+  bag().feedback(2, "/f", kFibonacci, 'a', "{sequence: [2]}");
+  bag().feedback(4, "/f", kFibonacci, 'a', "{sequence: [3]}");
+  open();
+  play(3);
+  send();
+  play(5);
+  EXPECT_THAT(taken(), ElementsAre("3.2 accepted", "3.2 feedback {sequence: [2]}", "4 feedback {sequence: [3]}"));
+}
+
 TEST_F(BagActions, RejectedGoalIsRejected) {
   bag().goal(0, "/f", kFibonacci, 1, 'a', "{order: 3}");
   bag().goal_answer(1, "/f", kFibonacci, 1, false);

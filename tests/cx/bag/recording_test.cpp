@@ -121,6 +121,15 @@ TEST(Recording, MessagesComeInOrderOfTimeWhateverTheFileHas) {
               ElementsAre("/b:2", "/b:3", "/a:4", "/a:7"));
 }
 
+TEST(Recording, MessagesOfOneTimeComeInTheOrderOfTheFile) {
+  EXPECT_THAT(played_from(HandMadeMcap()
+                              .add(M::channel(1, "/a"))
+                              .chunk(M::message(1, 20, "first"))
+                              .chunk(M::message(1, 5, "5") + M::message(1, 20, "second"))
+                              .whole()),
+              ElementsAre("/a:5", "/a:first", "/a:second"));
+}
+
 TEST(Recording, ManyMessagesOutsideOfChunksAreReadInParts) {
   HandMadeMcap file;
   file.add(M::channel(1, "/a"));
@@ -232,7 +241,7 @@ TEST_F(BagFolder, HasTheFilesThatItsMetadataNames) {
   folder_.write("floor/c.mcap", bag(10));
   folder_.write("floor/metadata.yaml",
                 "rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: mcap\n  relative_file_paths:\n"
-                "    - b.mcap\n    - a.mcap\n  compression_format: ''\n  compression_mode: ''\n");
+                "    - a.mcap\n    - b.mcap\n  compression_format: ''\n  compression_mode: ''\n");
   EXPECT_THAT(all(), ElementsAre("/a:20", "/a:30"));
 }
 
