@@ -308,7 +308,7 @@ class View(Browser):
         self.view(self.game(), link="#t=300&ask=why&what=order-begin")
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": False})
         self.assertEqual(self.js("innerWidth"), 400)
-        for tab in ("facts", "rules", "why", "users"):
+        for tab in ("facts", "rules", "firings", "why"):
             self.tab(tab)
             self.assertLessEqual(self.js("document.documentElement.scrollWidth"), 400, tab)
         self.all_is_well()
