@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cx/base/number_text.h"
+#include "sim/mujoco/font.h"
 
 namespace cxlab::lab {
 namespace {
@@ -55,6 +56,9 @@ void paste(const sim::Picture& from, int left, int top, int width, int height, s
 }
 
 }  // namespace
+
+Frames::Frames(const FrameOptions& options) : options_(options) {}
+Frames::~Frames() = default;
 
 std::vector<std::string> camera_names(const std::string& text) {
   std::vector<std::string> names;
@@ -121,7 +125,7 @@ Status Frames::open(const ViewMaker& make) {
       if (!font) return font.error();
       const int lines = kCaptionLines * font->height() + 2 * kMargin;
       if (4 * lines <= options_.height) {  // else the picture would be all caption
-        font_ = *std::move(font);
+        font_ = std::make_unique<sim::Font>(*std::move(font));
         caption_top_ -= lines;
         views_.clear();
         sizes_.clear();

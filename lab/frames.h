@@ -14,7 +14,11 @@
 #include "cx/base/time.h"
 #include "lab/happenings.h"
 #include "scenarios/view.h"
-#include "sim/mujoco/font.h"
+#include "sim/picture.h"
+
+namespace cxlab::sim {
+class Font;
+}
 
 namespace cxlab::lab {
 
@@ -30,6 +34,9 @@ class Frames {
   /// `make` makes a view of the world for a size. Everything that a picture needs is opened here; where a caption is
   /// due and there is no OpenGL, kResource.
   static Expected<std::unique_ptr<Frames>> create(const ViewMaker& make, const FrameOptions& options);
+  ~Frames();
+  Frames(const Frames&) = delete;
+  Frames& operator=(const Frames&) = delete;
 
   /// The first is the default.
   std::vector<std::string> cameras() const { return tiles_.front().view->cameras(); }
@@ -42,7 +49,7 @@ class Frames {
     int left = 0, top = 0, width = 0, height = 0;
     View* view = nullptr;
   };
-  explicit Frames(const FrameOptions& options) : options_(options) {}
+  explicit Frames(const FrameOptions& options);
   Status open(const ViewMaker& make);
   Expected<View*> view_of(const ViewMaker& make, int width, int height);
   void write_caption(SimTime now);
@@ -51,8 +58,8 @@ class Frames {
   std::vector<std::unique_ptr<View>> views_;  ///< one for each size of a tile
   std::vector<std::pair<int, int>> sizes_;    ///< theirs
   std::vector<Tile> tiles_;
-  int caption_top_ = 0;  ///< the caption is between that and the lower edge
-  std::optional<sim::Font> font_;
+  int caption_top_ = 0;              ///< the caption is between that and the lower edge
+  std::unique_ptr<sim::Font> font_;  ///< of the caption
   sim::Picture picture_;
 };
 

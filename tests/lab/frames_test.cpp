@@ -4,6 +4,7 @@
 
 #include "lab/happenings.h"
 #include "scenarios/shipped/catalogue.h"
+#include "sim/mujoco/font.h"
 
 namespace cxlab::lab {
 namespace {
