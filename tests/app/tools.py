@@ -603,11 +603,13 @@ agents:
         if subprocess.run([CXLAB, "run", GAME, *map(str, options)], capture_output=True, cwd=self.folder, timeout=60).returncode == 5:
             self.skipTest("no OpenGL here")
         self.assertGreater(json.loads((run / "result.json").read_text())["teams"]["CYAN"]["points"], 0)
-        self.cxlab("render", run, "--at", 90, "--camera", "top", "--size", "640x480", "--out", self.folder / "again.png")
+        self.cxlab("render", run, "--at", 90, "--camera", "top", "--size", "640x400", "--out", self.folder / "again.png")
         self.assertTrue((self.folder / "again.png").read_bytes() == (run / "snapshots/0090.00-top.png").read_bytes())
 
     def test_what_cannot_be_drawn_is_said(self):
-        self.assertIn("--tier physics", self.cxlab("render", self.timed_game(2), "--at", 1, "--out", "x.png", expect=3).stderr)
+        (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 2\n")
+        self.cxlab("run", "empty.yaml", "--quiet", "--out", "empty")
+        self.assertIn("empty world", self.cxlab("render", self.folder / "empty", "--at", 1, "--out", "x.png", expect=3).stderr)
         self.assertIn("--size", self.cxlab("render", GAME, "--at", 1, "--out", "x.png", "--size", "big", expect=2).stderr)
 
 
