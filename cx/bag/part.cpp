@@ -19,7 +19,7 @@ Role Part::role_of(bus::NameKind kind, std::string& why) const {
 }
 
 EventKinds::EventKinds(std::uint8_t mask) {
-  const auto has = [mask](unsigned kind) { return (mask >> kind & 1U) != 0; };
+  const auto has = [mask](unsigned kind) { return ((static_cast<unsigned>(mask) >> kind) & 1U) != 0; };
   if (has(1)) request = 1;
   if (has(2)) response = 2;
   has_requests = has(request);
