@@ -3,6 +3,10 @@
 import { DARK_LAMP, el, shines, solidsOf } from './draw.js';
 import { pathColour } from './field.js';
 
+const SLOW = 36; // ms from frame to frame: above it, what moves is drawn with fewer pixels
+const STILL = 250; // ms after the last frame until it is drawn with all of them
+const COARSEST = 0.4; // of the pixels along each side
+
 /** Runs three.js, which then is `window.THREE`. Throws where the browser has no WebGL. */
 export async function make3d(/** @type {HTMLCanvasElement} */ canvas, /** @type {import('./data.js').Source} */ source,
   /** @type {{minX: number, minY: number, maxX: number, maxY: number}} */ area, /** @type {() => void} */ redraw) {
@@ -44,7 +48,12 @@ class View3d {
     this.world.add(this.ring);
     /** @type {any[]} */
     this.lines = [];
-    this.ratio = inSoftware ? 0.8 : Math.min(devicePixelRatio || 1, 2); // fewer pixels where the processor draws them
+    this.sharp = inSoftware ? 0.8 : Math.min(devicePixelRatio || 1, 2); // fewer pixels where the processor draws them
+    this.share = 1; // of `sharp`, while the picture moves
+    this.moves = false;
+    this.drawn = 0; // ms
+    this.pause = 0; // ms from frame to frame, on average
+    this.timer = 0;
     this.listen();
   }
 
@@ -175,8 +184,23 @@ class View3d {
     }
     for (const [id, group] of this.groups) group.object.visible = there.has(id);
     this.drawPaths(paths, t);
+    this.pace();
     this.resize();
     this.renderer.render(this.world, this.camera);
+  }
+
+  /** While the picture moves it has as many pixels as can be drawn in time; then all of them. */
+  pace() {
+    const now = performance.now(), pause = now - this.drawn;
+    this.drawn = now;
+    this.moves = pause < STILL;
+    this.pause = this.moves ? 0.8 * this.pause + 0.2 * pause : 0;
+    if (this.pause > SLOW) {
+      this.share = Math.max(COARSEST, 0.8 * this.share);
+      this.pause = 0.7 * SLOW;
+    }
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => { if (this.moves && this.share < 1) this.redraw(); }, STILL);
   }
 
   dark() {
@@ -215,7 +239,7 @@ class View3d {
 
   resize() {
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
-    const { ratio } = this;
+    const ratio = this.sharp * (this.moves ? this.share : 1);
     if (this.canvas.width !== Math.floor(width * ratio) || this.canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
