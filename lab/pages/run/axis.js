@@ -28,6 +28,8 @@ export class Axis {
     this.texts = [];
     /** @type {(() => void)[]} */
     this.listening = [];
+    this.left = 0; // of the tracks, px
+    this.wide = 0;
     this.seeks(this.ticks);
     const told = (/** @type {Event} */ event) => this.told.get(/** @type {Element} */ (event.target));
     this.box.addEventListener('pointerover', (/** @type {PointerEvent} */ event) => {
@@ -117,7 +119,9 @@ export class Axis {
     const { from, length } = this.span, end = this.clock.end || 1;
     this.box.style.setProperty('--left', (-100 * from) / length + '%');
     this.box.style.setProperty('--width', (100 * end) / length + '%');
-    const wide = this.ticks.clientWidth || 600;
+    this.left = this.ticks.offsetLeft;
+    this.wide = this.ticks.clientWidth;
+    const wide = this.wide || 600;
     const least = (length * 64) / wide;
     // A text that has no room is not begun.
     for (const { element, length: own } of this.texts) element.classList.toggle('short', (own / length) * wide < 34);
@@ -133,6 +137,7 @@ export class Axis {
   placeCursor() {
     const share = (this.clock.t - this.span.from) / this.span.length;
     this.cursor.hidden = share < 0 || share > 1;
-    this.cursor.style.left = this.ticks.offsetLeft + share * this.ticks.clientWidth + 'px';
+    // The browser moves what it has drawn, and draws no lane anew.
+    this.cursor.style.transform = 'translateX(' + (this.left + share * this.wide) + 'px)';
   }
 }

@@ -30,7 +30,8 @@ export function addChart(/** @type {import('./axis.js').Axis} */ axis, /** @type
   axis.listen(axis.clock, () => {
     for (const { line, times, value } of shown) {
       const i = lastNotAfter(times, axis.clock.t);
-      value.textContent = String(i < 0 ? 0 : line.steps[i][1]);
+      const text = String(i < 0 ? 0 : line.steps[i][1]);
+      if (value.textContent !== text) value.textContent = text;
     }
   });
 }

@@ -50,7 +50,7 @@ export class Now {
         const ink = kind ? this.axis.kinds.fill(kind) : 'transparent';
         line.cells[0].style.setProperty('--fill', ink);
       }
-      line.cells[1].textContent = age;
+      if (line.cells[1].textContent !== age) line.cells[1].textContent = age;
     }
     if (this.choice.name) this.showChosen();
   }
