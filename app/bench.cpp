@@ -60,15 +60,16 @@ void write_page(const BenchOptions& options, const lab::Host& host, const std::v
 void print_worst_games(const lab::JudgedRows& judged) {
   for (const lab::Answer& answer : judged.answers) {
     if (answer.judgement != lab::Judgement::kWorse) continue;
+    const std::vector<std::size_t> worst = lab::worst_games(answer);
     std::string games;
-    for (const std::size_t i : lab::worst_games(answer)) {
+    for (const std::size_t i : worst) {
       const auto& [name, seed] = answer.games[i];
       games += (games.empty() ? "" : ", ") + (name.empty() ? "" : name + " ") + "seed " + std::to_string(seed) + " (" +
                fixed_text(answer.values[i], answer.metric.digits) + ')';
     }
     std::printf("%s, %s: '%s' does not hold; the worst games: %s\n", printable(answer.scenario).c_str(),
                 printable(answer.strategy).c_str(), printable(answer.asked).c_str(), printable(games).c_str());
-    const auto& [name, seed] = answer.games[lab::worst_games(answer).front()];
+    const auto& [name, seed] = answer.games[worst.front()];
     for (const lab::Row& row : judged.rows)
       if (row.cell.scenario == answer.scenario && row.cell.strategy == answer.strategy && row.cell.game == name &&
           row.cell.seed == seed)
