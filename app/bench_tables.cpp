@@ -61,12 +61,13 @@ std::string written(const Table& table, const std::string& format) {
   return lab::table_text(table, line_width());
 }
 
-/// Games with errors and warnings count in no table, so they are named beside it.
-void print_errors(const std::string& sweep) {
-  const auto read = lab::read_sweep(sweep, catalogue());
-  if (!read) return;  // what there is of it has been shown
-  std::vector<lab::Row> rows;
-  for (const lab::IndexedRow& one : read->rows) rows.push_back(one.row);
+/// Names the errors and warnings of games, which no table shows. rows.csv has no texts of them, the index has.
+void print_errors(const std::string& sweep, std::vector<lab::Row> rows) {
+  if (const fs::path index = fs::path(sweep) / "runs.sqlite"; is_file(index))
+    if (auto read = lab::read_index(index)) {
+      rows.clear();
+      for (lab::IndexedRow& one : *read) rows.push_back(std::move(one.row));
+    }
   std::fputs(printable(lab::errors_text(lab::table_of(rows, catalogue()))).c_str(), stderr);
 }
 
@@ -105,7 +106,7 @@ int show(const ShowOptions& options) {
   }
   for (std::size_t i = 0; i < tables.size(); ++i)
     std::printf("%s%s", i ? "\n" : "", written(tables[i], format).c_str());
-  print_errors(options.sweep);
+  print_errors(options.sweep, *rows);
   return 0;
 }
 
