@@ -35,11 +35,9 @@ ViewReply reply_of(Expected<std::string> text, const char* type) {
 
 }  // namespace
 
-ViewReply view_run_page(const Run& run) {
-  auto parts = page_of_recorded(run);
-  if (!parts) return view_error(500, parts.error().text());
-  parts->head["live"] = run.unfinished && path_exists(run.folder / "control.sock");
-  return reply_of(served_run_page(std::move(parts->head)), kHtml);
+ViewReply view_run_page(const Run& run, Json head) {
+  head["live"] = run.unfinished && path_exists(run.folder / "control.sock");
+  return reply_of(served_run_page(std::move(head)), kHtml);
 }
 
 ViewReply view_page(const std::string& name) { return reply_of(served_page(name), kHtml); }
@@ -49,12 +47,6 @@ ViewReply view_script(const std::string& name) {
   ViewReply reply{200, kScript, bytes_of_base64(three_script())};
   reply.headers.emplace_back("Content-Encoding", "gzip");
   return reply;
-}
-
-ViewReply view_data(const Run& run) {
-  const auto parts = page_of_recorded(run);
-  if (!parts) return view_error(500, parts.error().text());
-  return {200, "application/json", json_text(parts->run)};
 }
 
 ViewReply view_scene(const std::filesystem::path& run, std::size_t from) {

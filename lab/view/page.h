@@ -4,19 +4,18 @@
 #include <filesystem>
 #include <string>
 
+#include "cx/base/json.h"
 #include "lab/run.h"
 #include "lab/view/request.h"
 
 namespace cxlab::lab {
 
-/// /run/ID/
-ViewReply view_run_page(const Run& run);
+/// /run/ID/; `head` is that of its `page_of_recorded`.
+ViewReply view_run_page(const Run& run, Json head);
 /// "runs.html" or "two.html"
 ViewReply view_page(const std::string& name);
 /// "run.js", "runs.js", "two.js", "three.js"
 ViewReply view_script(const std::string& name);
-/// /run/ID/data.json
-ViewReply view_data(const Run& run);
 /// /run/ID/scene.bin: the whole chunks from byte `from` on.
 ViewReply view_scene(const std::filesystem::path& run, std::size_t from);
 /// A file of the run by its name, if the page of the run links to it.

@@ -4,6 +4,7 @@
 
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "lab/report.h"
 #include "lab/view/page.h"
 
 namespace cxlab::lab {
@@ -109,9 +110,15 @@ ViewReply Viewer::answer_run(const ViewRequest& request, const std::string& id, 
   const std::lock_guard lock(reading_);
   const auto run = Run::open(*folder, catalogue_, trust_programs_);
   if (!run) return view_error(500, run.error().text());
-  if (rest == "data.json") return view_data(*run);
-  (void)visit(id, *folder);  // who opens the page asks soon
-  return view_run_page(*run);
+  const bool is_data = rest == "data.json";
+  if (is_data && page_data_ && page_data_->first == id)
+    return {200, "application/json", std::exchange(page_data_, std::nullopt)->second};
+  auto parts = page_of_recorded(*run);
+  if (!parts) return view_error(500, parts.error().text());
+  if (is_data) return {200, "application/json", json_text(parts->run)};
+  if (!run->unfinished) page_data_.emplace(id, json_text(parts->run));
+  (void)visit(id, *folder);  // the reader of the page asks soon
+  return view_run_page(*run, std::move(parts->head));
 }
 
 ViewReply Viewer::answer_two(const ViewRequest& request) {

@@ -10,7 +10,9 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "lab/view/players.h"
 #include "lab/view/request.h"
@@ -49,7 +51,9 @@ class Viewer {
   std::mutex mutex_;                                                  // of what follows
   std::list<std::pair<std::string, std::shared_ptr<Visit>>> visits_;  // the one that was asked last comes first
   bool left_ = false;
-  std::mutex reading_;  // worlds and journals are read by one thread at a time
+  std::mutex reading_;  // worlds and journals are read by one thread at a time; and of what follows
+  /// Id and data.json of the run whose page was answered last, if it is over: the page asks for them next.
+  std::optional<std::pair<std::string, std::string>> page_data_;
 };
 
 }  // namespace cxlab::lab
