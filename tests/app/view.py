@@ -13,31 +13,9 @@ import time
 from pathlib import Path
 
 from lab import CXLAB, Lab
+from questions import AGENT
 
-RULES = """(deftemplate job (slot id) (slot state (default OPEN)) (slot worker (default NONE)))
-(defglobal ?*limit* = 2)
-(deffacts jobs (job (id 2)) (job (id 1)) (free a))
-(defrule begin
-  "A worker is free and a job is open: begin."
-  (time ?now&:(>= ?now 1))
-  ?j <- (job (id ?id) (state OPEN))
-  ?f <- (free ?who)
-  =>
-  (retract ?f)
-  (modify ?j (state BUSY) (worker ?who))
-  (assert (work ?id ?who (+ ?now 1))))
-(defrule end
-  (time ?now)
-  ?w <- (work ?id ?who ?until&:(>= ?now ?until))
-  ?j <- (job (id ?id) (state BUSY))
-  =>
-  (retract ?w)
-  (modify ?j (state DONE))
-  (bind ?*limit* (- ?*limit* 1))
-  (assert (free ?who)))
-(defrule never (job (id ?id) (state LOST)) (test (> ?id 0)) => (assert (lost ?id)))
-(defrule robbed (declare (salience -1)) (time ?now&:(>= ?now 1)) (free ?who) (job (state OPEN)) => (assert (idle ?who)))
-"""
+RULES = AGENT.replace("(defrule begin\n", '(defrule begin\n  "A worker is free and a job is open: begin."\n').replace("(state LOST)) =>", "(state LOST)) (test (> ?id 0)) =>")
 SCENARIO = """schema: 1
 duration_s: 5
 packages: {rules: rules}
