@@ -41,7 +41,7 @@ Json history_json(const inspect::FactHistory& history) {
   return json;
 }
 
-/// What is said of a change beside others: as text.
+/// A change in a list of changes: its fact as text.
 Json change_json(const inspect::FactChange& change) {
   return {{"fact", change.after.print()},
           {"what", std::string(to_string(change.kind))},

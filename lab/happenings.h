@@ -18,10 +18,10 @@ namespace cxlab::lab {
 
 struct Run;
 
-/// Adds what people hear of a record.
+/// Adds the events that pages and captions show of a record.
 void tell(const Scenario& scenario, const JournalRecord& record, std::vector<PageEvent>& out);
 
-/// Hears of records while a run is played (`Journal::observe`), or reads those of a recorded one.
+/// Receives records while a run is played (`Journal::observe`), or reads those of a recorded one.
 class Happenings final : public JournalListener {
  public:
   /// The scenario outlives it.
@@ -42,7 +42,7 @@ class Happenings final : public JournalListener {
   std::vector<PageEvent> events_;  ///< in order of time
 };
 
-/// Lets one hear of the records of a journal for as long as this object lives.
+/// A listener receives the records of a journal as long as this object lives.
 class Listening {
  public:
   Listening(Journal& journal, JournalListener& listener) : journal_(journal), listener_(listener) {

@@ -32,8 +32,8 @@ struct VideoOptions {
 class Video {
  public:
   /// The first frame shows `from`, s. kUsage for a name that is not that of a film, kResource where there is no ffmpeg,
-  /// and for a file that cannot be written. The host hears of a size that changes. `events`, which may be none, are
-  /// for the caption and outlive it.
+  /// and for a file that cannot be written. The host is notified of a size that changes. `events`, which may be none,
+  /// are for the caption and outlive it.
   static Expected<std::unique_ptr<Video>> create(const VideoOptions& options, const ViewMaker& make, const Host& host,
                                                  const Happenings* events = nullptr, double from = 0);
   /// What `create` would say, without a film: a file of that name stays as it is.

@@ -31,7 +31,7 @@ struct Topic {
   std::string definition;  ///< of the type, in the encoding ros2msg; empty: the bag has none
   bool latched = false;    ///< its publisher kept the last message for those who come later (transient_local)
   std::uint64_t messages = 0;
-  /// Of a topic of service events: bit k is set if there are events of type k with what was sent.
+  /// Bit k is set if the topic has service events of type k with what was sent.
   std::uint8_t events = 0;
 };
 

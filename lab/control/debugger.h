@@ -9,7 +9,7 @@
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Programs ask for
 // JSON:
 // {"id": 5, "ask": "facts", "env": "agent", "what": "order"} (lab/control/questions.cpp) is answered by
-// {"id": 5, "ok": true, "answer": {...}}. Events have no id: {"event": "hello", "text": "..."} for one who comes,
+// {"id": 5, "ok": true, "answer": {...}}. Events have no id: {"event": "hello", "text": "..."} for a client that comes,
 // "stopped", "log" with t, level, logger and text, and "end".
 
 #include <atomic>

@@ -51,7 +51,7 @@ std::size_t limit(std::vector<T>& all, const Json& request, bool last) {
   return total;
 }
 
-/// Of many changes of a fact the first and the last are enough for a list.
+/// Keeps the first and the last change of each fact, which are enough for a list.
 void keep_ends(std::vector<inspect::FactHistory>& facts) {
   for (inspect::FactHistory& fact : facts)
     if (fact.changes.size() > 2) fact.changes.erase(fact.changes.begin() + 1, fact.changes.end() - 1);

@@ -1,5 +1,5 @@
 #pragma once
-// Who may ask `cxlab view`: whoever shows its token, from a page of its own or from a program of this machine.
+// Decides who may ask `cxlab view`: its own pages and programs of this machine that show its token.
 
 #include <cstdint>
 #include <optional>
@@ -18,7 +18,7 @@ class ViewAccess {
   /// Nothing if the request may be answered; else how it is refused. The Host must be this server, so that no name of
   /// another page's leads here; what changes something must come from a page of this server, as JSON.
   std::optional<ViewReply> refuse(const ViewRequest& request) const;
-  /// What the one who opens `address` gets: the cookie that all that follows shows.
+  /// The answer to a request for `address`: it sets the cookie that all later requests show.
   std::optional<ViewReply> admit(const ViewRequest& request) const;
 
  private:

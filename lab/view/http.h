@@ -21,7 +21,7 @@ class ViewServer {
 
   /// What a person opens, with the token.
   std::string address() const;
-  /// Answers until `over` says so, which is asked several times a second.
+  /// Answers until `over` says so, which it asks several times a second.
   void serve(const std::function<bool()>& over);
 
  private:

@@ -167,7 +167,7 @@ Json ViewedRuns::table() {
   };
   for (const Json& row : rows)
     if (row.contains("world") && row["world"].is_string()) name_metrics(row["world"]);
-  // Of a sweep: its games, of which a few have a folder.
+  // A sweep has games, of which a few have a folder.
   if (const fs::path index = place_ / "runs.sqlite"; !only_ && is_file(index)) {
     if (const auto games = read_index(index))
       for (const IndexedRow& game : *games) {

@@ -187,7 +187,7 @@ void Visit::take(const Event& event) {
   has_news_.notify_all();
 }
 
-/// Takes events that come while nobody asks.
+/// Takes events that come between questions.
 void Visit::watch_events(int descriptor) {
   while (!left_ && live_) {
     // What came together with an answer waits in the client, not in the socket.
@@ -237,7 +237,7 @@ Visit::Answer Visit::asked(const Json& question) {
   if (text) return {std::nullopt, false, parse_json(*text)};
   if (text.error().kind != ErrorKind::kResource) return {text.error(), false, {}};
   Answer gone = lost();
-  // Of a live run that has just ended, what it left is asked.
+  // A live run has just ended: the question goes to what it left.
   if (gone.error) return gone;
   if (const Status there = connect(); !there) return {there.error(), true, {}};
   return asked(question);
@@ -340,7 +340,7 @@ ViewReply Visit::go(const Json& request) {
 void Visit::begin() {
   begin_ = std::thread([this] {
     const std::unique_lock turn(turn_);
-    (void)connect();  // who asks first hears of an error
+    (void)connect();  // the first question reports an error
   });
 }
 

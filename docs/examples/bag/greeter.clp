@@ -8,7 +8,7 @@
 (deffacts start (open))
 
 (defrule open
-  "At the start: hear of visitors, and be able to turn the turtle."
+  "At the start the agent subscribes to visitors, and becomes able to turn the turtle."
   (open)
   =>
   (ros-msgs-create-subscription "visitor" "std_msgs/msg/Float32")
