@@ -82,7 +82,7 @@ int examine(const CheckCommand& command) {
 
 void add_check(CLI::App& app, Action& action) {
   auto options = std::make_shared<CheckCommand>();
-  CLI::App* command = app.add_subcommand("check", "Examines rules without running them (docs/check.md)");
+  CLI::App* command = app.add_subcommand("check", "Examines rules without running them (docs/reference/check.md)");
   command->footer(std::string("Examples:\n  cxlab check rcll/game\n  cxlab check my_agent/params/agent.yaml --graph "
                               "rules.svg\n  cxlab check "
                               "my_agent/clips/*.clp\n") +

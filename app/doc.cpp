@@ -148,7 +148,7 @@ void add_doc(CLI::App& app, Action& action) {
       names_that_come_along);
   add_package_options(*command, options->packages);
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON");
-  command->add_flag("--markdown", options->markdown, "As docs/reference.md")->excludes(json);
+  command->add_flag("--markdown", options->markdown, "As docs/reference/functions.md")->excludes(json);
   command->callback([options, &action] { action = [options] { return doc(*options); }; });
 }
 

@@ -62,12 +62,12 @@ void declare(CLI::App& command, EnvOptions& options) {
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));
   declare_bag(command, options.env.bag);
-  command.add_option("--stimuli", options.env.stimuli, "What happens from outside (YAML list, docs/scenario.md)");
+  command.add_option("--stimuli", options.env.stimuli, "What happens from outside (YAML list, docs/reference/scenario.md)");
   command.add_flag("!--no-activate", options.env.activate,
                    "Managers without autostart_node stay unconfigured until somebody asks");
   once_each(command.add_option("--transition", options.env.transitions,
                                "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
-                               "(docs/plugins/manager.md)"));
+                               "(docs/reference/plugins/manager.md)"));
   options.run.play.spec.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.play.spec.keep_going,
                    "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");

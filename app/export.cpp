@@ -87,7 +87,7 @@ void add_export(CLI::App& app, Action& action) {
   time_option(command->add_option("--to", choice->to, "The stretch ends then (default: the end of the run)"));
   command->add_flag("--json", choice->json, "What was written, as JSON");
   command->footer(
-      "Messages of the bus are in runs of cxlab run --journal full only (docs/export.md).\n"
+      "Messages of the bus are in runs of cxlab run --journal full only (docs/how-to/export-a-run.md).\n"
       "Examples:\n  cxlab export runs/game-1 --mcap --trace --csv\n  cxlab export runs/game-1 --mcap --from 5:00 --to "
       "6:00 -o part.mcap");
   command->callback([choice, &action] { action = [choice] { return export_it(*choice); }; });

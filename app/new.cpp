@@ -104,7 +104,7 @@ int make_story(StoryOptions options) {
 
 void add_story(CLI::App& command, Action& action) {
   auto options = std::make_shared<StoryOptions>();
-  CLI::App* sub = command.add_subcommand("story", "A story from a moment of a recorded run (docs/testing.md)");
+  CLI::App* sub = command.add_subcommand("story", "A story from a moment of a recorded run (docs/reference/stories.md)");
   sub->footer(
       "The story has the facts of that moment, the answers of skills and the messages that came in the seconds after\n"
       "it, and expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"
@@ -132,7 +132,7 @@ void add_game(CLI::App& command, Action& action) {
   sub->footer(
       "Examples:\n  cxlab new game game.yaml --seed 7\n  cxlab new game game.yaml --set world.complexities=[C0,C1]\n"
       "  cxlab run rcll/game --set world.game=game.yaml");
-  sub->add_option("file", options->file, "Where (YAML; docs/rcll.md has its keys)")->required();
+  sub->add_option("file", options->file, "Where (YAML; docs/reference/rcll.md has its keys)")->required();
   sub->add_option("--scenario", options->scenario, "Whose settings it is drawn with (default: those of the league)");
   seed_number(sub->add_option("--seed", options->seed, "Seed of the draw, instead of the scenario's"));
   once_each(sub->add_option("--set", options->overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
@@ -166,7 +166,7 @@ void add_agent(CLI::App& command, Action& action) {
       "With --ci the folder has pipelines for GitHub Actions (.github/workflows/agent.yml) and GitLab "
       "(.gitlab-ci.yml)\n"
       "as well: they get cxlab from ci/cxlab.txt, check the rules, play the stories with coverage and the suite\n"
-      "suite.yaml with its requirements, and keep the pages (docs/tutorial-ci.md).\n"
+      "suite.yaml with its requirements, and keep the pages (docs/how-to/test-in-ci.md).\n"
       "Examples:\n  cxlab new agent my_agent\n  cxlab new agent my_agent --rcll --ci\n"
       "  cxlab new agent my_agent --ci --cxlab https://files.example.org/cxlab-0.1.0-debian12-x86_64.tar.gz \\\n"
       "      --sha256 $(sha256sum cxlab-0.1.0-debian12-x86_64.tar.gz | cut -c 1-64)");
@@ -179,7 +179,7 @@ void add_agent(CLI::App& command, Action& action) {
       sub->add_flag_callback("--ci", tarball, "Pipelines for GitHub and GitLab, and a suite with requirements");
   sub->add_option_function<std::string>(
          "--cxlab", [=](const std::string& address) { tarball().address = address; },
-         "Where the pipelines get the tarball of cxlab (docs/install.md)")
+         "Where the pipelines get the tarball of cxlab (docs/how-to/install.md)")
       ->needs(ci);
   sub->add_option_function<std::string>(
          "--sha256", [=](const std::string& hash) { tarball().sha256 = hash; }, "The SHA-256 of that tarball")
@@ -193,7 +193,7 @@ void add_new(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   add_agent(*command, action);
   const std::filesystem::path installed = find_share().prefix;
-  const std::string prefix = installed.empty() ? "PREFIX (docs/install.md)" : installed.string();
+  const std::string prefix = installed.empty() ? "PREFIX (docs/how-to/install.md)" : installed.string();
   const Kind plugin{"plugin",
                     "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
                     "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};

@@ -20,7 +20,7 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   add_choice(command, "--journal", named(spec.journal, kJournalLevels),
              "What journal.jsonl holds: none, decisions or full")
       ->default_str(std::string(named(spec.journal, kJournalLevels).word()));
-  command.add_flag("--strict-cx", spec.strict, "What the real CX would do otherwise are errors (docs/strict-cx.md)");
+  command.add_flag("--strict-cx", spec.strict, "What the real CX would do otherwise are errors (docs/reference/strict-cx.md)");
   add_choice(command, "--release", named(spec.release, cx::kRosReleases),
              "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)");
   add_prefix_option(command, spec.prefixes);
@@ -38,7 +38,7 @@ void declare_play(CLI::App& command, PlayCommand& options) {
 
 void declare_bag(CLI::App& command, lab::BagOptions& options) {
   command.add_option("--bag", options.file,
-                     "Plays a recording: an MCAP file, or a folder of ros2 bag record (docs/bag.md)");
+                     "Plays a recording: an MCAP file, or a folder of ros2 bag record (docs/how-to/replay-a-bag.md)");
   time_option(command.add_option("--bag-start", options.start, "Plays it from there on, s after its first message"));
   time_option(command.add_option("--bag-offset", options.offset, "Simulated time at which that comes (0)"));
   command.add_option("--bag-rate", options.rate, "Seconds of the bag in a second of simulated time (1)");

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-# Estimates of a league team for its robots, which include alignment: see docs/skills.md.
+# Estimates of a league team for its robots, which include alignment: see docs/reference/skills.md.
 LEAGUE = {"pick at belt": 20.9, "pick at shelf": 24.2, "place at belt": 19.2, "place at slide": 23.5, "discard": 8.25, "explore": 14.7}
 NOT_SUMMED = ("drive", "wait")
 

@@ -50,7 +50,7 @@ UNUSED_PAYMENTS = 3
 RINGS_OF = {"RING_ORANGE": "RS1", "RING_GREEN": "RS1", "RING_BLUE": "RS2", "RING_YELLOW": "RS2"}
 CAPS_OF = {"CAP_GREY": "CS1", "CAP_BLACK": "CS2"}
 
-# docs/rcll.md, Machines; sim/traffic/trajectory.h; docs/skills.md, The timed tier. SI units.
+# docs/reference/rcll.md, Machines; sim/traffic/trajectory.h; docs/reference/skills.md, The timed tier. SI units.
 BELT_IN, BELT_OUT, WAIT_IDLE = 1.538, 2.656, 5
 CAP_TIME, RING_TIME, GATE_TIME = 17.5, 17.308, 3.746
 SPEED, SPEED_UP, SLOW_DOWN, TURN, TURN_UP = 0.5, 0.36, 1.0, 0.9, 1.2

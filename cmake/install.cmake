@@ -85,7 +85,7 @@ install(DIRECTORY cx/interfaces cx/packages models docs planner/engines lab/page
 install(DIRECTORY scenarios DESTINATION ${share}
   FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
 install(FILES README.md LICENSE DESTINATION ${doc})
-install(FILES docs/install.md DESTINATION ${doc} RENAME INSTALL.md)
+install(FILES docs/how-to/install.md DESTINATION ${doc} RENAME INSTALL.md)
 get_filename_component(wheel "${mujoco}" DIRECTORY)
 file(GLOB files "${wheel}/../*.dist-info/licenses/*")
 install(FILES ${files} DESTINATION ${doc}/mujoco)

@@ -44,7 +44,7 @@ std::string type_text(const std::string& codes);
 /// "pure" or "acting".
 std::string kind_text(const FunctionSpec& function);
 
-/// docs/reference.md.
+/// docs/reference/functions.md.
 Expected<std::string> reference_page(const std::vector<PluginReference>& reference);
 /// An interface as `doc --json` shows it.
 std::string interface_json(const std::string& name, const std::string& text);

@@ -15,7 +15,7 @@
 
 namespace cxlab::lab {
 
-/// What the scripts of the page read (docs/run-page.md).
+/// What the scripts of the page read (docs/reference/run-page.md).
 struct RunPageData {
   Json run;           ///< end, kinds, shades, parts but tables, events
   std::string scene;  ///< bytes of scene.bin; empty: there is none
@@ -31,7 +31,7 @@ Json tables_of(const RunPage& page);
 Expected<std::string> run_page(const Json& head, RunPageData data);
 inline constexpr std::size_t kLargestPage = 3'000'000;
 
-// --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/view.md)
+// --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/how-to/view-a-run.md)
 
 /// The page of a run. `head` as for `run_page`; its `live`: the run goes on.
 Expected<std::string> served_run_page(Json head);

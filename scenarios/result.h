@@ -1,5 +1,5 @@
 #pragma once
-// What an episode ends with: `result.json` (docs/contracts.md 4).
+// What an episode ends with: `result.json` (docs/reference/contracts.md 4).
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
 // The measures of floor, machines, pieces and robots: SI units, each once. The MJCF of models/ has them again; a
-// physics world compares the two when it is made (sim/mujoco/geometry_check.h). docs/models.md has drawings in words
+// physics world compares the two when it is made (sim/mujoco/geometry_check.h). docs/reference/models.md has drawings in words
 // and reasons.
 
 #include <array>

@@ -83,7 +83,7 @@ struct FloorPlan {
   const Station& station(StationId id) const { return stations[index_of(id)]; }
   const RobotStart& robot(RobotId id) const { return robots[index_of(id)]; }
 };
-/// The spots that a station of that kind has, with the poses of docs/models.md. `pose` is the station's.
+/// The spots that a station of that kind has, with the poses of docs/reference/models.md. `pose` is the station's.
 std::vector<Spot> spots_of(const Station& station, StationId id);
 
 enum class Holder : std::uint8_t { kDispenser, kGripper, kBelt, kSlot, kSlide, kFloor, kGate, kStorage, kCrew };
@@ -255,7 +255,7 @@ class RobotBodies {
   virtual void command_base(RobotId robot, double vx, double vy, double omega) = 0;
   /// Wanted gripper axes; the axes move at no more than 0.1 m/s.
   virtual void command_gripper(RobotId robot, const Vec3& axes) = 0;
-  /// 0.035 = wide open, negative = squeeze (docs/models.md).
+  /// 0.035 = wide open, negative = squeeze (docs/reference/models.md).
   virtual void command_fingers(RobotId robot, double opening) = 0;
 };
 

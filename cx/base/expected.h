@@ -9,7 +9,7 @@
 
 namespace cxlab {
 
-/// What kind of failure it is; each has one exit code (docs/contracts.md).
+/// What kind of failure it is; each has one exit code (docs/reference/contracts.md).
 enum class ErrorKind {
   kNo = 1,        ///< the answer is no: a test failed, a difference was found
   kUsage = 2,     ///< wrong command line

@@ -23,7 +23,7 @@ struct Finding {
   std::string text() const;
 };
 
-/// What `cxlab check` looks for, in the order of docs/check.md.
+/// What `cxlab check` looks for, in the order of docs/reference/check.md.
 struct Code {
   std::string_view name, meaning;
 };

@@ -1,6 +1,6 @@
 #pragma once
 // The environment manager of CX: a lifecycle node that makes environments as its YAML says, loads their plugins and
-// runs them. It has no thread and no timer: an episode calls it in the order of docs/contracts.md 1.
+// runs them. It has no thread and no timer: an episode calls it in the order of docs/reference/contracts.md 1.
 
 #include <filesystem>
 #include <map>

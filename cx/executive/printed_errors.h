@@ -1,5 +1,5 @@
 #pragma once
-// What rules print as an error, `(printout error ...)`: warnings of the run (docs/contracts.md 4).
+// What rules print as an error, `(printout error ...)`: warnings of the run (docs/reference/contracts.md 4).
 
 #include <cstddef>
 #include <optional>

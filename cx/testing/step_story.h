@@ -1,6 +1,6 @@
 #pragma once
 // A story that is played step by step in C++: the rules run while an expectation waits for them, and each skill ends
-// when the test says so (docs/testing.md).
+// when the test says so (docs/reference/stories.md).
 //
 //   Story story({.config = "params/agent.yaml", .packages = {{"my_agent", "."}}}, setup, report);
 //   story.skill("/R1/fetch", "my_msgs/action/Fetch");

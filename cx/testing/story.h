@@ -1,5 +1,5 @@
 #pragma once
-// Stories: regression tests of rules without a world, in simulated time (docs/testing.md).
+// Stories: regression tests of rules without a world, in simulated time (docs/reference/stories.md).
 //
 //   StorySpec spec;  spec.rules = {"agent.clp"};  spec.given = {{"(robot (name \"R1\"))"}};  ...
 //   StoryResult result = run_story(spec, setup);
@@ -101,7 +101,7 @@ struct StoryResult {
   bool passed() const { return failures.empty() && !bad; }
 };
 
-/// Reads the stories of a file (docs/testing.md); paths in it are relative to it.
+/// Reads the stories of a file (docs/reference/stories.md); paths in it are relative to it.
 Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file);
 /// Plays the story in a manager of its own.
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup);

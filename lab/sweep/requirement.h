@@ -1,5 +1,5 @@
 #pragma once
-// Thresholds of a suite (docs/bench.md); lab/sweep/judge.h answers them.
+// Thresholds of a suite (docs/reference/sweeps.md); lab/sweep/judge.h answers them.
 //
 //   require:
 //     - mean(points) >= 250          # each strategy, in each scenario

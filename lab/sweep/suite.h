@@ -1,5 +1,5 @@
 #pragma once
-// What a sweep plays: scenarios x strategies x games x seeds (docs/bench.md). A grid of parameters gives a strategy for
+// What a sweep plays: scenarios x strategies x games x seeds (docs/reference/sweeps.md). A grid of parameters gives a strategy for
 // each combination of its values.
 
 #include <cstdint>

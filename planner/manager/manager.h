@@ -1,7 +1,7 @@
 #pragma once
 // The PDDL manager of CX: a lifecycle node that keeps PDDL instances, answers questions about them and makes plans.
 // Planning takes simulated time: a plan of u work units is answered a + b * u seconds after it was asked for. It has no
-// thread and no timer: an episode calls it in the order of docs/contracts.md 1.
+// thread and no timer: an episode calls it in the order of docs/reference/contracts.md 1.
 
 #include <cstdint>
 #include <filesystem>

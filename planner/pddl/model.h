@@ -2,7 +2,7 @@
 // A planning domain and problem after parsing: every name is an index, every variable a slot, effects are flat lists.
 //
 // Language: PDDL 2.1 level 4 restricted to linear change, with derived predicates and timed initial literals of 2.2
-// and timed numeric values. See docs/planning.md. Names are lower case.
+// and timed numeric values. See docs/reference/pddl.md. Names are lower case.
 
 #include <array>
 #include <cstdint>

@@ -114,7 +114,7 @@ constexpr const SectionKind* kReads[]{&kPlanner};
 }  // namespace
 
 constinit const NodeKind kNode{.name = "pddl_manager",
-                               .what = "keeps PDDL instances and plans (docs/pddl-manager.md)",
+                               .what = "keeps PDDL instances and plans (docs/reference/pddl-manager.md)",
                                .settings = settings_of<Config>(),
                                .reads = kReads,
                                .add = add_manager};

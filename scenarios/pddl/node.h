@@ -1,5 +1,5 @@
 #pragma once
-// A PDDL manager beside the world: `servers: [pddl_manager]` (docs/pddl-manager.md).
+// A PDDL manager beside the world: `servers: [pddl_manager]` (docs/reference/pddl-manager.md).
 
 #include "scenarios/catalogue.h"
 

@@ -265,7 +265,7 @@ Expected<Game> game_of(const Scenario& scenario) {
 
 constinit const WorldKind kWorld{
     .name = "rcll",
-    .what = "a game of the Logistics League (docs/rcll.md)",
+    .what = "a game of the Logistics League (docs/reference/rcll.md)",
     .settings = settings_of<WorldConfig>(),
     .reads = kReads,
     .files = kFiles,

@@ -1,5 +1,5 @@
 #pragma once
-// The world of a Logistics League game, `world: {kind: rcll, ...}` (docs/rcll.md).
+// The world of a Logistics League game, `world: {kind: rcll, ...}` (docs/reference/rcll.md).
 
 #include "scenarios/catalogue.h"
 #include "scenarios/rcll/game/game.h"

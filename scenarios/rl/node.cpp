@@ -84,7 +84,7 @@ Status add_trainer(const ServerSpec& spec, const StageSetup& setup, Stage& stage
 }  // namespace
 
 constinit const NodeKind kNode{.name = "cx_rl_node",
-                               .what = "trains an agent by its rewards (docs/rl.md)",
+                               .what = "trains an agent by its rewards (docs/how-to/train-over-cx-rl.md)",
                                .settings = settings_of<Config>(),
                                .add = add_trainer};
 

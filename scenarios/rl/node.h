@@ -1,5 +1,5 @@
 #pragma once
-// The trainer of an agent beside the world: `servers: [cx_rl_node]` (docs/rl.md).
+// The trainer of an agent beside the world: `servers: [cx_rl_node]` (docs/how-to/train-over-cx-rl.md).
 
 #include "scenarios/catalogue.h"
 

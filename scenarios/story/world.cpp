@@ -49,7 +49,7 @@ constinit const SectionKind* const kReads[]{&kBegin};
 
 constinit const WorldKind kWorld{
     .name = "story",
-    .what = "stand-ins for skills and services, facts and messages, as a story says (docs/testing.md)",
+    .what = "stand-ins for skills and services, facts and messages, as a story says (docs/reference/stories.md)",
     .settings = settings_of<Config>(),
     .reads = kReads,
     .files = kFiles,

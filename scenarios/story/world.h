@@ -1,5 +1,5 @@
 #pragma once
-// The world of a story (docs/testing.md): stand-ins for skills and services, and what happens at its times.
+// The world of a story (docs/reference/stories.md): stand-ins for skills and services, and what happens at its times.
 
 #include "scenarios/catalogue.h"
 

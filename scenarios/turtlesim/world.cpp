@@ -155,7 +155,7 @@ Expected<RunPage> page_of(const AskedRun&, const Result& result) {
 }
 
 constexpr Tier kTiers[]{Tier::kPhysics};
-constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/turtlesim.md)";
+constexpr std::string_view kName = "turtlesim", kWhat = "turtles on a canvas (docs/reference/turtlesim.md)";
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
 // Turtles on a canvas as a world, `world: {kind: turtlesim, ...}`, and as a node beside one, `servers: [turtlesim]`
-// (docs/turtlesim.md).
+// (docs/reference/turtlesim.md).
 
 #include "scenarios/catalogue.h"
 

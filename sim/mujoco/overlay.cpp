@@ -9,7 +9,7 @@
 namespace cxlab::sim {
 namespace {
 
-constexpr double kBlinkPeriod = 0.5;  ///< s; docs/models.md: lights blink at 2 Hz
+constexpr double kBlinkPeriod = 0.5;  ///< s; docs/reference/models.md: lights blink at 2 Hz
 constexpr int kMargin = 3;            ///< px around a text
 constexpr int kTied = 5;              ///< px between a label and its body from which a leader is drawn
 constexpr double kMachineTop = 1.12;  ///< m, with its signal light

@@ -1,6 +1,6 @@
 #pragma once
 // From commands to motors: commands are wishes, the motors get ramps within the limits of speed and acceleration
-// (docs/models.md).
+// (docs/reference/models.md).
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-"""The agents of docs/examples/blocksworld, as docs/pddl-manager.md runs them."""
+"""The agents of docs/examples/blocksworld, as docs/reference/pddl-manager.md runs them."""
 
 import json
 import os

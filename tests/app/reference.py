@@ -56,11 +56,11 @@ FUNCTIONS_OF_CX = {
 
 class Doc(unittest.TestCase):
     def test_reference_page_is_up_to_date(self):
-        page = (SOURCE / "docs/reference.md").read_text()
-        self.assertEqual(doc("--markdown").stdout, page, "docs/reference.md is old: cxlab doc --markdown > docs/reference.md")
+        page = (SOURCE / "docs/reference/functions.md").read_text()
+        self.assertEqual(doc("--markdown").stdout, page, "docs/reference/functions.md is old: cxlab doc --markdown > docs/reference/functions.md")
 
     def test_scripts_that_pages_run_are_executable(self):
-        pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", SOURCE / "benchmarks/README.md", *(SOURCE / "docs").glob("*.md")]
+        pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", SOURCE / "benchmarks/README.md", *(SOURCE / "docs").rglob("*.md")]
         scripts = {script for page in pages for script in re.findall(r"(?:^|`)((?:tests|benchmarks)/[\w/]+\.py) ", page.read_text(), re.M)}
         self.assertGreater(len(scripts), 8)
         self.assertEqual([script for script in sorted(scripts) if not os.access(SOURCE / script, os.X_OK)], [])
@@ -133,7 +133,7 @@ class Doc(unittest.TestCase):
             if not plugin["plugin"].startswith("cx::"):
                 continue
             name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", plugin["plugin"][4:].removesuffix("Plugin")).lower()
-            page = (SOURCE / f"docs/plugins/{name}.md").read_text()
+            page = (SOURCE / f"docs/reference/plugins/{name}.md").read_text()
             self.assertIn(plugin["plugin"], page.splitlines()[0])
             self.assertIn(f"docs/examples/{name}/example.yaml", page)
             self.assertTrue((SOURCE / f"docs/examples/{name}/example.yaml").is_file(), name)

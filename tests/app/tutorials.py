@@ -40,13 +40,13 @@ class Tutorials(unittest.TestCase):
         return played
 
     def test_find_a_bug(self):
-        self.assertGreater(len(self.play("tutorial-find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+        self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
 
     def test_ci(self):
-        self.assertGreater(len(self.play("tutorial-ci.md", "/tmp/ci")), 10, "the page is read")
+        self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
 
     def test_bag(self):
-        self.assertGreater(len(self.play("bag.md", "/tmp/floor")), 5, "the page is read")
+        self.assertGreater(len(self.play("how-to/replay-a-bag.md", "/tmp/floor")), 5, "the page is read")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Takes a picture of a page: picture_of_page.py ADDRESS FILE.png [WIDTHxHEIGHT] [light|dark] [LINK]. Waits until the page is ready and nothing is asked any more.
 
-For docs/pictures/view.png: play the first game of docs/tutorial-find-a-bug.md, and then, with the address that cxlab view /tmp/bugs/symbol prints:
+For docs/pictures/view.png: play the first game of docs/tutorials/find-a-bug.md, and then, with the address that cxlab view /tmp/bugs/symbol prints:
 picture_of_page.py ADDRESS docs/pictures/view.png 1400x1200 light '#t=200&order=2&ask=why-not&what=product-to-ring-station'"""
 
 import sys

@@ -195,7 +195,7 @@ class View(Browser):
         self.all_is_well()
 
     def test_the_tutorial_finds_the_bug_with_clicks_alone(self):
-        """docs/tutorial-find-a-bug.md"""
+        """docs/tutorials/find-a-bug.md"""
         run = self.faulty()
         self.view(run)
         click = lambda css, text="": self.js("[...document.querySelectorAll(arguments[0])].find((one) => one.textContent.includes(arguments[1])).click()", css, text)

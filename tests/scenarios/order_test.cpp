@@ -1,4 +1,4 @@
-// "Time and order" of docs/contracts.md.
+// "Time and order" of docs/reference/contracts.md.
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// A world of the test's own: what docs/adding-a-world.md promises of a config struct, a stage and a row.
+// A world of the test's own: what docs/how-to/write-a-world.md promises of a config struct, a stage and a row.
 
 #include <algorithm>
 
@@ -280,7 +280,7 @@ std::string dense(const std::string& text) {
 }
 
 TEST_F(OwnWorld, IsWhatTheDocumentationShows) {
-  const std::string page = read_text(source_dir() / "docs/adding-a-world.md"),
+  const std::string page = read_text(source_dir() / "docs/how-to/write-a-world.md"),
                     code = dense(read_text(source_dir() / "tests/scenarios/world_test.cpp"));
   int blocks = 0;
   for (std::size_t at = 0; (at = page.find("```cpp\n", at)) != std::string::npos; ++blocks) {

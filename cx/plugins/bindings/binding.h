@@ -1,5 +1,5 @@
 #pragma once
-// The bindings of one message, service or action in one environment: docs/plugins/bindings.md. `P` in comments is the
+// The bindings of one message, service or action in one environment: docs/reference/plugins/bindings.md. `P` in comments is the
 // prefix of the interface, e.g. "std-msgs-string".
 
 #include <map>

@@ -1,6 +1,6 @@
 #pragma once
 // What one environment has open on the network: peers for datagrams, a server for streams, clients of servers. What
-// comes from them becomes facts (docs/plugins/protobuf.md).
+// comes from them becomes facts (docs/reference/plugins/protobuf.md).
 
 #include <cstdint>
 #include <functional>

@@ -1,5 +1,5 @@
 ; Three blocks, and one robot that moves a block at a time. It learns to build the tower a on b on c: each move costs 1, the
-; tower gives 20. The trainer asks through the services and actions of cx_rl_interfaces (docs/rl.md).
+; tower gives 20. The trainer asks through the services and actions of cx_rl_interfaces (docs/how-to/train-over-cx-rl.md).
 
 (defglobal
   ?*NODE* = "/cx_rl_node"

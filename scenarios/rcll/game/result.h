@@ -1,5 +1,5 @@
 #pragma once
-// What a game adds to result.json and to the score board (docs/contracts.md 4).
+// What a game adds to result.json and to the score board (docs/reference/contracts.md 4).
 
 #include <span>
 #include <string>

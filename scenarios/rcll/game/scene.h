@@ -1,5 +1,5 @@
 #pragma once
-// What there is to see of a game, in either tier (docs/rcll.md, The scene): the field, walls, machines with their
+// What there is to see of a game, in either tier (docs/reference/rcll.md, The scene): the field, walls, machines with their
 // lights, robots, pieces.
 
 #include <array>

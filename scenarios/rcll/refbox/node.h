@@ -1,5 +1,5 @@
 #pragma once
-// The node that plays with an outside referee box, `servers: [league_client]` (docs/rcll-protocol.md).
+// The node that plays with an outside referee box, `servers: [league_client]` (docs/reference/rcll-protocol.md).
 
 #include "scenarios/catalogue.h"
 

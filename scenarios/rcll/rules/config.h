@@ -132,7 +132,7 @@ struct RingPriceConfig {
   }
 };
 
-/// A game as a file (docs/rcll.md, Game files). What is missing is drawn from the seed.
+/// A game as a file (docs/reference/rcll.md, Game files). What is missing is drawn from the seed.
 struct GameFile {
   std::optional<bool> mirrored;                       ///< false: the halves of the field may differ
   std::optional<std::vector<PlacedMachine>> layout;   ///< all fourteen machines
@@ -152,7 +152,7 @@ struct GameFile {
   }
 };
 
-/// The referee box on the network (docs/rcll-protocol.md).
+/// The referee box on the network (docs/reference/rcll-protocol.md).
 struct RefboxConfig {
   std::string team_cyan;                  ///< name of the team; empty: CYAN, until a beacon of the team tells its name
   std::string team_magenta;               ///< the same

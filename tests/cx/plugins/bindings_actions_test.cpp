@@ -140,7 +140,7 @@ TEST_F(ActionBindings, ARejectedGoalGivesANullHandle) {
 }
 
 TEST_F(ActionBindings, TheRuleOfThePageKnowsARejectedGoal) {
-  std::string rules = lab_.page_code("docs/plugins/bindings.md", "is-null");
+  std::string rules = lab_.page_code("docs/reference/plugins/bindings.md", "is-null");
   rules.replace(rules.find("P-"), 2, "example-interfaces-fibonacci-");
   run("(deffunction example-interfaces-fibonacci-handle-goal-callback (?s ?g ?u) (if (= "
       "(example-interfaces-fibonacci-goal-get-field ?g order) 3) then 1 else 2))",

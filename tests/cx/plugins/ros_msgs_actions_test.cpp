@@ -153,7 +153,7 @@ TEST_F(ActionClients, ARejectedGoalGivesANullHandleWhoseUseIsAnError) {
 TEST_F(ActionClients, TheRuleOfThePageKnowsARejectedGoal) {
   serve(bus::GoalAnswer::kReject);
   ASSERT_TRUE(lab_.engine().undefine("defrule", "answered").ok()) << "it would ask a null handle";
-  const std::string rules = lab_.page_code("docs/plugins/ros_msgs.md", "is-null");
+  const std::string rules = lab_.page_code("docs/reference/plugins/ros_msgs.md", "is-null");
   ASSERT_TRUE(lab_.engine().load_text(rules, "page.clp", LoadMode::kConstructs).ok()) << rules;
   put("(send 3)");
   run();
