@@ -30,7 +30,7 @@ class Tutorials(unittest.TestCase):
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / "docs" / name))
+        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -38,6 +38,9 @@ class Tutorials(unittest.TestCase):
             if shown:
                 self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
         return played
+
+    def test_readme(self):
+        self.assertEqual(len(self.play("README.md", "/tmp/lab")), 2, "the page is read")
 
     def test_find_a_bug(self):
         self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
