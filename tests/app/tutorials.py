@@ -45,6 +45,9 @@ class Tutorials(unittest.TestCase):
     def test_first_game(self):
         self.assertGreater(len(self.play("tutorials/first-game.md", "/tmp/first")), 6, "the page is read")
 
+    def test_your_first_agent(self):
+        self.assertGreater(len(self.play("tutorials/your-first-agent.md", "/tmp/my")), 15, "the page is read")
+
     def test_find_a_bug(self):
         self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
 
@@ -55,7 +58,7 @@ class Tutorials(unittest.TestCase):
         self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
 
     def test_bag(self):
-        self.assertGreater(len(self.play("how-to/replay-a-bag.md", "/tmp/floor")), 5, "the page is read")
+        self.assertGreater(len(self.play("tutorials/bag-to-story.md", "/tmp/floor")), 5, "the page is read")
 
 
 if __name__ == "__main__":
