@@ -54,6 +54,9 @@ class Tutorials(unittest.TestCase):
     def test_compare_two_strategies(self):
         self.assertGreater(len(self.play("tutorials/compare-two-strategies.md", "/tmp/compare")), 12, "the page is read")
 
+    def test_debug_by_symptom(self):
+        self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
+
     def test_ci(self):
         self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
 
