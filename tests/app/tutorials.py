@@ -1,4 +1,4 @@
-"""The commands of the tutorials, played one after the other: each prints what the page shows."""
+"""The commands of tutorials and guides, played one after the other: each prints what the page shows."""
 
 import os
 import re
@@ -56,6 +56,12 @@ class Tutorials(unittest.TestCase):
 
     def test_debug_by_symptom(self):
         self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
+
+    def test_try_what_if(self):
+        self.assertGreater(len(self.play("how-to/try-what-if.md", "/tmp/whatif")), 4, "the page is read")
+
+    def test_measure_stories(self):
+        self.assertEqual(len(self.play("how-to/measure-stories.md", "/tmp/none")), 2, "the page is read")
 
     def test_ci(self):
         self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
