@@ -57,6 +57,12 @@ class Tutorials(unittest.TestCase):
     def test_debug_by_symptom(self):
         self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
 
+    def test_write_a_strategy(self):
+        self.assertGreater(len(self.play("how-to/write-a-strategy.md", "/tmp/plans")), 7, "the page is read")
+
+    def test_use_game_files(self):
+        self.assertGreater(len(self.play("how-to/use-game-files.md", "/tmp/games")), 8, "the page is read")
+
     def test_try_what_if(self):
         self.assertGreater(len(self.play("how-to/try-what-if.md", "/tmp/whatif")), 4, "the page is read")
 
