@@ -132,7 +132,7 @@ void add_game(CLI::App& command, Action& action) {
   sub->footer(
       "Examples:\n  cxlab new game game.yaml --seed 7\n  cxlab new game game.yaml --set world.complexities=[C0,C1]\n"
       "  cxlab run rcll/game --set world.game=game.yaml");
-  sub->add_option("file", options->file, "Where (YAML; docs/reference/rcll.md has its keys)")->required();
+  sub->add_option("file", options->file, "Where (YAML; docs/reference/game-files.md has its keys)")->required();
   sub->add_option("--scenario", options->scenario, "Whose settings it is drawn with (default: those of the league)");
   seed_number(sub->add_option("--seed", options->seed, "Seed of the draw, instead of the scenario's"));
   once_each(sub->add_option("--set", options->overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));

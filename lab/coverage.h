@@ -22,7 +22,7 @@ struct CoverageOptions {
   bool asked() const { return !lcov.empty() || !page.empty() || fail_under; }
 };
 
-/// `rules`, `functions` and `totals` (docs/reference/stories.md).
+/// `rules`, `functions` and `totals` (docs/reference/coverage.md).
 Json json_of(const explain::Coverage& coverage);
 /// Rules and deffunctions as functions of lcov, conditions as lines, whether a rule was activated and fired as
 /// branches.

@@ -1,6 +1,6 @@
 #pragma once
 // Comparisons of rows, answered better, worse or undecided: those of a suite's requirements, of two sweeps, and of the
-// strategies of one (docs/reference/sweeps.md).
+// strategies of one (docs/reference/sweep-statistics.md).
 
 #include <string>
 #include <string_view>

@@ -1,5 +1,5 @@
 #pragma once
-// Statistics of sweeps as tables; docs/reference/sweeps.md says what each column means.
+// Statistics of sweeps as tables; docs/reference/sweep-statistics.md says what each column means.
 
 #include <string>
 #include <vector>

@@ -373,7 +373,7 @@ class Sweeps(Lab):
         self.assertEqual(show("r/rows.csv", "--out", "table.html").returncode, 0)
 
     def test_four_commands_lead_from_a_suite_to_a_figure(self):
-        section = (SOURCE / "docs/reference/sweeps.md").read_text().split("### From a suite to a figure for a paper\n")[1]
+        section = (SOURCE / "docs/reference/sweep-statistics.md").read_text().split("### From a suite to a figure for a paper\n")[1]
         commands = section.split("```")[1].strip().splitlines()
         self.assertEqual(len(commands), 4)
         self.write("bin/cxlab", f'#!/bin/sh\nexec "{CXLAB}" "$@"\n').chmod(0o755)

@@ -33,7 +33,7 @@ class Tutorials(unittest.TestCase):
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / "docs" / name))
+        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -77,6 +77,12 @@ class Tutorials(unittest.TestCase):
 
     def test_bag(self):
         self.assertGreater(len(self.play("tutorials/bag-to-story.md", "/tmp/floor")), 5, "the page is read")
+
+    def test_readme(self):
+        self.assertEqual(len(self.play("README.md", "/tmp/lab")), 2, "the page is read")
+
+    def test_first_change(self):
+        self.assertGreater(len(self.play("internals/first-change.md", "/tmp/change")), 10, "the page is read")
 
 
 if __name__ == "__main__":

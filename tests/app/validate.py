@@ -62,7 +62,7 @@ class Validate(Lab):
 
     def test_example_of_the_docs(self):
         folder = SOURCE / "docs/examples/planning"
-        page = (SOURCE / "docs/reference/pddl.md").read_text()
+        page = (SOURCE / "docs/reference/validate.md").read_text()
         for plan, code in (("good.plan", 0), ("hasty.plan", 1)):
             done = subprocess.run([CXLAB, "validate", "domain.pddl", "problem.pddl", plan], capture_output=True, text=True, cwd=folder)
             self.assertEqual(done.returncode, code, done.stderr)

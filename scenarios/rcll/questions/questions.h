@@ -1,5 +1,5 @@
 #pragma once
-// What can be asked about a recorded game (docs/reference/rcll.md, Ask a game). Each reads a GameStory and fills tables.
+// What can be asked about a recorded game (docs/reference/game-questions.md). Each reads a GameStory and fills tables.
 
 #include "scenarios/question.h"
 

@@ -132,7 +132,7 @@ struct RingPriceConfig {
   }
 };
 
-/// A game as a file (docs/reference/rcll.md, Game files). What is missing is drawn from the seed.
+/// A game as a file (docs/reference/game-files.md). What is missing is drawn from the seed.
 struct GameFile {
   std::optional<bool> mirrored;                       ///< false: the halves of the field may differ
   std::optional<std::vector<PlacedMachine>> layout;   ///< all fourteen machines

@@ -1,5 +1,5 @@
 // Renders all templates of cases.json and compares with what Jinja makes of them (oracle.json, made by oracle.py), but
-// for the differences that are explained in differences.json and in docs/reference/pddl.md.
+// for the differences that are explained in differences.json and in docs/reference/pddl-templates.md.
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST(TemplateOracle, SameTextAsJinjaExceptForTheExplainedDifferences) {
 }
 
 TEST(TemplateOracle, DocumentationExplainsTheDifferences) {
-  const std::string docs = std::regex_replace(read("docs/reference/pddl.md"), std::regex("\n  "), " ");  // lines are wrapped
+  const std::string docs = std::regex_replace(read("docs/reference/pddl-templates.md"), std::regex("\n  "), " ");  // lines are wrapped
   for (const auto& group : nlohmann::json::parse(read("tests/cx/template/differences.json")))
     EXPECT_NE(docs.find("\n- " + group["why"].get<std::string>() + "\n"), std::string::npos) << group["why"];
 }

@@ -116,7 +116,7 @@ def main():
     print("\n".join(diff[:MOST_LINES]))
     if len(diff) > MOST_LINES:
         print(f"... and {len(diff) - MOST_LINES} more lines")
-    print("If the change is wanted: golden.py update, and say why in the commit (docs/reference/stories.md)")
+    print("If the change is wanted: golden.py update, and say why in the commit (docs/internals/tests-of-cxlab.md)")
     sys.exit(1)
 
 

@@ -4,7 +4,7 @@
 
 (defglobal
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
-  ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/explanation/planning-agent.md)
+  ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/reference/planning-agent.md)
   ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
   ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
   ?*PRODUCTS* = 3                ; that are planned for at once

@@ -1,4 +1,4 @@
-; The parameters that every strategy has (docs/explanation/planning-agent.md, Parameters), read once at the beginning.
+; The parameters that every strategy has (docs/reference/planning-agent.md, Parameters), read once at the beginning.
 
 (deffacts settings (read-settings))
 
