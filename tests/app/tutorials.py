@@ -57,6 +57,9 @@ class Tutorials(unittest.TestCase):
     def test_debug_by_symptom(self):
         self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
 
+    def test_write_a_rule(self):
+        self.assertGreater(len(self.play("how-to/write-a-rule.md", "/tmp/rule")), 12, "the page is read")
+
     def test_test_rules(self):
         self.assertGreater(len(self.play("how-to/test-rules.md", "/tmp/door")), 6, "the page is read")
 
