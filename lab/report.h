@@ -8,7 +8,7 @@
 
 namespace cxlab::lab {
 
-/// Writes the page of a run into its folder, and `report.json`, the data that it is made of (docs/reference/journal.md). Does
+/// Writes the page of a run into its folder, and `report.json`, the data that it is made of (docs/reference/run-folder.md). Does
 /// nothing for a run without a folder or without an end.
 Status write_report(const Played& played);
 

@@ -5,7 +5,7 @@
 //   if (auto scene = scenes->at(from_seconds(312.4)); scene) for (const Entity& entity : scene->entities) ...
 //
 // The file: 8 bytes of magic, then chunks of (length, checksum, payload), each of which stands alone: it begins with
-// all entities. docs/reference/journal.md has the bytes.
+// all entities. docs/reference/run-folder.md has the bytes.
 
 #include <cstdint>
 #include <filesystem>

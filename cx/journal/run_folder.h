@@ -1,5 +1,5 @@
 #pragma once
-// The folder that one run writes (its files: docs/reference/journal.md).
+// The folder that one run writes (its files: docs/reference/run-folder.md).
 
 #include <filesystem>
 #include <string>

@@ -1,4 +1,4 @@
-"""The commands of the tutorials, played one after the other: each prints what the page shows."""
+"""The commands of tutorials and guides, played one after the other: each prints what the page shows."""
 
 import os
 import re
@@ -56,6 +56,24 @@ class Tutorials(unittest.TestCase):
 
     def test_debug_by_symptom(self):
         self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
+
+    def test_write_a_rule(self):
+        self.assertGreater(len(self.play("how-to/write-a-rule.md", "/tmp/rule")), 12, "the page is read")
+
+    def test_test_rules(self):
+        self.assertGreater(len(self.play("how-to/test-rules.md", "/tmp/door")), 6, "the page is read")
+
+    def test_write_a_strategy(self):
+        self.assertGreater(len(self.play("how-to/write-a-strategy.md", "/tmp/plans")), 7, "the page is read")
+
+    def test_use_game_files(self):
+        self.assertGreater(len(self.play("how-to/use-game-files.md", "/tmp/games")), 8, "the page is read")
+
+    def test_try_what_if(self):
+        self.assertGreater(len(self.play("how-to/try-what-if.md", "/tmp/whatif")), 4, "the page is read")
+
+    def test_measure_stories(self):
+        self.assertEqual(len(self.play("how-to/measure-stories.md", "/tmp/none")), 2, "the page is read")
 
     def test_ci(self):
         self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")

@@ -1,4 +1,4 @@
-// scene.bin (docs/reference/journal.md, The scene): where everything is at any time.
+// scene.bin (docs/reference/run-folder.md, The scene): where everything is at any time.
 
 const MAGIC = 'CXSCENE1';
 const CHUNK_HEAD = 12; // length and checksum
