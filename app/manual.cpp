@@ -4,6 +4,7 @@
 
 #include "app/arguments.h"
 #include "app/command.h"
+#include "app/exit_codes.h"
 #include "app/suggestions.h"
 #include "cx/base/json.h"
 #include "lab/page.h"
@@ -41,6 +42,8 @@ Json describe(const CLI::App& command, bool suggestions) {
                        {"many", option->get_items_expected_max() > 1},
                        {"takes_value", option->get_items_expected_max() > 0},
                        {"values", words_of(*option)},
+                       {"type", option->get_type_name()},
+                       {"default", option->get_default_str()},
                        {"suggested", suggested.names},
                        {"files", suggested.files}});
   }
@@ -54,10 +57,18 @@ Json describe(const CLI::App& command, bool suggestions) {
           {"commands", nested}};
 }
 
+Json describe_exit_codes() {
+  Json rows = Json::array();
+  for (const ExitCode& row : exit_codes())
+    rows.push_back({{"code", row.code}, {"commands", row.commands}, {"meaning", row.meaning}});
+  return rows;
+}
+
 /// Prints the template `page` of lab/pages, filled with what the commands declare.
 int print_page(const CLI::App& app, const std::string& page, bool suggestions) {
-  const auto text =
-      lab::render_page(page, json_text(Json{{"cxlab", describe(app, suggestions)}, {"version", lab::cxlab_version()}}));
+  const auto text = lab::render_page(page, json_text(Json{{"cxlab", describe(app, suggestions)},
+                                                          {"exit_codes", describe_exit_codes()},
+                                                          {"version", lab::cxlab_version()}}));
   if (!text) return fail(text.error());
   std::fputs(text->c_str(), stdout);
   return 0;
@@ -94,7 +105,11 @@ void add_help(CLI::App& app, Action& action) {
 
 void add_man(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("man", "Prints the manual page (roff): cxlab man | man -l -");
-  command->callback([&app, &action] { action = [&app] { return print_page(app, "cxlab.1", false); }; });
+  auto markdown = std::make_shared<bool>(false);
+  command->add_flag("--markdown", *markdown, "As docs/reference/commands.md");
+  command->callback([&app, markdown, &action] {
+    action = [&app, markdown] { return print_page(app, *markdown ? "commands.md" : "cxlab.1", false); };
+  });
 }
 
 void add_completion(CLI::App& app, Action& action) {

@@ -17,6 +17,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/exit_codes.h"
 #include "app/faults.h"
 #include "cx/executive/plugin_library.h"
 #include "lab/versions.h"
@@ -33,10 +34,6 @@ namespace {
 
 std::vector<std::string> g_command_line;
 const Catalogue* g_catalogue = nullptr;
-
-constexpr const char* kExitCodes =
-    "Exit codes: 0 done; 1 the answer is no; 2 usage; 3 bad input; 4 the run failed; 5 output or resource; 70 a bug of "
-    "cxlab; 130, 143 ended by a signal.";
 
 /// `code`; or that standard output did not take the answer, as on a full disk. A pipe whose reader has seen enough is
 /// no error.
@@ -122,7 +119,7 @@ int run(int argc, char** argv) {
       "cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
   app.name("cxlab");
   app.require_subcommand(1);
-  app.footer(kExitCodes);
+  app.footer(exit_codes_line());
   app.set_version_flag("--version", lab::cxlab_version());
   Action action;
   add_run(app, action);

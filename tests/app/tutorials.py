@@ -13,10 +13,13 @@ SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 
 
 def steps(page):
-    """The commands of a page, each with the lines below it."""
+    """The commands of a page, each with the lines below it. One that ends with <<END includes the lines up to END."""
     for block in re.findall(r"^```\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL):
         for command in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             line, _, output = command.partition("\n")
+            if line.endswith(" <<END"):
+                document, _, output = output.partition("END\n")
+                line += f"\n{document}END\n"
             yield line, output.splitlines()
 
 
@@ -30,7 +33,7 @@ class Tutorials(unittest.TestCase):
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / "docs" / name))
+        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -39,14 +42,32 @@ class Tutorials(unittest.TestCase):
                 self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
         return played
 
+    def test_first_game(self):
+        self.assertGreater(len(self.play("tutorials/first-game.md", "/tmp/first")), 6, "the page is read")
+
+    def test_your_first_agent(self):
+        self.assertGreater(len(self.play("tutorials/your-first-agent.md", "/tmp/my")), 15, "the page is read")
+
     def test_find_a_bug(self):
         self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+
+    def test_compare_two_strategies(self):
+        self.assertGreater(len(self.play("tutorials/compare-two-strategies.md", "/tmp/compare")), 12, "the page is read")
+
+    def test_debug_by_symptom(self):
+        self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
 
     def test_ci(self):
         self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
 
     def test_bag(self):
-        self.assertGreater(len(self.play("how-to/replay-a-bag.md", "/tmp/floor")), 5, "the page is read")
+        self.assertGreater(len(self.play("tutorials/bag-to-story.md", "/tmp/floor")), 5, "the page is read")
+
+    def test_readme(self):
+        self.assertEqual(len(self.play("README.md", "/tmp/lab")), 2, "the page is read")
+
+    def test_first_change(self):
+        self.assertGreater(len(self.play("internals/first-change.md", "/tmp/change")), 10, "the page is read")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-; Turns the turtle to each visitor, and draws with a thick pen once it has. One condition is wrong on purpose: docs/how-to/replay-a-bag.md
+; Turns the turtle to each visitor, and draws with a thick pen once it has. One condition is wrong on purpose: docs/tutorials/bag-to-story.md
 ; finds it in a recording.
 
 (deftemplate visitor

@@ -69,7 +69,7 @@ def played_by_clipspy(constructs, commands):
 
 
 def comparable(played):
-    """Without what differs by design (docs/how-to/move-to-ros2.md): where an error is stands in front of it here."""
+    """Without what differs by design (docs/reference/ros2-differences.md): where an error is stands in front of it here."""
     errors = [re.sub(r"^(\[\w+\]) \S*\.clp, Line \d+: ?", r"\1 ", line).strip() for line in played["errors"]]
     printed = played["printed"].replace("rule firing limit reached\n", "")
     return printed + "\n--\n" + "\n".join(e for e in errors if not e.startswith("[PRCCODE4] WARNING"))

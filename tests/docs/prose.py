@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""Finds wording that the project avoids, in pages, comments and string literals of C++, and comments and docstrings of CLIPS.
+
+tests/docs/prose.py [FILE ...]     lists the findings; without files: those of all, counted by file
+As a test (python3 -m unittest prose) no file has more findings than its line in ceilings.txt allows, and a new file has none.
+
+The words to avoid are the right column of a table in docs/reference/glossary.md; constructions are in RULES below.
+"""
+
+import re
+import sys
+import unittest
+from collections import Counter
+from functools import lru_cache
+
+from pages import LONGEST_SENTENCE, SOURCE, paragraphs, plain, sentences, tracked, words_of
+
+# (name, pattern, remedy). A pattern is searched in one sentence, from which code is taken out.
+RULES = [
+    ("elliptical-of", r"^Of (?!course\b)", "begin with the subject, not with an elliptical 'Of'"),
+    ("that-there-is", r"\bthat there (?:is|are|was|were)\b", "name the thing: 'that exists', 'the known names'"),
+    ("subject-last", r"^(?:What|How|Which|Where|Who|Whether|When)\b[^?]* (?:says?|tells?|shows?|lists?|names?|reports?|decides?) (?:`[^`]*`|\w+)\.?$",
+     "put the actor first: '`x` reports how ...'"),
+    ("what-is-is", r"^What (?:is|was|has|goes|comes) [^?]*$", "begin with the noun: 'A running step completes', not 'What is under way ...'"),
+    ("too-at-the-end", r", too[.;]?$", "write 'also' before the verb"),
+    ("is-taken", r"\bis taken\.?$", "name the actor: 'cxlab uses it'"),
+    ("like-of", r"\bas (?:\w+ )?of any other\b", "say it as a sentence of its own"),
+]
+LEFT_OUT = ("docs/reference/glossary.md", "third_party/", "lab/pages/")
+
+
+@lru_cache
+def words_to_avoid():
+    """(pattern, remedy) of each row of the glossary."""
+    table = (SOURCE / "docs/reference/glossary.md").read_text().partition("## Words to use and to avoid")[2]
+    rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, re.MULTILINE)
+    return [(re.compile(r"(?<!\w)(?:" + "|".join(re.escape(word.strip()).replace(r"\ ", r"\s+") for word in avoid.split(",")) + r")(?!\w)", re.IGNORECASE),
+             use) for use, avoid in rows if (use, avoid) != ("Use", "Avoid")]
+
+
+@lru_cache
+def rules():
+    return [(name, re.compile(pattern), remedy) for name, pattern, remedy in RULES]
+
+
+def check_sentence(sentence):
+    """(rule, what is wrong) for one sentence."""
+    bare = re.sub(r"`[^`]*`", "`x`", sentence)
+    if len(words_of(sentence)) > LONGEST_SENTENCE:
+        yield "long-sentence", f"{len(words_of(sentence))} words: divide it"
+    for pattern, use in words_to_avoid():
+        for found in pattern.finditer(bare):
+            yield "word", f"'{found.group(0)}': {use}"
+    for name, pattern, remedy in rules():
+        if pattern.search(bare):
+            yield name, remedy
+
+
+TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"\w*\(.*?\)\w*"|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)+\'', re.DOTALL)
+
+
+def texts_of_cpp(text):
+    """(line, text) of comments, neighbouring lines joined, and of string literals that hold a sentence or a part of one."""
+    comment, literal, last = [], [], 0
+
+    def flush():
+        for kind in (comment, literal):
+            if kind:
+                yield kind[0][0], " ".join(part for _, part in kind) if kind is comment else "".join(part for _, part in kind)
+                kind.clear()
+
+    for found in TOKEN.finditer(text):
+        token, line = found.group(0), text.count("\n", 0, found.start()) + 1
+        between = text[last:found.start()]
+        last = found.end()
+        if between.strip() or between.count("\n") > 1:
+            yield from flush()
+        if token.startswith("//"):
+            if literal:
+                yield from flush()
+            part = re.sub(r"^//[/!<]*\s?", "", token)
+            if not part.strip() or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S", part):
+                yield from flush()
+            comment.append((line, part.strip()))
+        elif token.startswith('"'):
+            if comment:
+                yield from flush()
+            literal.append((line, token[1:-1].replace("\\n", " ").replace('\\"', '"')))
+        else:
+            yield from flush()
+    yield from flush()
+
+
+def texts_of_clips(text):
+    """(line, text) of comments and of strings with blanks."""
+    comment = []
+    for number, line in enumerate([*text.splitlines(), ""], 1):
+        bare = line.strip()
+        if bare.startswith(";"):
+            comment.append((number, bare.lstrip("; ")))
+            continue
+        if comment:
+            yield comment[0][0], " ".join(part for _, part in comment)
+            comment = []
+    for found in re.finditer(r'"((?:[^"\\]|\\.)*)"', re.sub(r";[^\n]*", "", text)):
+        yield text.count("\n", 0, found.start()) + 1, " ".join(found.group(1).split())
+
+
+def findings(name):
+    """(line, rule, what is wrong) for a file."""
+    text = (SOURCE / name).read_text()
+    if name.endswith(".md"):
+        spoken = sentences(text)
+    else:
+        texts = texts_of_clips(text) if name.endswith(".clp") else texts_of_cpp(text)
+        spoken = ((line, sentence) for line, spoken_text in texts if len(words_of(spoken_text)) > 3
+                  for sentence in re.split(r"(?<=[.!?])\s+(?=[A-Z`'])|;\s", plain(spoken_text)) if sentence)
+    for line, sentence in spoken:
+        for rule, what in check_sentence(sentence):
+            yield line, rule, what
+
+
+def files():
+    return [name for name in tracked("*.md", "*.cpp", "*.h", "*.clp") if not name.startswith(LEFT_OUT) and not name.startswith("tests/")]
+
+
+@lru_cache
+def findings_of_all():
+    return {name: list(findings(name)) for name in files()}
+
+
+class Prose(unittest.TestCase):
+    def test_no_file_gets_worse(self):
+        from ceilings import Ceilings
+        ceilings = Ceilings("prose")
+        for name, found in findings_of_all().items():
+            with self.subTest(name):
+                text = "\n".join(f"{name}:{line}: {rule}: {what}" for line, rule, what in found)
+                self.assertLessEqual(len(found), ceilings.of(name), f"more findings than before (tests/docs/ceilings.txt):\n{text}")
+
+    def test_rules_find_what_they_are_for(self):
+        for rule, sentence in [("elliptical-of", "Of any other word it is an error."), ("that-there-is", "A name that there is not fails."),
+                               ("subject-last", "How far they are from the bound says `upper_bound.py`."), ("what-is-is", "What is running ends."),
+                               ("too-at-the-end", "The other one, too."), ("is-taken", "The default is taken."), ("long-sentence", "word " * 31),
+                               ("word", "It is drawn anew."), ("word", "The run Shall end."), ("like-of", "As of any other, it counts.".replace("As", "as"))]:
+            self.assertIn(rule, [found for found, _ in check_sentence(sentence)], sentence)
+        for sentence in ("The rules fire once.", "What is a tick?", "`anew` is a name.", "word " * 30):
+            self.assertEqual(list(check_sentence(sentence)), [], sentence)
+
+    def test_texts_are_found(self):
+        source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n'
+        self.assertEqual(list(texts_of_cpp(source)), [(1, "Runs it again."), (3, "later"), (4, "it is drawn")])
+        self.assertEqual(list(texts_of_clips('; One\n; two.\n(defrule a "Do it." =>)\n')), [(1, "One two."), (3, "Do it.")])
+        self.assertGreater(len(words_to_avoid()), 10)
+        self.assertEqual([text for _, text in paragraphs("a\nb\n\n| c |\n")], ["a b"])
+
+
+def main():
+    names = sys.argv[1:]
+    for name in names:
+        for line, rule, what in findings(name):
+            print(f"{name}:{line}: {rule}: {what}")
+    if names:
+        return
+    count, by_rule, by_kind = Counter(), Counter(), Counter()
+    for name, found in findings_of_all().items():
+        count[name] += len(found)
+        by_kind[name.rpartition(".")[2]] += len(found)
+        by_rule.update(rule for _, rule, _ in found)
+    for name, number in count.most_common():
+        if number:
+            print(f"{number:5} {name}")
+    print(f"{sum(count.values()):5} findings in {len(count)} files: {dict(by_kind)}, {dict(by_rule)}")
+
+
+if __name__ == "__main__":
+    main()
