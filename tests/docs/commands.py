@@ -97,8 +97,8 @@ def pages():
 
 @lru_cache
 def played_elsewhere():
-    """The pages whose blocks tests/app/tutorials.py plays, and the commands that tests/app/examples.py plays."""
-    text = (SOURCE / "tests/app/tutorials.py").read_text()
+    """The pages whose blocks tests/app/{tutorials,guides}.py play, and the commands that tests/app/examples.py plays."""
+    text = "".join((SOURCE / f"tests/app/{name}.py").read_text() for name in ("tutorials", "guides"))
     tutorials = {"README.md" if page == "README.md" else f"docs/{page}" for page in re.findall(r'self\.play\("([^"]+)"', text)}
     sys.path.insert(0, str(SOURCE / "tests/app"))
     import examples
@@ -213,7 +213,7 @@ class Commands(unittest.TestCase):
             with self.subTest(page):
                 text = "\n".join(f"{page}:{line}: {command}" for line, command in commands)
                 self.assertLessEqual(len(commands), ceilings.of(page), f"commands that no test plays; write `$ ` and play the page in "
-                                     f"tests/app/tutorials.py, or <!-- not played: WHY --> above the block:\n{text}")
+                                     f"tests/app/guides.py, or <!-- not played: WHY --> above the block:\n{text}")
 
 
 def main():
