@@ -83,7 +83,7 @@ install(CODE "
 # --- Data
 install(DIRECTORY cx/interfaces cx/packages models docs planner/engines lab/pages DESTINATION ${share} PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY scenarios DESTINATION ${share}
-  FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "package.xml")
+  FILES_MATCHING PATTERN "*.yaml" PATTERN "*.clp" PATTERN "*.pddl" PATTERN "*.jinja" PATTERN "package.xml")
 install(FILES README.md LICENSE DESTINATION ${doc})
 install(FILES docs/how-to/install.md DESTINATION ${doc} RENAME INSTALL.md)
 get_filename_component(wheel "${mujoco}" DIRECTORY)

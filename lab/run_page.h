@@ -31,7 +31,7 @@ Json tables_of(const RunPage& page);
 Expected<std::string> run_page(const Json& head, RunPageData data);
 inline constexpr std::size_t kLargestPage = 3'000'000;
 
-// --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/how-to/view-a-run.md)
+// --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/reference/view.md)
 
 /// The page of a run. `head` as for `run_page`; its `live`: the run goes on.
 Expected<std::string> served_run_page(Json head);

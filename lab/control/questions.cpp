@@ -1,4 +1,4 @@
-// What a program asks of a run, by name; answers have the fields of `--json` of the commands (docs/how-to/view-a-run.md).
+// What a program asks of a run, by name; answers have the fields of `--json` of the commands (docs/reference/view.md).
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #pragma once
-// A run as an MCAP file of ROS 2 messages (docs/how-to/export-a-run.md lists its topics).
+// A run as an MCAP file of ROS 2 messages (docs/reference/export.md lists its topics).
 
 #include <memory>
 #include <vector>

@@ -31,7 +31,7 @@ class Players {
   std::optional<Error> end_of(int number);
   /// Ends the process.
   void end(int number);
-  /// GET /api/two (docs/how-to/view-a-run.md), as JSON: what `cxlab diff` says.
+  /// GET /api/two (docs/reference/view.md), as JSON: what `cxlab diff` says.
   Expected<std::string> compare(const std::filesystem::path& a, const std::filesystem::path& b);
   /// Ends all of them, and plays no other.
   void end_all();

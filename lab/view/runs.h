@@ -25,7 +25,7 @@ class ViewedRuns {
   const std::optional<std::string>& only() const { return only_; }
   /// The folder of a run; nothing for an id that is none.
   std::optional<std::filesystem::path> find(const std::string& id);
-  /// GET /api/runs (docs/how-to/view-a-run.md). Looks into the folder again.
+  /// GET /api/runs (docs/reference/view.md). Looks into the folder again.
   Json table();
 
  private:

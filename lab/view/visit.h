@@ -28,7 +28,7 @@ class Visit {
   Visit(const Visit&) = delete;
   Visit& operator=(const Visit&) = delete;
 
-  /// POST /run/ID/ask and /run/ID/go, and GET /run/ID/events: docs/how-to/view-a-run.md.
+  /// POST /run/ID/ask and /run/ID/go, and GET /run/ID/events: docs/reference/view.md.
   ViewReply ask(const Json& request);
   ViewReply go(const Json& request);
   ViewReply events(std::uint64_t after);

@@ -150,6 +150,12 @@ class OwnPackages(Installed):
         self.assertIn("world.map[2]: found 2 cells, expected 12", own_world("run", maze, "--set", "world.map[2]=..", expect=3).stderr)
         self.assertIn("found 'grid', expected one of: none, rcll, turtlesim", call(self.cxlab, "run", maze, expect=3).stderr)
 
+    def test_shipped_scenarios_play_where_they_are_installed(self):
+        for name in (line.split()[0] for line in call(self.cxlab, "list", "scenarios").stdout.splitlines()):
+            short = ["--until", 2] if name.startswith("rcll/") else []  # the others expect what their last seconds bring
+            said = call(self.cxlab, "run", name, *short, "--out", "none", cwd=self.folder).stderr
+            self.assertNotIn("[error]", said, name)
+
     def test_manual_page_and_completion_are_installed(self):
         share = self.prefix / "share"
         self.assertTrue((share / "man/man1/cxlab.1").read_text().startswith(".TH CXLAB 1"))

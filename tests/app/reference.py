@@ -59,6 +59,27 @@ class Doc(unittest.TestCase):
         page = (SOURCE / "docs/reference/functions.md").read_text()
         self.assertEqual(doc("--markdown").stdout, page, "docs/reference/functions.md is old: cxlab doc --markdown > docs/reference/functions.md")
 
+    def test_page_of_commands_is_up_to_date(self):
+        printed = subprocess.run([CXLAB, "man", "--markdown"], text=True, timeout=60, stdout=subprocess.PIPE).stdout
+        page = (SOURCE / "docs/reference/commands.md").read_text()
+        self.assertEqual(printed, page, "docs/reference/commands.md is old: cxlab man --markdown > docs/reference/commands.md")
+        for command in ("cxlab run", "cxlab bench", "cxlab bench show", "cxlab orders"):
+            self.assertIn(f"\n## {command}\n", page)
+
+    def test_page_of_errors_has_the_reasons_of_failure(self):
+        """Codes of errors in the sources, without those of skills, and of failures that another code replaces."""
+        inside = {"code", "stopped", "syntax", "unknown_construct", "place_taken", "no_spare_piece", "gripper_full", "gripper_empty", "no_piece"}
+        codes = set()
+        for folder in ("cx", "lab", "app", "scenarios", "sim"):
+            for file in (*(SOURCE / folder).rglob("*.cpp"), *(SOURCE / folder).rglob("*.h")):
+                text = file.read_text()
+                codes |= set(re.findall(r'with_code\("(\w+)"\)|(?:\bline|\b0), "([a-z]+_[a-z]+)"\}|constexpr const char\* k\w*(?:Code|Untrusted|Refused) = "(\w+)"', text))
+        codes = {word for found in codes for word in found if word}
+        result = (SOURCE / "scenarios/result.cpp").read_text()
+        codes |= set(re.findall(r'return "(\w+)";', result[result.index("default_code"):result.index("reason_json")]))
+        page = (SOURCE / "docs/reference/errors.md").read_text()
+        self.assertEqual(set(re.findall(r"^\| `(\w+)` \| [\d-]", page, re.M)), codes - inside)
+
     def test_scripts_that_pages_run_are_executable(self):
         pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", SOURCE / "benchmarks/README.md", *(SOURCE / "docs").rglob("*.md")]
         scripts = {script for page in pages for script in re.findall(r"(?:^|`)((?:tests|benchmarks)/[\w/]+\.py) ", page.read_text(), re.M)}

@@ -1,4 +1,4 @@
-"""The commands of the tutorials, played one after the other: each prints what the page shows."""
+"""The commands of the tutorials, played one after the other: each prints what the page shows. tests/app/guides.py plays those of the guides."""
 
 import os
 import re
@@ -28,46 +28,37 @@ def pattern_of(lines):
     return r"\s*".join(".*?".join(r"\s+".join(map(re.escape, part.split())) for part in line.split("...")) for line in lines)
 
 
-class Tutorials(unittest.TestCase):
+class Pages(unittest.TestCase):
     def play(self, name, folder_on_page):
+        """Plays a page in a folder of its own, which stands for the one that the page names."""
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
+        played = list(steps(SOURCE / "docs" / name))
+        self.assertTrue(any(shown for _, shown in played), "the page shows what its commands print")
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             self.assertEqual(done.returncode, 0, command + "\n" + done.stderr)
             if shown:
                 self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
-        return played
 
+
+class Tutorials(Pages):
     def test_first_game(self):
-        self.assertGreater(len(self.play("tutorials/first-game.md", "/tmp/first")), 6, "the page is read")
+        self.play("tutorials/first-game.md", "/tmp/first")
 
     def test_your_first_agent(self):
-        self.assertGreater(len(self.play("tutorials/your-first-agent.md", "/tmp/my")), 15, "the page is read")
+        self.play("tutorials/your-first-agent.md", "/tmp/my")
 
     def test_find_a_bug(self):
-        self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+        self.play("tutorials/find-a-bug.md", "/tmp/bugs")
 
     def test_compare_two_strategies(self):
-        self.assertGreater(len(self.play("tutorials/compare-two-strategies.md", "/tmp/compare")), 12, "the page is read")
+        self.play("tutorials/compare-two-strategies.md", "/tmp/compare")
 
-    def test_debug_by_symptom(self):
-        self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
-
-    def test_ci(self):
-        self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
-
-    def test_bag(self):
-        self.assertGreater(len(self.play("tutorials/bag-to-story.md", "/tmp/floor")), 5, "the page is read")
-
-    def test_readme(self):
-        self.assertEqual(len(self.play("README.md", "/tmp/lab")), 2, "the page is read")
-
-    def test_first_change(self):
-        self.assertGreater(len(self.play("internals/first-change.md", "/tmp/change")), 10, "the page is read")
+    def test_bag_to_story(self):
+        self.play("tutorials/bag-to-story.md", "/tmp/floor")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 from ceilings import Ceilings
-from pages import SOURCE, anchors, blank_code, headings, kind_of, markdown_files, prose_words, slug_of, tracked
+from markdown_pages import SOURCE, anchors, blank_code, headings, kind_of, markdown_files, prose_words, slug_of, tracked
 from words import measure
 
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\])*\]\(<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\)")

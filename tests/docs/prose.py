@@ -13,7 +13,7 @@ import unittest
 from collections import Counter
 from functools import lru_cache
 
-from pages import LONGEST_SENTENCE, SOURCE, paragraphs, plain, sentences, tracked, words_of
+from markdown_pages import LONGEST_SENTENCE, SOURCE, paragraphs, plain, sentences, tracked, words_of
 
 # (name, pattern, remedy). A pattern is searched in one sentence, from which code is taken out.
 RULES = [

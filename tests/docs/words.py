@@ -8,7 +8,7 @@ tests/docs/words.py [--long] [FILE.md|FOLDER ...]     without files: README, CON
 import argparse
 from pathlib import Path
 
-from pages import LONGEST_SENTENCE, SOURCE, kind_of, markdown_files, prose_words, sentences, words_of
+from markdown_pages import LONGEST_SENTENCE, SOURCE, kind_of, markdown_files, prose_words, sentences, words_of
 
 
 def measure(text):

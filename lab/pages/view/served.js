@@ -1,4 +1,4 @@
-// The server that gave this page, `cxlab view`: everything is asked there (docs/how-to/view-a-run.md).
+// The server that gave this page, `cxlab view`: everything is asked there (docs/reference/view.md).
 
 /**
  * @typedef {{ t: number, env: string, rule: string|null, facts: string[], firing: number|null, at_end: boolean, live: boolean,
