@@ -44,7 +44,7 @@ def on_pages():
         text = page.read_text().replace("\\\n", " ")
         for found in re.findall(r"(?:^|`|\./dev )(cxlab (?:env|run) [^`\n#]*)", text, re.MULTILINE):
             words = shlex.split(found)
-            if len(words) > 2 and (SOURCE / words[2]).is_file() and not re.search(NEEDS_MORE, found):
+            if len(words) > 2 and not words[2].startswith("/") and (SOURCE / words[2]).is_file() and not re.search(NEEDS_MORE, found):
                 commands.add(shlex.join(words))
     return commands
 

@@ -1,4 +1,4 @@
-"""The commands of tutorials and guides, played one after the other: each prints what the page shows."""
+"""The commands of the tutorials, played one after the other: each prints what the page shows. tests/app/guides.py plays those of the guides."""
 
 import os
 import re
@@ -15,7 +15,7 @@ SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 def steps(page):
     """The commands of a page, each with the lines below it. One that ends with <<END includes the lines up to END."""
     for block in re.findall(r"^```\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL):
-        for command in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+        for command in re.split(r"^\$ ", block.replace("\\\n", ""), flags=re.MULTILINE)[1:]:
             line, _, output = command.partition("\n")
             if line.endswith(" <<END"):
                 document, _, output = output.partition("END\n")
@@ -28,64 +28,37 @@ def pattern_of(lines):
     return r"\s*".join(".*?".join(r"\s+".join(map(re.escape, part.split())) for part in line.split("...")) for line in lines)
 
 
-class Tutorials(unittest.TestCase):
+class Pages(unittest.TestCase):
     def play(self, name, folder_on_page):
+        """Plays a page in a folder of its own, which stands for the one that the page names."""
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
+        played = list(steps(SOURCE / "docs" / name))
+        self.assertTrue(any(shown for _, shown in played), "the page shows what its commands print")
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
                                   timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             self.assertEqual(done.returncode, 0, command + "\n" + done.stderr)
             if shown:
                 self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
-        return played
 
+
+class Tutorials(Pages):
     def test_first_game(self):
-        self.assertGreater(len(self.play("tutorials/first-game.md", "/tmp/first")), 6, "the page is read")
+        self.play("tutorials/first-game.md", "/tmp/first")
 
     def test_your_first_agent(self):
-        self.assertGreater(len(self.play("tutorials/your-first-agent.md", "/tmp/my")), 15, "the page is read")
+        self.play("tutorials/your-first-agent.md", "/tmp/my")
 
     def test_find_a_bug(self):
-        self.assertGreater(len(self.play("tutorials/find-a-bug.md", "/tmp/bugs")), 15, "the page is read")
+        self.play("tutorials/find-a-bug.md", "/tmp/bugs")
 
     def test_compare_two_strategies(self):
-        self.assertGreater(len(self.play("tutorials/compare-two-strategies.md", "/tmp/compare")), 12, "the page is read")
+        self.play("tutorials/compare-two-strategies.md", "/tmp/compare")
 
-    def test_debug_by_symptom(self):
-        self.assertGreater(len(self.play("how-to/debug-by-symptom.md", "/tmp/debug")), 12, "the page is read")
-
-    def test_write_a_rule(self):
-        self.assertGreater(len(self.play("how-to/write-a-rule.md", "/tmp/rule")), 12, "the page is read")
-
-    def test_test_rules(self):
-        self.assertGreater(len(self.play("how-to/test-rules.md", "/tmp/door")), 6, "the page is read")
-
-    def test_write_a_strategy(self):
-        self.assertGreater(len(self.play("how-to/write-a-strategy.md", "/tmp/plans")), 7, "the page is read")
-
-    def test_use_game_files(self):
-        self.assertGreater(len(self.play("how-to/use-game-files.md", "/tmp/games")), 8, "the page is read")
-
-    def test_try_what_if(self):
-        self.assertGreater(len(self.play("how-to/try-what-if.md", "/tmp/whatif")), 4, "the page is read")
-
-    def test_measure_stories(self):
-        self.assertEqual(len(self.play("how-to/measure-stories.md", "/tmp/none")), 2, "the page is read")
-
-    def test_ci(self):
-        self.assertGreater(len(self.play("how-to/test-in-ci.md", "/tmp/ci")), 10, "the page is read")
-
-    def test_bag(self):
-        self.assertGreater(len(self.play("tutorials/bag-to-story.md", "/tmp/floor")), 5, "the page is read")
-
-    def test_readme(self):
-        self.assertEqual(len(self.play("README.md", "/tmp/lab")), 2, "the page is read")
-
-    def test_first_change(self):
-        self.assertGreater(len(self.play("internals/first-change.md", "/tmp/change")), 10, "the page is read")
+    def test_bag_to_story(self):
+        self.play("tutorials/bag-to-story.md", "/tmp/floor")
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ class TwoTeams(unittest.TestCase):
         self.assertGreater(teams["CYAN"]["points"], 30)
 
     def test_two_planning_agents_with_a_pddl_manager_each(self):
-        """The settings of docs/reference/planning-agent.md, Two planning agents."""
+        """The settings of docs/how-to/write-a-strategy.md, Let two strategies play against each other."""
         settings = ["servers=[{node: pddl_manager, name: pddl_manager, namespace: /cyan, anytime: true}, "
                     "{node: pddl_manager, name: pddl_manager, namespace: /magenta, anytime: true}]",
                     "agents[0].params={clips_manager.planner.node: /cyan/pddl_manager}",
