@@ -128,8 +128,8 @@ int list_faults() {
 void add_list(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "list",
-      "Lists what there is: scenarios, worlds, nodes beside a world, skills, interfaces, plugin classes, functions "
-      "that rules can call, templates of the plugins, faults of a scenario, metrics of the worlds");
+      "Lists scenarios, worlds, nodes beside a world, skills, interfaces, plugin classes, functions and templates for "
+      "rules, faults, or metrics");
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "What to list")
       ->required()

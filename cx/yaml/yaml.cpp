@@ -392,7 +392,9 @@ Error syntax_error(const YAML::Exception& thrown, const std::string& text, const
                            "', with which no text of YAML begins; write the text in quotes",
                        file, thrown.mark.line + 1);
   const bool is_yaml = dynamic_cast<const YAML::RepresentationException*>(&thrown) != nullptr;
-  return input_error((is_yaml ? "" : "not YAML: ") + thrown.msg, file, thrown.mark.line + 1);
+  std::string what = thrown.msg;
+  while (what.ends_with(':') || what.ends_with(' ')) what.pop_back();  // a name that yaml-cpp leaves out
+  return input_error((is_yaml ? "" : "not YAML: ") + what, file, thrown.mark.line + 1);
 }
 
 Expected<Document> Document::parse(const std::string& text, const std::string& name) {
