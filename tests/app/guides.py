@@ -48,10 +48,10 @@ class Guides(Pages):
         self.play("how-to/measure-stories.md", "/tmp/none")
 
     def test_no_page_is_left_out(self):
-        pages = [page for folder in ("tutorials", "how-to", "internals") for page in (SOURCE / "docs" / folder).glob("*.md")]
-        shown = {"README.md"} | {str(page.relative_to(SOURCE / "docs")) for page in pages if any(steps(page))}
-        text = Path(__file__).read_text() + Path(__file__).with_name("tutorials.py").read_text()
-        self.assertEqual(set(re.findall(r'self\.play\("([^"]+)"', text)), shown)
+        folders = [SOURCE / "docs" / name for name in ("tutorials", "how-to", "internals")]
+        shown = {str(page.relative_to(SOURCE / "docs")) for folder in folders for page in folder.glob("*.md") if any(steps(page))}
+        text = "".join(Path(__file__).with_name(f"{name}.py").read_text() for name in ("tutorials", "guides", "front_pages"))
+        self.assertEqual(set(re.findall(r'self\.play\("([^"]+)"', text)), shown | {"../README.md"})
 
 
 if __name__ == "__main__":

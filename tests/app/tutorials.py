@@ -34,7 +34,7 @@ class Pages(unittest.TestCase):
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
-        played = list(steps(SOURCE / name if name == "README.md" else SOURCE / "docs" / name))
+        played = list(steps(SOURCE / "docs" / name))
         self.assertTrue(any(shown for _, shown in played), "the page shows what its commands print")
         for command, shown in played:
             done = subprocess.run(["bash", "-c", command.replace(folder_on_page, str(folder))], cwd=SOURCE, env=environment, text=True,
@@ -59,12 +59,6 @@ class Tutorials(Pages):
 
     def test_bag_to_story(self):
         self.play("tutorials/bag-to-story.md", "/tmp/floor")
-
-    def test_readme(self):
-        self.play("README.md", "/tmp/lab")
-
-    def test_first_change(self):
-        self.play("internals/first-change.md", "/tmp/change")
 
 
 if __name__ == "__main__":
