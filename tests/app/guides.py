@@ -44,6 +44,9 @@ class Guides(Pages):
     def test_run_a_sweep_on_slurm_or_ray(self):
         self.play("how-to/run-a-sweep-on-slurm-or-ray.md", "/tmp/cells")
 
+    def test_move_to_ros2(self):
+        self.play("how-to/move-to-ros2.md", "/tmp/ros")
+
     def test_measure_stories(self):
         self.play("how-to/measure-stories.md", "/tmp/none")
 
