@@ -44,13 +44,17 @@ class Guides(Pages):
     def test_run_a_sweep_on_slurm_or_ray(self):
         self.play("how-to/run-a-sweep-on-slurm-or-ray.md", "/tmp/cells")
 
+    def test_move_to_ros2(self):
+        self.play("how-to/move-to-ros2.md", "/tmp/ros")
+
     def test_measure_stories(self):
         self.play("how-to/measure-stories.md", "/tmp/none")
 
     def test_no_page_is_left_out(self):
-        shown = {str(page.relative_to(SOURCE / "docs")) for folder in ("tutorials", "how-to") for page in (SOURCE / "docs" / folder).glob("*.md") if any(steps(page))}
-        text = Path(__file__).read_text() + Path(__file__).with_name("tutorials.py").read_text()
-        self.assertEqual(set(re.findall(r'self\.play\("([^"]+)"', text)), shown)
+        folders = [SOURCE / "docs" / name for name in ("tutorials", "how-to", "internals")]
+        shown = {str(page.relative_to(SOURCE / "docs")) for folder in folders for page in folder.glob("*.md") if any(steps(page))}
+        text = "".join(Path(__file__).with_name(f"{name}.py").read_text() for name in ("tutorials", "guides", "front_pages"))
+        self.assertEqual(set(re.findall(r'self\.play\("([^"]+)"', text)), shown | {"../README.md"})
 
 
 if __name__ == "__main__":
