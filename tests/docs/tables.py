@@ -204,6 +204,14 @@ class Lists(unittest.TestCase):
                 self.assertLessEqual(set(plugin["parameters"]), parameters | {"plugin"})
         self.assertEqual(pages, {}, "pages of plugins that do not exist")
 
+    def test_metrics(self):
+        listed = set()
+        for line in cxlab("list", "metrics").splitlines():
+            unit, better, formula = re.fullmatch(r"(?:(\S+) +)?(more|less) .*: (.*)", line[11:].split(None, 1)[1]).groups()
+            listed.add((line[11:].split()[0], unit or "", better, formula))
+        shown = {(words(row[0])[0], row[1], row[2], words(row[4])[0]) for heads, rows in tables(read("docs/reference/metrics.md")) for row in rows}
+        self.assertEqual(shown, listed)
+
     def test_kinds_of_faults_with_their_keys(self):
         listed = cxlab("list", "faults").splitlines()
         kinds = {}
