@@ -253,7 +253,7 @@ void add_limit_options(CLI::App& command) {
   add_size(command, "--disk", g_most.disk, "What rules may write to the disk, as 500MB or 4GB; 0 = no limit", "5GB");
   whole_number(
       command.add_option("--steps", g_most.steps,
-                         "Steps (docs/reference/contracts.md) that the rules of an environment may take in a tick; 0 = no limit"),
+                         "Steps (docs/reference/limits.md) that the rules of an environment may take in a tick; 0 = no limit"),
       0)
       ->type_name("N")
       ->default_str(std::to_string(g_most.steps));

@@ -88,6 +88,7 @@ int make_story(StoryOptions options) {
   auto story = lab::story_of(*run, moment, options.file, host);
   if (const int code = interrupted("no story was written")) return code;
   if (!story) return fail(story.error());
+  if (Status s = make_folder_of(options.file); !s) return fail(s.error());
   lab::StoryPlan plan;
   plan.setup = {find_share().interfaces, false, *std::move(packages), host.limits(), own_packages()};
   const Status kept = lab::keep_what_holds(*story, options.file, plan, host);

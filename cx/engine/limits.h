@@ -17,7 +17,7 @@ struct Limits {
   std::int64_t memory = 2'000'000'000;      ///< bytes that CLIPS holds in all of them, and that are charged to them
                                             ///< (cx/base/charge.h); 0 = no limit
   std::int64_t disk = 5'000'000'000;        ///< bytes that are written for them; 0 = no limit
-  std::int64_t steps = 500'000'000;         ///< of one of them in a tick (docs/reference/contracts.md); 0 = no limit
+  std::int64_t steps = 500'000'000;         ///< of one of them in a tick (docs/reference/limits.md); 0 = no limit
   const std::atomic<bool>* stop = nullptr;  ///< once set, what rules do now ends; may be none
 };
 

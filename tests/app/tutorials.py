@@ -15,7 +15,7 @@ SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 def steps(page):
     """The commands of a page, each with the lines below it. One that ends with <<END includes the lines up to END."""
     for block in re.findall(r"^```\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL):
-        for command in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+        for command in re.split(r"^\$ ", block.replace("\\\n", ""), flags=re.MULTILINE)[1:]:
             line, _, output = command.partition("\n")
             if line.endswith(" <<END"):
                 document, _, output = output.partition("END\n")
