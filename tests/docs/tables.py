@@ -1,5 +1,6 @@
-"""Tables of the reference pages agree with what the sources declare: keys, fields, codes, messages. None needs a build but that of faults."""
+"""Tables of the reference pages agree with what the sources declare: keys, fields, codes, messages. Lists needs the program."""
 
+import json
 import os
 import re
 import subprocess
@@ -175,10 +176,44 @@ class Messages(unittest.TestCase):
                         self.assertIn(f"`{field}`", rows[word])
 
 
+def cxlab(*arguments):
+    return subprocess.run([os.environ["CXLAB"], *arguments], text=True, check=True, stdout=subprocess.PIPE).stdout
+
+
 @unittest.skipUnless(os.environ.get("CXLAB"), "CXLAB names no program")
-class Faults(unittest.TestCase):
-    def test_kinds_with_their_keys(self):
-        listed = subprocess.run([os.environ["CXLAB"], "list", "faults"], text=True, check=True, stdout=subprocess.PIPE).stdout.splitlines()
+class Lists(unittest.TestCase):
+    def test_functions_and_parameters_of_plugins(self):
+        pages = {}
+        for file in sorted((SOURCE / "docs/reference/plugins").glob("*.md")):
+            text = file.read_text()
+            if title := re.match(r"# (cx::\w+)\n", text):
+                pages[title.group(1)] = text
+        for plugin in json.loads(cxlab("doc", "--json")):
+            if plugin["plugin"] not in pages:
+                continue
+            text = re.sub(r"```.*?```", "", pages.pop(plugin["plugin"]), flags=re.DOTALL)
+            with self.subTest(plugin["plugin"]):
+                shown = {name for call in words(text) for name in re.findall(r"^\(([a-z0-9-]+)[ )]", call)}
+                functions = {function["name"] for function in plugin["functions"]}
+                self.assertLessEqual(functions, shown)
+                for heads, rows in tables(text):
+                    if heads[0] == "Function":
+                        in_table = {name for row in rows for call in words(row[0]) for name in re.findall(r"^\(([a-z0-9-]+)", call)}
+                        self.assertLessEqual(in_table, functions | {"cx-shutdown"})
+                parameters = {name for heads, rows in tables(text) if heads[0] == "Parameter" for row in rows for name in words(row[0])}
+                self.assertLessEqual(set(plugin["parameters"]), parameters | {"plugin"})
+        self.assertEqual(pages, {}, "pages of plugins that do not exist")
+
+    def test_metrics(self):
+        listed = set()
+        for line in cxlab("list", "metrics").splitlines():
+            unit, better, formula = re.fullmatch(r"(?:(\S+) +)?(more|less) .*: (.*)", line[11:].split(None, 1)[1]).groups()
+            listed.add((line[11:].split()[0], unit or "", better, formula))
+        shown = {(words(row[0])[0], row[1], row[2], words(row[4])[0]) for heads, rows in tables(read("docs/reference/metrics.md")) for row in rows}
+        self.assertEqual(shown, listed)
+
+    def test_kinds_of_faults_with_their_keys(self):
+        listed = cxlab("list", "faults").splitlines()
         kinds = {}
         for name, keys in zip(listed[::2], listed[1::2]):
             own, chance = keys.strip().split("; at | ")
