@@ -25,14 +25,18 @@ def tracked(folder):
     return sorted(set(listed.splitlines()))
 
 
+def is_picture(file):
+    return file.endswith((".png", ".gif", ".svg"))
+
+
 def place_of(file):
     """Where a file of the sources is on the site."""
     if file in OUTSIDE:
         return file
     inside = file.removeprefix("docs/")
-    if inside != file and inside.endswith((".md", ".png", ".gif", ".svg")) and not inside.startswith(("examples/", "templates/")):
+    if inside != file and (inside.endswith(".md") or is_picture(inside)) and not inside.startswith(("examples/", "templates/")):
         return inside
-    return f"sources/{file}.md"
+    return f"sources/{file}" if is_picture(file) else f"sources/{file}.md"
 
 
 def text_of_source(file):
@@ -78,6 +82,9 @@ def on_files(files, config):
         if file in seen or not place_of(file).startswith("sources/"):
             continue
         seen.add(file)
+        if is_picture(file):
+            files.append(File.generated(config, place_of(file), abs_src_path=str(ROOT / file)))
+            continue
         texts[file] = text_of_source(file)
         if (ROOT / file).is_dir():
             waiting += tracked(file)
