@@ -144,6 +144,25 @@ class Codes(unittest.TestCase):
         self.assertEqual(sorted(shown), sorted(asked))
 
 
+class Templates(unittest.TestCase):
+    def test_slots_and_values_of_the_agents(self):
+        rules = "".join(file.read_text() for folder in ("agent", "planning_agent") for file in sorted((SOURCE / "scenarios/rcll" / folder / "clips").rglob("*.clp")))
+        slots, values = {}, {}
+        for name, body in re.findall(r"^\(deftemplate ([\w-]+)(.*?)(?=^\(|\Z)", rules, re.MULTILINE | re.DOTALL):
+            slots[name] = re.findall(r"\((?:multi)?slot ([\w-]+)", body)
+            values.update({(name, slot): allowed.split() for slot, allowed in re.findall(r"\(slot ([\w-]+)[^\n]*\(allowed-values ([^)]*)\)", body)})
+        for page in ("rcll-agent.md", "planning-agent.md"):
+            for heads, rows in tables(section(page, "Templates")):
+                for row in rows:
+                    with self.subTest(page=page, row=row[0]):
+                        if heads[0] == "Template" and "ordered fact" not in row[2]:
+                            self.assertEqual([words(part) for part in row[2].split(";")], [slots[name] for name in words(row[0])])
+                        elif heads[0] == "Slot":
+                            slot, *names = words(row[0])
+                            for name in names:
+                                self.assertEqual(words(row[1]), values[name, slot])
+
+
 class Messages(unittest.TestCase):
     def test_fields_and_types_of_the_game(self):
         shown, message = {}, ""
