@@ -144,6 +144,24 @@ class Codes(unittest.TestCase):
         self.assertEqual(sorted(shown), sorted(asked))
 
 
+class Points(unittest.TestCase):
+    def test_points_are_those_of_the_referee(self):
+        constants = {name: [int(number) for number in re.findall(r"-?\d+", value)]
+                     for name, value in re.findall(r"^constexpr std::int64_t (k\w+Points)(?:\[\])? ?=? ?\{?([^;]*?)\}?;", read("scenarios/rcll/rules/referee.cpp"), re.MULTILINE)}
+        points = dict(table(section("rcll.md", "Points"), "Event"))
+        rules = {row[0]: row[2] for row in table(section("rcll.md", "Rule sets"), "Case")}
+        for event, name in (("delivery of C0, C1, C2, C3", "kDeliveryPoints"), ("each ring of a delivered product, of price 0, 1, 2", "kRingPoints"),
+                            ("cap of a delivered product", "kCapPoints"), ("STORE or RETRIEVE", "kStoragePoints")):
+            with self.subTest(event):
+                self.assertEqual([int(number) for number in points[event].split(", ")], constants[name])
+        for event, name in (("cap retrieved", "kBufferPoints"), ("base on a slide that has room", "kPaymentPoints")):
+            self.assertEqual([int(points[event].split()[0])], constants[name])
+        self.assertEqual(points["competitive order, first / second"], f"+{constants['kCompetitivePoints'][0]} / -{constants['kCompetitivePoints'][0]}")
+        for case, name in (("instruction without a workpiece", "kNoWorkpiecePoints"), ("workpiece dropped", "kDropPoints"),
+                           ("workpiece put on a machine of the other team", "kForeignMachinePoints")):
+            self.assertEqual([int(rules[case].split(",")[0])], constants[name])
+
+
 class Templates(unittest.TestCase):
     def test_slots_and_values_of_the_agents(self):
         rules = "".join(file.read_text() for folder in ("agent", "planning_agent") for file in sorted((SOURCE / "scenarios/rcll" / folder / "clips").rglob("*.clp")))
