@@ -30,7 +30,7 @@ def pattern_of(lines):
 
 class Pages(unittest.TestCase):
     def play(self, name, folder_on_page):
-        """Plays a page in a folder of its own, which stands for the one that the page names."""
+        """Plays a page in a folder of its own, which stands for the one that the page names. Returns it."""
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
         environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
@@ -42,6 +42,7 @@ class Pages(unittest.TestCase):
             self.assertEqual(done.returncode, 0, command + "\n" + done.stderr)
             if shown:
                 self.assertRegex(done.stdout.replace(str(folder), folder_on_page), re.compile(pattern_of(shown), re.DOTALL), command)
+        return folder
 
 
 class Tutorials(Pages):
@@ -55,7 +56,8 @@ class Tutorials(Pages):
         self.play("tutorials/find-a-bug.md", "/tmp/bugs")
 
     def test_compare_two_strategies(self):
-        self.play("tutorials/compare-two-strategies.md", "/tmp/compare")
+        folder = self.play("tutorials/compare-two-strategies.md", "/tmp/compare")
+        self.assertEqual((folder / "strategies.svg").read_text(), (SOURCE / "docs/pictures/strategies.svg").read_text(), "the picture is old")
 
     def test_bag_to_story(self):
         self.play("tutorials/bag-to-story.md", "/tmp/floor")

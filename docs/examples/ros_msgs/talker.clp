@@ -20,7 +20,7 @@
   (ros-msgs-destroy-message ?message))
 
 (defrule ask-for-silence
-  "Enough was said: ask the listener to stop hearing."
+  "A second is over: ask the listener to stop hearing."
   (begun ?begun)
   (time ?t&:(>= (- ?t ?begun) 1.0))
   (not (asked))

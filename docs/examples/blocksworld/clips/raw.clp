@@ -1,4 +1,4 @@
-; Builds a tower of three blocks with the services of the PDDL manager alone. One request is under way at a time; the
+; Builds a tower of three blocks with the services of the PDDL manager alone. One request is open at a time; the
 ; step of the work says which answer comes next.
 
 (deftemplate work (slot step (type SYMBOL) (default CONNECT)) (slot action (type INTEGER) (default 0)) (slot until (type FLOAT) (default 0.0)))
