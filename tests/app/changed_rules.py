@@ -1,7 +1,7 @@
 """cxlab diff on games whose agents differ in one rule: it names the rule, and the first event that is another one.
 
 The seed chooses the rule and the change; CXLAB_CHANGES is how many are played. By hand:
-python3 -m unittest changed_rules; CXLAB_CHANGES=50 for all that docs/internals/tests-of-cxlab.md reports.
+python3 -m unittest changed_rules; CXLAB_CHANGES=50 for all that docs/internals/tests-of-answers.md reports.
 """
 
 import json
