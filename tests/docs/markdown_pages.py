@@ -70,7 +70,7 @@ def words_of(text):
     return [word for word in text.split() if re.search(r"\w", word)]
 
 
-ENDS = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\betc)(?<!\bvs)(?<!\bNo)(?<!\bFig)[.!?][\"')\]]*\s+(?=[\"'(\[`]*[A-Z0-9`./])|(?<=:)\s*$|;\s+(?=$)")
+ENDS = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\betc)(?<!\bvs)(?<!\bNo)(?<!\bFig)[.!?][\"')\]]*\s+(?=[\"'(\[`]*(?:[A-Z0-9`./]|cxlab\b))|(?<=:)\s*$|;\s+(?=$)")
 
 
 def sentences(text):
