@@ -32,9 +32,18 @@ class BagFile {
 Expected<std::unique_ptr<BagFile>> open_mcap(const std::filesystem::path& path);
 Expected<std::unique_ptr<BagFile>> mcap_from_bytes(std::string bytes, const std::string& name);
 Expected<std::unique_ptr<BagFile>> open_sqlite(const std::filesystem::path& path);
+/// One of both, by its extension.
+Expected<std::unique_ptr<BagFile>> open_plain(const std::filesystem::path& path);
+/// A file whose name ends with .zstd, unpacked into the system's temporary folder as long as it is open.
+Expected<std::unique_ptr<BagFile>> open_packed(const std::filesystem::path& path);
+/// The same file, of which each message is a zstd frame.
+std::unique_ptr<BagFile> of_packed_messages(std::unique_ptr<BagFile> file);
 
-/// The files of a bag in their order.
-Expected<std::vector<std::filesystem::path>> files_of_bag(const std::filesystem::path& path);
+struct FilesOfBag {
+  std::vector<std::filesystem::path> paths = {};  ///< in their order
+  bool packed_messages = false;
+};
+Expected<FilesOfBag> files_of_bag(const std::filesystem::path& path);
 
 /// Whether QoS profiles, as bags write them, say that the last message is kept for those who come later.
 bool keeps_last(const std::string& qos_profiles);

@@ -34,34 +34,29 @@ bool comes_before_in_bag(const fs::path& a, const fs::path& b) {
 
 bool has_extension(const fs::path& path, const char* extension) { return path.extension() == extension; }
 
-Error packed(const fs::path& path) {
-  return input_error("the whole file is compressed; unpack it before: zstd -d " + path.filename().string(),
-                     path.string());
-}
-
-/// What metadata.yaml says of the files; empty: nothing.
-Expected<std::vector<fs::path>> files_of_metadata(const fs::path& folder) {
+/// What metadata.yaml says of the files; none: nothing.
+Expected<FilesOfBag> files_of_metadata(const fs::path& folder) {
   const fs::path file = folder / "metadata.yaml";
-  std::vector<fs::path> out;
+  FilesOfBag out;
   if (!path_exists(file)) return out;
   auto document = yaml::Document::load(file);
   if (!document) return document.error();
   const yaml::Value about = document->root().as_map().require("rosbag2_bagfile_information");
   if (!about) return document->status().error();
   yaml::Map map = about.as_map();
-  std::string mode, storage;
-  map.read("compression_mode", mode).read("storage_identifier", storage);
-  if (mode == "MESSAGE" || mode == "message")
-    return input_error(
-        "each message is compressed by itself, expected none or whole chunks: ros2 bag convert writes the bag anew",
-        file.string());
+  std::string mode, format;
+  map.read("compression_mode", mode).read("compression_format", format);
+  out.packed_messages = mode == "MESSAGE" || mode == "message";
+  if (!format.empty() && format != "zstd")
+    return input_error("found the compression '" + format + "', expected zstd: ros2 bag convert writes the bag anew",
+                       file.string());
   if (const yaml::Value names = map.get("relative_file_paths"))
     for (const yaml::Value& name : names.as_list()) {
       const fs::path path(name.as_string());
       if (path != path.filename() || path.empty() || path == "..")
         name.fail("found '" + path.string() + "', expected the name of a file in this folder");
       else
-        out.push_back(folder / path);
+        out.paths.push_back(folder / path);
     }
   if (Status s = document->status(); !s) return s.error();
   return out;
@@ -80,22 +75,25 @@ bool keeps_last(const std::string& qos_profiles) {
   return false;
 }
 
-Expected<std::vector<fs::path>> files_of_bag(const fs::path& path) {
+Expected<FilesOfBag> files_of_bag(const fs::path& path) {
   if (!path_exists(path)) return input_error("there is no such file or folder", path.string());
-  if (!is_folder(path)) return std::vector<fs::path>{path};
+  if (!is_folder(path)) return FilesOfBag{{path}};
   auto files = files_of_metadata(path);
-  if (!files) return files.error();
-  if (!files->empty()) return files;
+  if (!files || !files->paths.empty()) return files;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(path, ignored))
     if (has_extension(entry.path(), ".mcap") || has_extension(entry.path(), ".db3") ||
         has_extension(entry.path(), ".zstd"))
-      files->push_back(entry.path());
-  std::ranges::sort(*files, comes_before_in_bag);
-  if (files->empty())
+      files->paths.push_back(entry.path());
+  std::ranges::sort(files->paths, comes_before_in_bag);
+  if (files->paths.empty())
     return input_error("no file of a bag is in this folder, expected those of ros2 bag record: .mcap or .db3",
                        path.string());
   return files;
+}
+
+Expected<std::unique_ptr<BagFile>> open_plain(const fs::path& path) {
+  return has_extension(path, ".db3") ? open_sqlite(path) : open_mcap(path);
 }
 
 struct Recording::Opened {
@@ -117,10 +115,10 @@ Expected<Recording> Recording::open(const fs::path& path) {
   Recording out;
   fs::path shown = path;
   out.name_ = (shown.has_filename() ? shown : shown.parent_path()).filename().string();
-  for (const fs::path& file : *files) {
-    if (has_extension(file, ".zstd")) return packed(file);
-    auto opened = has_extension(file, ".db3") ? open_sqlite(file) : open_mcap(file);
+  for (const fs::path& file : files->paths) {
+    auto opened = has_extension(file, ".zstd") ? open_packed(file) : open_plain(file);
     if (!opened) return opened.error();
+    if (files->packed_messages) *opened = of_packed_messages(*std::move(opened));
     if (Status s = out.add(*std::move(opened)); !s) return s.error();
   }
   return out;
@@ -229,7 +227,7 @@ Expected<std::string> digest_of(const fs::path& path) {
   const std::unique_ptr<XXH3_state_t, FreeState> state(XXH3_createState());
   XXH3_128bits_reset(state.get());
   std::string block(std::size_t{1} << 20, '\0');
-  for (const fs::path& name : *files) {
+  for (const fs::path& name : files->paths) {
     std::ifstream file(name, std::ios::binary);
     if (!file) return input_error("the file cannot be read", name.string());
     while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)

@@ -1,8 +1,10 @@
 #include "cx/mcap/mcap_reader.h"
 
+#include <lz4frame.h>
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -105,6 +107,40 @@ Status Reader::take_channel(ByteReader content) {
   return {};
 }
 
+Status Reader::unpack_zstd(std::string_view packed, std::size_t size) {
+  // A size that is a lie asks for memory only where the frame tells the same one, or none.
+  const unsigned long long told = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  if (told == ZSTD_CONTENTSIZE_ERROR || (told != ZSTD_CONTENTSIZE_UNKNOWN && told > size))
+    return broken("the chunk is no zstd of " + std::to_string(size) + " bytes");
+  chunk_.resize(size);
+  const std::size_t found = ZSTD_decompress(chunk_.data(), chunk_.size(), packed.data(), packed.size());
+  if (ZSTD_isError(found)) return broken(std::string("the chunk cannot be unpacked: ") + ZSTD_getErrorName(found));
+  chunk_.resize(found);
+  return {};
+}
+
+Status Reader::unpack_lz4(std::string_view packed, std::size_t size) {
+  LZ4F_dctx* context = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)))
+    return resource_error("no memory to unpack a chunk of lz4");
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> owned(context,
+                                                                                   &LZ4F_freeDecompressionContext);
+  // The frame need not tell its size, so memory grows with what comes out, as far as the chunk says.
+  chunk_.clear();
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  while (true) {
+    const std::size_t filled = chunk_.size();
+    chunk_.resize(std::min(size, filled + kPiece));
+    std::size_t made = chunk_.size() - filled, taken = packed.size();
+    const std::size_t left = LZ4F_decompress(context, chunk_.data() + filled, &made, packed.data(), &taken, nullptr);
+    if (LZ4F_isError(left)) return broken(std::string("the chunk cannot be unpacked: ") + LZ4F_getErrorName(left));
+    chunk_.resize(filled + made);
+    packed.remove_prefix(taken);
+    if (left == 0) return {};
+    if (made == 0 && taken == 0) return broken("the chunk is no lz4 of " + std::to_string(size) + " bytes");
+  }
+}
+
 Status Reader::take_chunk(ByteReader content) {
   content.fixed<std::uint64_t>();
   content.fixed<std::uint64_t>();
@@ -119,17 +155,12 @@ Status Reader::take_chunk(ByteReader content) {
   if (compression.empty()) {
     chunk_ = records;
   } else if (compression == "zstd") {
-    // A size that is a lie asks for memory only where the frame tells the same one, or none.
-    const unsigned long long told = ZSTD_getFrameContentSize(records.data(), records.size());
-    if (told == ZSTD_CONTENTSIZE_ERROR || (told != ZSTD_CONTENTSIZE_UNKNOWN && told > size))
-      return broken("the chunk is no zstd of " + std::to_string(size) + " bytes");
-    chunk_.resize(size);
-    const std::size_t found = ZSTD_decompress(chunk_.data(), chunk_.size(), records.data(), records.size());
-    if (ZSTD_isError(found)) return broken(std::string("the chunk cannot be unpacked: ") + ZSTD_getErrorName(found));
-    chunk_.resize(found);
+    if (Status s = unpack_zstd(records, size); !s) return s;
+  } else if (compression == "lz4") {
+    if (Status s = unpack_lz4(records, size); !s) return s;
   } else {
     return broken("the chunk is compressed with '" + std::string(compression.substr(0, 40)) +
-                  "', expected zstd or nothing: mcap compress --compression zstd converts it");
+                  "', expected zstd, lz4 or nothing: mcap compress --compression zstd converts it");
   }
   if (chunk_.size() != size)
     return broken("the chunk has " + std::to_string(chunk_.size()) + " bytes, expected " + std::to_string(size));

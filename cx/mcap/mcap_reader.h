@@ -69,6 +69,9 @@ class Reader {
   Status take_schema(ByteReader content);
   Status take_channel(ByteReader content);
   Status take_chunk(ByteReader content);
+  /// Into `chunk_`, which holds `size` bytes at most.
+  Status unpack_zstd(std::string_view packed, std::size_t size);
+  Status unpack_lz4(std::string_view packed, std::size_t size);
   Expected<ReadMessage> message_of(ByteReader content) const;
 
   std::string name_;

@@ -256,6 +256,13 @@ void check_under_way(const yaml::Map& map, StorySpec& spec) {
   }
 }
 
+/// Whether all that is expected is expected until the end, and nothing says when that is.
+bool names_no_time(const StorySpec& spec) {
+  return spec.end == SimTime::zero() && spec.steps.empty() && std::ranges::all_of(spec.expect, [](const Expectation& e) {
+           return e.until == kNever && e.after == SimTime::zero();
+         });
+}
+
 /// A run has all of its own.
 void check_golden(const yaml::Map& map, const StorySpec& spec) {
   const bool more = !spec.config.empty() || !spec.rules.empty() || !spec.given.empty() || !spec.stand_ins.empty() ||
@@ -303,6 +310,8 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
       map.fail("expected one of config, rules, golden");
     else if (spec.expect.empty())
       map.fail("nothing is expected");
+    else if (names_no_time(spec))
+      map.fail("no time is named, so the story would end at its first tick: give an expectation `within_s`, or the story `end`");
     stories.push_back(std::move(spec));
   }
   if (Status s = document->status(); !s) return s.error();

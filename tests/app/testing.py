@@ -104,7 +104,7 @@ class Testing(unittest.TestCase):
                                            "(defrule blocked (declare (salience -5))\n  (bell) (lamp (state OFF)) => (assert (b)))\n"
                                            "(defrule never (never) => (assert (c))) (defrule twin (bell) => (assert (d)))\n")
         (self.folder / "c.story.yaml").write_text("common: {rules: [c.clp], given: ['(lamp (state OFF))']}\nstories:\n"
-                                                  "  - story: on\n    steps: [{at: 1, assert: (bell)}]\n    expect: [{fires: on, within_s: 2}]\n  - story: nothing\n    expect: [{not_fires: on}]\n")
+                                                  "  - story: on\n    steps: [{at: 1, assert: (bell)}]\n    expect: [{fires: on, within_s: 2}]\n  - story: nothing\n    expect: [{not_fires: on, within_s: 2}]\n")
         done = cxlab("test", "--coverage", "c.info", cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         text = (self.folder / "c.info").read_text()

@@ -84,7 +84,7 @@ class CoveragePages(Lab):
 
     def test_nothing_fires(self):
         self.write("r.clp", "(defrule deaf (nothing) => (assert (heard)))\n")
-        self.write("r.story.yaml", "- story: r\n  rules: r.clp\n  expect: [{not_fires: deaf}]\n")
+        self.write("r.story.yaml", "- story: r\n  rules: r.clp\n  expect: [{not_fires: deaf, within_s: 1}]\n")
         self.assertEqual(self.cover(), {("r.clp", 1, "deaf"): (0, 0)})
 
     def test_names_of_all_kinds(self):
@@ -110,7 +110,7 @@ class CoveragePages(Lab):
 
     def test_stories_in_several_files_share_their_rules(self):
         self.write("r.clp", "(defrule go (start ?n) => (assert (gone ?n)))\r\n\r\n(defrule back (gone ?) => (assert (back)))")
-        self.write("a.story.yaml", "- story: one\n  rules: r.clp\n  given: [(start 1)]\n  expect: [{fires: go, within_s: 1}]\n- story: none\n  rules: ././r.clp\n  expect: [{not_fires: go}]\n")
+        self.write("a.story.yaml", "- story: one\n  rules: r.clp\n  given: [(start 1)]\n  expect: [{fires: go, within_s: 1}]\n- story: none\n  rules: ././r.clp\n  expect: [{not_fires: go, within_s: 1}]\n")
         self.write("deep/er/b.story.yaml", "- story: two\n  rules: ../../r.clp\n  given: [(start 1), (start 2)]\n  expect: [{fires: go, count: 2, within_s: 1}]\n")
         self.assertEqual(self.cover(), {("r.clp", 1, "go"): (3, 3), ("r.clp", 3, "back"): (3, 3)})
 

@@ -22,7 +22,7 @@ STORIES = r"""- story: passes
   expect: [{fires: wrong, within_s: 1}]
 - story: " no rules "
   rules: broken.clp
-  expect: [{not_fires: go}]
+  expect: [{not_fires: go, within_s: 1}]
 - story: passes
   rules: a.clp
   given: [(start)]

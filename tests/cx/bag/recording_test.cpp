@@ -4,8 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lz4frame.h>
 #include <sqlite3.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include "cx/base/byte_codec.h"
 #include "cx/mcap/mcap_writer.h"
@@ -18,6 +20,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 /// An MCAP file by hand: records outside of chunks and in chunks, in any order of time.
 class HandMadeMcap {
@@ -50,6 +53,10 @@ class HandMadeMcap {
     return *this;
   }
   HandMadeMcap& chunk(const std::string& records, std::uint32_t wrong = 0, std::string_view compression = "") {
+    return packed_chunk(records, records, compression, wrong);
+  }
+  HandMadeMcap& packed_chunk(const std::string& records, const std::string& packed, std::string_view compression,
+                             std::uint32_t wrong = 0) {
     std::string content;
     const auto crc =
         static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const unsigned char*>(records.data()), records.size()));
@@ -59,8 +66,8 @@ class HandMadeMcap {
         .fixed(std::uint64_t{records.size()})
         .fixed(crc + wrong)
         .raw(text(compression))
-        .fixed(std::uint64_t{records.size()})
-        .raw(records);
+        .fixed(std::uint64_t{packed.size()})
+        .raw(packed);
     record(bytes_, mcap::Opcode::kChunk, content);
     return *this;
   }
@@ -77,6 +84,18 @@ class HandMadeMcap {
 };
 
 using M = HandMadeMcap;
+
+std::string zstd_frame(const std::string& plain) {
+  std::string out(ZSTD_compressBound(plain.size()), '\0');
+  out.resize(ZSTD_compress(out.data(), out.size(), plain.data(), plain.size(), 3));
+  return out;
+}
+
+std::string lz4_frame(const std::string& plain) {
+  std::string out(LZ4F_compressFrameBound(plain.size(), nullptr), '\0');
+  out.resize(LZ4F_compressFrame(out.data(), out.size(), plain.data(), plain.size(), nullptr));
+  return out;
+}
 
 /// "topic:bytes" of each message, in the order in which they come.
 std::vector<std::string> played(Recording& recording, std::vector<bool> topics = {}) {
@@ -173,6 +192,17 @@ TEST(Recording, KilledRecorderIsReadUpToItsLastWholeRecord) {
   EXPECT_TRUE(Recording::from_bytes(file.whole(), "hand.mcap")->warnings().empty());
 }
 
+TEST(Recording, ChunksOfLz4AreRead) {
+  std::string records = M::channel(1, "/a");
+  for (int i = 0; i < 3; ++i) records += M::message(1, i, std::string(700'000, static_cast<char>('a' + i)));
+  auto recording =
+      Recording::from_bytes(HandMadeMcap().packed_chunk(records, lz4_frame(records), "lz4").whole(), "hand.mcap");
+  ASSERT_TRUE(recording) << recording.error().text();
+  const auto messages = played(*recording);
+  ASSERT_EQ(messages.size(), 3U);
+  EXPECT_EQ(messages[2], "/a:" + std::string(700'000, 'c'));
+}
+
 TEST(Recording, DamageIsFoundBeforeItIsPlayed) {
   const auto error = [](const std::string& bytes) {
     const auto recording = Recording::from_bytes(bytes, "hand.mcap");
@@ -182,8 +212,15 @@ TEST(Recording, DamageIsFoundBeforeItIsPlayed) {
   EXPECT_THAT(error(""), HasSubstr("hand.mcap: the file does not begin with the bytes of an MCAP file"));
   EXPECT_THAT(error(HandMadeMcap().chunk(one, 1).whole()),
               HasSubstr("hand.mcap: the record at byte 33: the checksum of the chunk is not that of its bytes"));
-  EXPECT_THAT(error(HandMadeMcap().chunk(one, 0, "lz4").whole()),
-              HasSubstr("the chunk is compressed with 'lz4', expected zstd or nothing: mcap compress"));
+  EXPECT_THAT(error(HandMadeMcap().chunk(one, 0, "bz2").whole()),
+              HasSubstr("the chunk is compressed with 'bz2', expected zstd, lz4 or nothing: mcap compress"));
+  EXPECT_THAT(error(HandMadeMcap().chunk(one, 0, "lz4").whole()), HasSubstr("the chunk cannot be unpacked: ERROR"));
+  EXPECT_THAT(error(HandMadeMcap().packed_chunk(one, lz4_frame(one + one), "lz4").whole()),
+              HasSubstr("the chunk is no lz4 of " + std::to_string(one.size()) + " bytes"));
+  EXPECT_THAT(error(HandMadeMcap().packed_chunk(one + one, lz4_frame(one), "lz4").whole()),
+              HasSubstr("the chunk has " + std::to_string(one.size()) + " bytes, expected "));
+  const std::string cut = lz4_frame(one).substr(0, lz4_frame(one).size() / 2);
+  EXPECT_THAT(error(HandMadeMcap().packed_chunk(one, cut, "lz4").whole()), HasSubstr("the chunk is no lz4 of "));
   EXPECT_THAT(error(HandMadeMcap().chunk(one, 0, "zstd").whole()), HasSubstr("the chunk is no zstd of "));
   EXPECT_THAT(error(HandMadeMcap().add(M::message(7, 1, "1")).whole()),
               HasSubstr("a message names channel 7, which did not come before"));
@@ -245,19 +282,53 @@ TEST_F(BagFolder, HasTheFilesThatItsMetadataNames) {
   EXPECT_THAT(all(), ElementsAre("/a:20", "/a:30"));
 }
 
+TEST_F(BagFolder, WholeFilesMayBeCompressed) {
+  folder_.write("floor/floor_0.mcap.zstd", zstd_frame(bag(20)));
+  const std::string two = zstd_frame(bag(10).substr(0, 40)) + zstd_frame(bag(10).substr(40));
+  folder_.write("floor/floor_1.mcap.zstd", two);
+  EXPECT_THAT(all(), ElementsAre("/a:10", "/a:20"));
+  auto recording = Recording::open(folder_.path() / "floor");
+  recording->begin({});
+  const auto first = recording->next();
+  ASSERT_TRUE(first && *first);
+  EXPECT_THAT(recording->at(**first, input_error("no")).text(), StartsWith(file("floor_1.mcap.zstd") + ": the message"));
+}
+
+TEST_F(BagFolder, MessagesMayBeCompressed) {
+  const auto packed = [&](const std::string& bytes) {
+    return HandMadeMcap().add(M::channel(1, "/a")).chunk(M::message(1, 5, bytes)).whole();
+  };
+  folder_.write("floor/metadata.yaml",
+                "rosbag2_bagfile_information:\n  relative_file_paths: [a.mcap, b.mcap]\n"
+                "  compression_format: zstd\n  compression_mode: MESSAGE\n");
+  const std::string big(100'000, 'b');
+  folder_.write("floor/a.mcap", packed(zstd_frame("one")));
+  folder_.write("floor/b.mcap", packed(zstd_frame(big)));
+  EXPECT_THAT(all(), ElementsAre("/a:one", "/a:" + big));
+  folder_.write("floor/b.mcap", packed("plain"));
+  EXPECT_THAT(all()[0], HasSubstr("b.mcap: the compressed message (byte "));
+  EXPECT_THAT(all()[0], HasSubstr(") cannot be unpacked: found no zstd"));
+}
+
 TEST_F(BagFolder, WhatCannotBeReadHasARemedy) {
   EXPECT_THAT(all(), ElementsAre((folder_.path() / "floor").string() + ": there is no such file or folder"));
   folder_.write("floor/notes.txt", "");
   EXPECT_THAT(all()[0], HasSubstr("no file of a bag is in this folder, expected those of ros2 bag record"));
-  folder_.write("floor/floor_0.mcap.zstd", "");
+  folder_.write("floor/floor_0.mcap.zstd", "not zstd");
   EXPECT_THAT(all(), ElementsAre(file("floor_0.mcap.zstd") +
-                                 ": the whole file is compressed; unpack it before: zstd -d floor_0.mcap.zstd"));
+                                 ": the compressed file cannot be unpacked: Unknown frame descriptor"));
+  const std::string packed = zstd_frame(bag(10));
+  folder_.write("floor/floor_0.mcap.zstd", packed.substr(0, packed.size() - 1));
+  EXPECT_THAT(all(), ElementsAre(file("floor_0.mcap.zstd") +
+                                 ": the compressed file cannot be unpacked: it ends too early"));
+  folder_.write("floor/floor_0.mcap.zstd", zstd_frame("no bag"));
+  EXPECT_THAT(all()[0], StartsWith(file("floor_0.mcap.zstd") + ": the file does not begin with the bytes of an MCAP"));
   const std::string head = "rosbag2_bagfile_information:\n  relative_file_paths: ";
   folder_.write("floor/metadata.yaml", head + "[../secret.mcap]\n");
   EXPECT_THAT(all()[0], HasSubstr("metadata.yaml:2: "));
   EXPECT_THAT(all()[0], HasSubstr("found '../secret.mcap', expected the name of a file in this folder"));
-  folder_.write("floor/metadata.yaml", head + "[a.mcap]\n  compression_mode: MESSAGE\n");
-  EXPECT_THAT(all()[0], HasSubstr("each message is compressed by itself"));
+  folder_.write("floor/metadata.yaml", head + "[a.mcap]\n  compression_format: lzma\n  compression_mode: MESSAGE\n");
+  EXPECT_THAT(all()[0], HasSubstr("found the compression 'lzma', expected zstd: ros2 bag convert"));
   folder_.write("floor/metadata.yaml", head + "[gone.mcap]\n");
   EXPECT_THAT(all(), ElementsAre(file("gone.mcap") + ": the file cannot be read"));
 }

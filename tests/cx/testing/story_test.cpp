@@ -111,7 +111,7 @@ TEST_F(Stories, FiringIsCounted) {
 
 TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
   const auto text = [](const StoryResult& result) { return result.bad ? result.bad->text() : "no error"; };
-  EXPECT_THAT(text(play("not_fires: opne")),
+  EXPECT_THAT(text(play("not_fires: opne, within_s: 1")),
               HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
   EXPECT_THAT(text(play("not_fire: open")),
               HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
@@ -228,7 +228,7 @@ TEST_F(Stories, ChanceDecidesByTheSeed) {
 
 TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
   const auto said = [&](const std::string& more) {
-    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "\n  expect: [{not_fires: slam}]\n");
+    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "\n  expect: [{not_fires: slam, within_s: 1}]\n");
     if (!stories) return stories.error().text();
     const StoryResult result = run_story(stories->front(), {interfaces_dir()});
     return result.bad ? result.bad->text() : "no error";
@@ -249,6 +249,18 @@ TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
             "expected seconds from 0 to 1e9: 2, or [1, 4]"},
            {"  golden: run", "expected `end` beside `golden`, and nothing else"}})
     EXPECT_THAT(said(more), HasSubstr(what)) << more;
+}
+
+TEST_F(Stories, AStoryThatWouldEndAtItsFirstTickIsAMistake) {
+  const auto said = [&](const std::string& more) {
+    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "\n");
+    return stories ? std::string("no error") : stories.error().text();
+  };
+  const std::string unlimited = "  expect: [{not_fires: slam}, {no_fact: (door)}]";
+  EXPECT_THAT(said(unlimited), HasSubstr("no time is named, so the story would end at its first tick"));
+  for (const char* time : {"  end: 1\n", "  steps: [{at: 1, assert: (x)}]\n"}) EXPECT_EQ(said(time + unlimited), "no error");
+  EXPECT_EQ(said("  expect: [{not_fires: slam}, {fires: shut, within_s: 1}]"), "no error");
+  EXPECT_EQ(said("  expect: [{not_fires: slam, after: 1}]"), "no error");
 }
 
 TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
