@@ -284,7 +284,8 @@ int bench(const BenchOptions& options) {
 
 void add_bench(CLI::App& app, Action& action) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/reference/sweeps.md)");
+  CLI::App* command =
+      app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/reference/sweeps.md)");
   command->footer(
       "Examples:\n"
       "  cxlab bench benchmarks/rcll.yaml -j 2\n"

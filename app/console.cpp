@@ -252,8 +252,9 @@ void add_limit_options(CLI::App& command) {
            "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit", "2GB");
   add_size(command, "--disk", g_most.disk, "What rules may write to the disk, as 500MB or 4GB; 0 = no limit", "5GB");
   whole_number(
-      command.add_option("--steps", g_most.steps,
-                         "Steps (docs/reference/limits.md) that the rules of an environment may take in a tick; 0 = no limit"),
+      command.add_option(
+          "--steps", g_most.steps,
+          "Steps (docs/reference/limits.md) that the rules of an environment may take in a tick; 0 = no limit"),
       0)
       ->type_name("N")
       ->default_str(std::to_string(g_most.steps));

@@ -112,7 +112,8 @@ void add_coverage(CLI::App& app, Action& action) {
       "The rules of each run are played again from what it recorded, to its end and through deactivation. A sweep\n"
       "keeps no runs: its games are played again before, which takes as long as the sweep and a little more;\n"
       "their commands come from its runs.sqlite, so it wants --trust-programs.\n"
-      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage (docs/reference/coverage.md).\n"
+      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage "
+      "(docs/reference/coverage.md).\n"
       "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2\n"
       "  cxlab coverage runs/bench-rcll --trust-programs -j 2");
   command->callback([options, &action] { action = [options] { return coverage(*options); }; });

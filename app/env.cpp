@@ -62,7 +62,8 @@ void declare(CLI::App& command, EnvOptions& options) {
   command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));
   declare_bag(command, options.env.bag);
-  command.add_option("--stimuli", options.env.stimuli, "What happens from outside (YAML list, docs/reference/scenario.md)");
+  command.add_option("--stimuli", options.env.stimuli,
+                     "What happens from outside (YAML list, docs/reference/scenario.md)");
   command.add_flag("!--no-activate", options.env.activate,
                    "Managers without autostart_node stay unconfigured until somebody asks");
   once_each(command.add_option("--transition", options.env.transitions,

@@ -291,8 +291,8 @@ int mutate(const MutateOptions& options) {
 
 void add_mutate(CLI::App& app, Action& action) {
   auto options = std::make_shared<MutateOptions>();
-  CLI::App* command =
-      app.add_subcommand("mutate", "Changes rules one by one and counts how often a story fails (docs/how-to/measure-stories.md)");
+  CLI::App* command = app.add_subcommand(
+      "mutate", "Changes rules one by one and counts how often a story fails (docs/how-to/measure-stories.md)");
   command->footer(
       "A mutant is the agent with one small change: a condition, constraint, action or slot is left out, a "
       "comparison,\n"

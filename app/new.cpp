@@ -105,7 +105,8 @@ int make_story(StoryOptions options) {
 
 void add_story(CLI::App& command, Action& action) {
   auto options = std::make_shared<StoryOptions>();
-  CLI::App* sub = command.add_subcommand("story", "A story from a moment of a recorded run (docs/reference/stories.md)");
+  CLI::App* sub =
+      command.add_subcommand("story", "A story from a moment of a recorded run (docs/reference/stories.md)");
   sub->footer(
       "The story has the facts of that moment, the answers of skills and the messages that came in the seconds after\n"
       "it, and expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"

@@ -20,7 +20,8 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   add_choice(command, "--journal", named(spec.journal, kJournalLevels),
              "What journal.jsonl holds: none, decisions or full")
       ->default_str(std::string(named(spec.journal, kJournalLevels).word()));
-  command.add_flag("--strict-cx", spec.strict, "What the real CX would do otherwise are errors (docs/reference/strict-cx.md)");
+  command.add_flag("--strict-cx", spec.strict,
+                   "What the real CX would do otherwise are errors (docs/reference/strict-cx.md)");
   add_choice(command, "--release", named(spec.release, cx::kRosReleases),
              "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)");
   add_prefix_option(command, spec.prefixes);

@@ -348,7 +348,8 @@ int test(const TestOptions& options) {
 
 void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
-  CLI::App* command = app.add_subcommand("test", "Plays stories: regression tests of rules (docs/reference/stories.md)");
+  CLI::App* command =
+      app.add_subcommand("test", "Plays stories: regression tests of rules (docs/reference/stories.md)");
   command->footer(
       "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is chosen; "
       "3: a story file or a rule file cannot be\n"

@@ -1,5 +1,6 @@
 #pragma once
-// Answers of an inspector as JSON: those of `--json`, of `cxlab view` and of the control protocol (docs/reference/questions.md).
+// Answers of an inspector as JSON: those of `--json`, of `cxlab view` and of the control protocol
+// (docs/reference/questions.md).
 
 #include <string>
 #include <utility>

@@ -1,5 +1,6 @@
 #pragma once
-// The options `--bag...` of `cxlab run` and `cxlab env`: a recording that is played into the run (docs/how-to/replay-a-bag.md).
+// The options `--bag...` of `cxlab run` and `cxlab env`: a recording that is played into the run
+// (docs/how-to/replay-a-bag.md).
 
 #include <optional>
 #include <string>

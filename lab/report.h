@@ -8,8 +8,8 @@
 
 namespace cxlab::lab {
 
-/// Writes the page of a run into its folder, and `report.json`, the data that it is made of (docs/reference/run-folder.md). Does
-/// nothing for a run without a folder or without an end.
+/// Writes the page of a run into its folder, and `report.json`, the data that it is made of
+/// (docs/reference/run-folder.md). Does nothing for a run without a folder or without an end.
 Status write_report(const Played& played);
 
 /// What the page of a run shows (lab/run_page.h).

@@ -1,5 +1,6 @@
 #pragma once
-// A story as a run: played once more into a folder that can be asked like that of any run (docs/reference/questions.md).
+// A story as a run: played once more into a folder that can be asked like that of any run
+// (docs/reference/questions.md).
 
 #include <filesystem>
 

@@ -1,6 +1,7 @@
 #pragma once
 // What a scenario can name: kinds of worlds, and kinds of nodes that stand beside one. Each is a row, a constant of its
-// folder; scenarios/shipped/catalogue.h lists those that come with cxlab. docs/how-to/write-a-world.md shows how to add one.
+// folder; scenarios/shipped/catalogue.h lists those that come with cxlab. docs/how-to/write-a-world.md shows how to add
+// one.
 
 #include <any>
 #include <filesystem>

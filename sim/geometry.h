@@ -1,7 +1,7 @@
 #pragma once
 // The measures of floor, machines, pieces and robots: SI units, each once. The MJCF of models/ has them again; a
-// physics world compares the two when it is made (sim/mujoco/geometry_check.h). docs/reference/models.md has drawings in words
-// and reasons.
+// physics world compares the two when it is made (sim/mujoco/geometry_check.h). docs/reference/models.md has drawings
+// in words and reasons.
 
 #include <array>
 

@@ -1,7 +1,7 @@
 #pragma once
-// The node that plays a bag of ROS 2 into a run (docs/reference/bag.md): topics are published at their times; what agents ask of
-// services and actions that nobody in the run serves is answered as it was in the recording; and what was asked of
-// services and actions that an agent serves is asked again.
+// The node that plays a bag of ROS 2 into a run (docs/reference/bag.md): topics are published at their times; what
+// agents ask of services and actions that nobody in the run serves is answered as it was in the recording; and what was
+// asked of services and actions that an agent serves is asked again.
 
 #include <functional>
 #include <memory>

@@ -1,6 +1,7 @@
 #pragma once
 // The bus: topics, services and actions between the participants of one episode. Nothing is delivered at once: a post
-// waits in the receiver's inbox until the receiver takes it, in the order of docs/reference/contracts.md 1. Single-threaded.
+// waits in the receiver's inbox until the receiver takes it, in the order of docs/reference/contracts.md 1.
+// Single-threaded.
 
 #include <array>
 #include <cstdint>
@@ -27,8 +28,8 @@ enum class EndpointId : std::uint64_t {
 /// Environments receive what other environments send one tick later; nodes (servers, world) receive at their next take.
 enum class ParticipantKind : std::uint8_t { kNode, kEnvironment };
 
-/// In the order in which a participant takes them (docs/reference/contracts.md 1). Answers to goals and cancels are service
-/// responses, as in ROS.
+/// In the order in which a participant takes them (docs/reference/contracts.md 1). Answers to goals and cancels are
+/// service responses, as in ROS.
 enum class DeliveryKind : std::uint8_t {
   kServiceResponse,
   kGoalResponse,

@@ -32,8 +32,8 @@ inline constexpr std::string_view kRosReleases[] = {"humble", "jazzy", "kilted"}
 
 /// How configurations are played: all managers of a run in the same way.
 struct Conduct {
-  bool keep_going = false;                   ///< errors in rule files and plugins are noted and loading goes on
-  bool strict = false;                       ///< what the real CX would do otherwise are errors (docs/reference/strict-cx.md)
+  bool keep_going = false;  ///< errors in rule files and plugins are noted and loading goes on
+  bool strict = false;      ///< what the real CX would do otherwise are errors (docs/reference/strict-cx.md)
   RosRelease release = RosRelease::kKilted;  ///< that `strict` is about
   bool programs = true;  ///< libraries of packages may be opened, and programs that nodes name started
 };

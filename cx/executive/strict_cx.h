@@ -1,6 +1,7 @@
 #pragma once
 // What the real CX would do otherwise with the rules of an agent, found by reading them. The checks that need a run
-// are where they happen: parameters, messages of other types, what is left open (docs/reference/strict-cx.md lists all).
+// are where they happen: parameters, messages of other types, what is left open (docs/reference/strict-cx.md lists
+// all).
 
 #include <map>
 #include <string>

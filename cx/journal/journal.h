@@ -1,5 +1,6 @@
 #pragma once
-// The journal: numbers and hashes what happened, stream by stream, and exports it as lines of JSON (docs/reference/journal.md).
+// The journal: numbers and hashes what happened, stream by stream, and exports it as lines of JSON
+// (docs/reference/journal.md).
 
 #include <cstdint>
 #include <filesystem>

@@ -6,9 +6,9 @@
 //   const net::LinkId peer = (*host)->open_datagrams(4444, 4445);
 //   (*host)->send(peer, bytes);
 //
-// Everything travels as posts of the participant on the bus: it arrives when other posts do (docs/reference/contracts.md), is
-// part of the input log, and the handler runs when the participant takes what waits for it. There is one machine:
-// every name of a host means it, and its address is 127.0.0.1.
+// Everything travels as posts of the participant on the bus: it arrives when other posts do
+// (docs/reference/contracts.md), is part of the input log, and the handler runs when the participant takes what waits
+// for it. There is one machine: every name of a host means it, and its address is 127.0.0.1.
 
 #include <cstdint>
 #include <functional>

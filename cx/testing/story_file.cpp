@@ -258,9 +258,9 @@ void check_under_way(const yaml::Map& map, StorySpec& spec) {
 
 /// Whether all that is expected is expected until the end, and nothing says when that is.
 bool names_no_time(const StorySpec& spec) {
-  return spec.end == SimTime::zero() && spec.steps.empty() && std::ranges::all_of(spec.expect, [](const Expectation& e) {
-           return e.until == kNever && e.after == SimTime::zero();
-         });
+  return spec.end == SimTime::zero() && spec.steps.empty() &&
+         std::ranges::all_of(spec.expect,
+                             [](const Expectation& e) { return e.until == kNever && e.after == SimTime::zero(); });
 }
 
 /// A run has all of its own.
@@ -311,7 +311,9 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     else if (spec.expect.empty())
       map.fail("nothing is expected");
     else if (names_no_time(spec))
-      map.fail("no time is named, so the story would end at its first tick: give an expectation `within_s`, or the story `end`");
+      map.fail(
+          "no time is named, so the story would end at its first tick: give an expectation `within_s`, or the story "
+          "`end`");
     stories.push_back(std::move(spec));
   }
   if (Status s = document->status(); !s) return s.error();

@@ -10,7 +10,8 @@
 // What it assumes: N is fixed before the first look, and games are independent of each other. Differences in pairs:
 // that without a difference either sign is as likely (sign_flip_p), then it holds exactly, for any distribution. The
 // mean against a number: no test holds for all distributions (Bahadur and Savage, 1956); Hall's is near its level for
-// figures that are skewed like an exponential distribution or less (mean_p; docs/reference/sweep-statistics.md has what was measured).
+// figures that are skewed like an exponential distribution or less (mean_p; docs/reference/sweep-statistics.md has what
+// was measured).
 
 #include <cstddef>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
-// What a sweep plays: scenarios x strategies x games x seeds (docs/reference/sweeps.md). A grid of parameters gives a strategy for
-// each combination of its values.
+// What a sweep plays: scenarios x strategies x games x seeds (docs/reference/sweeps.md). A grid of parameters gives a
+// strategy for each combination of its values.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,6 @@
 #pragma once
-// Pages, scripts and data of `cxlab view` (docs/reference/view.md); what is in a run's folder is read, and nothing of it is run.
+// Pages, scripts and data of `cxlab view` (docs/reference/view.md); what is in a run's folder is read, and nothing of
+// it is run.
 
 #include <filesystem>
 #include <string>

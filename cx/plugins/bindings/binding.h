@@ -1,6 +1,6 @@
 #pragma once
-// The bindings of one message, service or action in one environment: docs/reference/plugins/bindings.md. `P` in comments is the
-// prefix of the interface, e.g. "std-msgs-string".
+// The bindings of one message, service or action in one environment: docs/reference/plugins/bindings.md. `P` in
+// comments is the prefix of the interface, e.g. "std-msgs-string".
 
 #include <map>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// What there is to see of a game, in either tier (docs/reference/rcll.md, The scene): the field, walls, machines with their
-// lights, robots, pieces.
+// What there is to see of a game, in either tier (docs/reference/rcll.md, The scene): the field, walls, machines with
+// their lights, robots, pieces.
 
 #include <array>
 #include <cstdint>

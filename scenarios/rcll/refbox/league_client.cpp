@@ -22,7 +22,9 @@ Status add_client(const ServerSpec& spec, const StageSetup& setup, Stage& stage)
 
 constinit const NodeKind kLeagueClient{
     .name = "league_client",
-    .what = "an outside referee box and its robots, for agents that know topics and actions (docs/reference/rcll-protocol.md)",
+    .what =
+        "an outside referee box and its robots, for agents that know topics and actions "
+        "(docs/reference/rcll-protocol.md)",
     .settings = settings_of<LeagueClientConfig>(),
     .add = add_client,
 };

@@ -1,8 +1,8 @@
 #pragma once
 // The node `league_client`: an outside referee box and the robots of a team, for an agent that knows the topics and
-// actions of a game (docs/reference/rcll-topics.md). Messages of llsf_msgs become topics; reports, instructions and skills become
-// messages. Each of these jobs is a part of its own; the client hands them what comes from the network and repeats each
-// second what has no answer yet.
+// actions of a game (docs/reference/rcll-topics.md). Messages of llsf_msgs become topics; reports, instructions and
+// skills become messages. Each of these jobs is a part of its own; the client hands them what comes from the network
+// and repeats each second what has no answer yet.
 //
 //   servers: [{node: league_client, team: CYAN}]
 

@@ -1,5 +1,6 @@
 #pragma once
-// Messages of an outside referee box as topics of a game (docs/reference/rcll-topics.md), and reports of an agent as messages to it.
+// Messages of an outside referee box as topics of a game (docs/reference/rcll-topics.md), and reports of an agent as
+// messages to it.
 
 #include <map>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
-// The referee box on the network of a game (docs/reference/rcll-protocol.md): what the factory says on the bus goes out as
-// messages of the league, what teams send becomes instructions, reports and requests on the bus, what controllers send
-// becomes calls of the factory. It judges nothing.
+// The referee box on the network of a game (docs/reference/rcll-protocol.md): what the factory says on the bus goes out
+// as messages of the league, what teams send becomes instructions, reports and requests on the bus, what controllers
+// send becomes calls of the factory. It judges nothing.
 //
 //   public channel     GameState, OrderInfo, RobotInfo, VersionInfo, BeaconSignal; takes BeaconSignal
 //   team's channel     team_peer.h

@@ -1,7 +1,7 @@
 #pragma once
-// What happens in a game, as the referee writes it down (docs/reference/journal.md): typed events. `write` and `read_event` are
-// the only places that know how a record spells one, and both go by the lists of fields below. Whoever tells of a game,
-// while it is played or afterwards, reads these.
+// What happens in a game, as the referee writes it down (docs/reference/journal.md): typed events. `write` and
+// `read_event` are the only places that know how a record spells one, and both go by the lists of fields below. Whoever
+// tells of a game, while it is played or afterwards, reads these.
 
 #include <array>
 #include <cstdint>

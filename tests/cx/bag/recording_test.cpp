@@ -291,7 +291,8 @@ TEST_F(BagFolder, WholeFilesMayBeCompressed) {
   recording->begin({});
   const auto first = recording->next();
   ASSERT_TRUE(first && *first);
-  EXPECT_THAT(recording->at(**first, input_error("no")).text(), StartsWith(file("floor_1.mcap.zstd") + ": the message"));
+  EXPECT_THAT(recording->at(**first, input_error("no")).text(),
+              StartsWith(file("floor_1.mcap.zstd") + ": the message"));
 }
 
 TEST_F(BagFolder, MessagesMayBeCompressed) {
@@ -319,8 +320,8 @@ TEST_F(BagFolder, WhatCannotBeReadHasARemedy) {
                                  ": the compressed file cannot be unpacked: Unknown frame descriptor"));
   const std::string packed = zstd_frame(bag(10));
   folder_.write("floor/floor_0.mcap.zstd", packed.substr(0, packed.size() - 1));
-  EXPECT_THAT(all(), ElementsAre(file("floor_0.mcap.zstd") +
-                                 ": the compressed file cannot be unpacked: it ends too early"));
+  EXPECT_THAT(all(),
+              ElementsAre(file("floor_0.mcap.zstd") + ": the compressed file cannot be unpacked: it ends too early"));
   folder_.write("floor/floor_0.mcap.zstd", zstd_frame("no bag"));
   EXPECT_THAT(all()[0], StartsWith(file("floor_0.mcap.zstd") + ": the file does not begin with the bytes of an MCAP"));
   const std::string head = "rosbag2_bagfile_information:\n  relative_file_paths: ";

@@ -61,7 +61,8 @@ TEST(TemplateOracle, SameTextAsJinjaExceptForTheExplainedDifferences) {
 }
 
 TEST(TemplateOracle, DocumentationExplainsTheDifferences) {
-  const std::string docs = std::regex_replace(read("docs/reference/pddl-templates.md"), std::regex("\n  "), " ");  // lines are wrapped
+  const std::string docs =
+      std::regex_replace(read("docs/reference/pddl-templates.md"), std::regex("\n  "), " ");  // lines are wrapped
   for (const auto& group : nlohmann::json::parse(read("tests/cx/template/differences.json")))
     EXPECT_NE(docs.find("\n- " + group["why"].get<std::string>() + "\n"), std::string::npos) << group["why"];
 }

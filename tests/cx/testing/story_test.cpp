@@ -228,7 +228,8 @@ TEST_F(Stories, ChanceDecidesByTheSeed) {
 
 TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
   const auto said = [&](const std::string& more) {
-    const auto stories = read("- story: s\n  rules: door.clp\n" + more + "\n  expect: [{not_fires: slam, within_s: 1}]\n");
+    const auto stories =
+        read("- story: s\n  rules: door.clp\n" + more + "\n  expect: [{not_fires: slam, within_s: 1}]\n");
     if (!stories) return stories.error().text();
     const StoryResult result = run_story(stories->front(), {interfaces_dir()});
     return result.bad ? result.bad->text() : "no error";
@@ -258,7 +259,8 @@ TEST_F(Stories, AStoryThatWouldEndAtItsFirstTickIsAMistake) {
   };
   const std::string unlimited = "  expect: [{not_fires: slam}, {no_fact: (door)}]";
   EXPECT_THAT(said(unlimited), HasSubstr("no time is named, so the story would end at its first tick"));
-  for (const char* time : {"  end: 1\n", "  steps: [{at: 1, assert: (x)}]\n"}) EXPECT_EQ(said(time + unlimited), "no error");
+  for (const char* time : {"  end: 1\n", "  steps: [{at: 1, assert: (x)}]\n"})
+    EXPECT_EQ(said(time + unlimited), "no error");
   EXPECT_EQ(said("  expect: [{not_fires: slam}, {fires: shut, within_s: 1}]"), "no error");
   EXPECT_EQ(said("  expect: [{not_fires: slam, after: 1}]"), "no error");
 }
