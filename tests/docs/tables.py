@@ -144,6 +144,43 @@ class Codes(unittest.TestCase):
         self.assertEqual(sorted(shown), sorted(asked))
 
 
+class Points(unittest.TestCase):
+    def test_points_are_those_of_the_referee(self):
+        constants = {name: [int(number) for number in re.findall(r"-?\d+", value)]
+                     for name, value in re.findall(r"^constexpr std::int64_t (k\w+Points)(?:\[\])? ?=? ?\{?([^;]*?)\}?;", read("scenarios/rcll/rules/referee.cpp"), re.MULTILINE)}
+        points = dict(table(section("rcll.md", "Points"), "Event"))
+        rules = {row[0]: row[2] for row in table(section("rcll.md", "Rule sets"), "Case")}
+        for event, name in (("delivery of C0, C1, C2, C3", "kDeliveryPoints"), ("each ring of a delivered product, of price 0, 1, 2", "kRingPoints"),
+                            ("cap of a delivered product", "kCapPoints"), ("STORE or RETRIEVE", "kStoragePoints")):
+            with self.subTest(event):
+                self.assertEqual([int(number) for number in points[event].split(", ")], constants[name])
+        for event, name in (("cap retrieved", "kBufferPoints"), ("base on a slide that has room", "kPaymentPoints")):
+            self.assertEqual([int(points[event].split()[0])], constants[name])
+        self.assertEqual(points["competitive order, first / second"], f"+{constants['kCompetitivePoints'][0]} / -{constants['kCompetitivePoints'][0]}")
+        for case, name in (("instruction without a workpiece", "kNoWorkpiecePoints"), ("workpiece dropped", "kDropPoints"),
+                           ("workpiece put on a machine of the other team", "kForeignMachinePoints")):
+            self.assertEqual([int(rules[case].split(",")[0])], constants[name])
+
+
+class Templates(unittest.TestCase):
+    def test_slots_and_values_of_the_agents(self):
+        rules = "".join(file.read_text() for folder in ("agent", "planning_agent") for file in sorted((SOURCE / "scenarios/rcll" / folder / "clips").rglob("*.clp")))
+        slots, values = {}, {}
+        for name, body in re.findall(r"^\(deftemplate ([\w-]+)(.*?)(?=^\(|\Z)", rules, re.MULTILINE | re.DOTALL):
+            slots[name] = re.findall(r"\((?:multi)?slot ([\w-]+)", body)
+            values.update({(name, slot): allowed.split() for slot, allowed in re.findall(r"\(slot ([\w-]+)[^\n]*\(allowed-values ([^)]*)\)", body)})
+        for page in ("rcll-agent.md", "planning-agent.md"):
+            for heads, rows in tables(section(page, "Templates")):
+                for row in rows:
+                    with self.subTest(page=page, row=row[0]):
+                        if heads[0] == "Template" and "ordered fact" not in row[2]:
+                            self.assertEqual([words(part) for part in row[2].split(";")], [slots[name] for name in words(row[0])])
+                        elif heads[0] == "Slot":
+                            slot, *names = words(row[0])
+                            for name in names:
+                                self.assertEqual(words(row[1]), values[name, slot])
+
+
 class Messages(unittest.TestCase):
     def test_fields_and_types_of_the_game(self):
         shown, message = {}, ""
