@@ -97,10 +97,10 @@ void add_coverage(CLI::App& command, const char* page, lab::CoverageOptions& opt
 void add_coverage(CLI::App& app, Action& action) {
   auto options = std::make_shared<RunsCoverageOptions>();
   CLI::App* command = app.add_subcommand(
-      "coverage", "Says which rules of recorded runs fired, how far conditions got, and which functions were called");
+      "coverage", "Report which rules of recorded runs fired, how far conditions got, and which functions were called");
   command
       ->add_option("runs", options->paths,
-                   "Folders of runs, folders with such folders below, or sweeps, whose counts are summed up")
+                   "Folders of runs, folders with such folders below, or sweeps; the counts are summed up")
       ->required();
   add_limit_options(*command);
   add_trust_programs(*command, options->trust_programs);
@@ -112,7 +112,8 @@ void add_coverage(CLI::App& app, Action& action) {
       "The rules of each run are played again from what it recorded, to its end and through deactivation. A sweep\n"
       "keeps no runs: its games are played again before, which takes as long as the sweep and a little more;\n"
       "their commands come from its runs.sqlite, so it wants --trust-programs.\n"
-      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage (docs/reference/coverage.md).\n"
+      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage "
+      "(docs/reference/coverage.md).\n"
       "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2\n"
       "  cxlab coverage runs/bench-rcll --trust-programs -j 2");
   command->callback([options, &action] { action = [options] { return coverage(*options); }; });

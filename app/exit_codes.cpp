@@ -18,15 +18,16 @@ constexpr ExitCode kExitCodes[] = {
      "The answer is no: a test failed, a plan is not valid, two runs differ, an expectation of the scenario does not "
      "hold, `check` has findings, or the value of `--fail-under` is not reached."},
     {int(ErrorKind::kUsage), "", "usage",
-     "The command line is wrong: an unknown command or option, a missing argument, or an output folder that is in use."},
+     "The command line is wrong: an unknown command or option, a missing argument, or an output folder that is in "
+     "use."},
     {int(ErrorKind::kInput), "", "bad input", "A file or value cannot be used."},
     {int(ErrorKind::kRun), "", "the run failed",
      "The run failed: a rule raised an error, rules gave up or went round in a loop, the world diverged, or a plugin "
      "failed. `env` ends with this code for errors of rules only with `--stop-on-rule-error`."},
     {int(ErrorKind::kResource), "", "output or resource",
-     "The machine lacks something, such as room on the disk, memory or a library, or a picture or film cannot be made."},
-    {lab::kUndecidedExit, "bench", "",
-     "The rows of the sweep do not decide the question: more seeds may."},
+     "The machine lacks something, such as room on the disk, memory or a library, or a picture or film cannot be "
+     "made."},
+    {lab::kUndecidedExit, "bench", "", "The rows of the sweep do not decide the question: more seeds may."},
     {int(PlanStatus::kUnsolvable), "plan", "", "The problem has no plan, and the planner proved it."},
     {int(PlanStatus::kEnded), "plan", "", "The search ended without a plan and without a proof that none exists."},
     {int(PlanStatus::kMemory), "plan", "", "The memory that the search may use is exhausted."},
