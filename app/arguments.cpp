@@ -144,19 +144,19 @@ std::vector<std::string> words_of(const CLI::Option& option) {
 CLI::Option* once_each(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
 
 void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes) {
-  once_each(
-      command.add_option("--prefix,--plugin-path", prefixes,
-                         "DIR: packages installed below it are found, with their plugins (also $CXLAB_PREFIX_PATH)"));
+  once_each(command.add_option(
+      "--prefix,--plugin-path", prefixes,
+      "DIR: also finds the packages installed below it, with their plugins (also $CXLAB_PREFIX_PATH)"));
 }
 
 void add_package_options(CLI::App& command, lab::PackageOptions& options) {
-  once_each(command.add_option("--package", options.named, "NAME=DIR: where a package lies"));
+  once_each(command.add_option("--package", options.named, "NAME=DIR: folder of a package"));
   add_prefix_option(command, options.prefixes);
 }
 
 void add_trust_programs(CLI::App& command, bool& trust) {
   command.add_flag("--trust-programs", trust,
-                   "The run's native plugins, and programs that its nodes name, may read, write and run anything");
+                   "Lets the run's native plugins, and programs that its nodes name, read, write and run anything");
 }
 
 namespace {

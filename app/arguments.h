@@ -24,8 +24,8 @@ inline constexpr double kSlowest = 0.01, kFastest = 10000;
 inline constexpr double kFewestFrames = 1, kMostFrames = 120;
 inline constexpr const char *kVideoHelp = "A film, as film.gif (an animated image), or film.mp4 (needs ffmpeg)",
                             *kMaxSizeHelp =
-                                "Of an animated image: frames are left out, or are smaller, until it fits, as 2MB or "
-                                "800kB (default 5MB)";
+                                "Largest size of an animated image, such as 2MB or 800kB (default 5MB); cxlab leaves "
+                                "out frames, or makes them smaller";
 /// Bytes, as 2MB, 800kB or a plain number; at least 10kB.
 CLI::Validator byte_count();
 /// What a text that `byte_count` has let through says; 0 for an empty one.

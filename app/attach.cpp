@@ -235,14 +235,14 @@ int attach(const AttachOptions& options) {
 
 void add_attach(CLI::App& app, Action& action) {
   auto options = std::make_shared<AttachOptions>();
-  CLI::App* command = app.add_subcommand("attach",
-                                         "A terminal on a run: on one that is played with --control or --break, or "
-                                         "back and forth through one that is over");
+  CLI::App* command = app.add_subcommand(
+      "attach",
+      "Open a terminal on a run: on a run in progress (--control, --break), or back and forth through a finished one");
   command->add_option("run", options->where, "Folder of the run, its socket, or 127.0.0.1:PORT")->required();
-  command->add_option("--token", options->token, "What a run at a port has printed (or $CXLAB_CONTROL_TOKEN)");
+  command->add_option("--token", options->token, "Token that the run printed (or $CXLAB_CONTROL_TOKEN)");
   once_each(command->add_option("-c,--command", options->commands,
-                                "A command instead of the terminal (may be given often); 'help' lists them"));
-  command->add_flag("--quiet", options->quiet, "With commands: no lines of the log");
+                                "A command instead of the terminal (may be given often); 'help' lists the commands"));
+  command->add_flag("--quiet", options->quiet, "With -c: no lines of the log");
   add_trust_programs(*command, options->trust_programs);
   command->footer(
       "Without a terminal, commands are read from standard input, a line each. After 'continue', 'step', 'tick' and\n"

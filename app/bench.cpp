@@ -284,8 +284,8 @@ int bench(const BenchOptions& options) {
 
 void add_bench(CLI::App& app, Action& action) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command =
-      app.add_subcommand("bench", "Plays scenarios x strategies x seeds and compares (docs/reference/sweeps.md)");
+  CLI::App* command = app.add_subcommand(
+      "bench", "Play scenarios with strategies and seeds, and compare them (docs/reference/sweeps.md)");
   command->footer(
       "Examples:\n"
       "  cxlab bench benchmarks/rcll.yaml -j 2\n"
@@ -298,7 +298,7 @@ void add_bench(CLI::App& app, Action& action) {
   CLI::Option* suite = command->add_option("suite", options->suite, "Suite file (YAML)");
   whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,
-                      "Folder of the rows (default runs/bench-<suite>); rows that would come out the same are kept");
+                      "Folder of the rows (default runs/bench-<suite>); keeps rows that are still current");
   command->add_option("--time-limit", options->time_limit_s, "Ends an episode after so many seconds of wall time")
       ->check(positive())
       ->type_name("S");
@@ -313,23 +313,24 @@ void add_bench(CLI::App& app, Action& action) {
           ->type_name("N[..M]");
   CLI::Option* collect =
       command
-          ->add_option("--collect", options->collect,
-                       "Takes the rows of these folders into the folder of --out, writes its tables, and plays nothing")
+          ->add_option(
+              "--collect", options->collect,
+              "Collects the rows of these folders in the folder of --out, writes its tables, and plays nothing")
           ->type_name("DIR")
           ->expected(1, -1);
   CLI::Option* slurm = command->add_flag(
       "--slurm", options->slurm, "Writes a job array of Slurm and its collector below --out, and plays nothing");
-  whole_number(
-      command->add_option("--tasks", options->tasks,
-                          "Tasks of the array of --slurm, which share the cells (default one a cell, 1000 at most)"),
-      1, 1000000)
+  whole_number(command->add_option(
+                   "--tasks", options->tasks,
+                   "Tasks of the array of --slurm, which share the cells (default one for each cell, at most 1000)"),
+               1, 1000000)
       ->needs(slurm);
   const std::array modes{cells, cell, collect, slurm};
   for (std::size_t i = 0; i < modes.size(); ++i)
     for (std::size_t j = i + 1; j < modes.size(); ++j) modes[i]->excludes(modes[j]);
   command->add_flag("--json", options->json, "Prints JSON instead of the table");
-  command->add_flag("--quiet", options->quiet, "No progress and no lines for episodes");
-  command->add_flag("-v,--verbose", options->verbose, "A line for each episode");
+  command->add_flag("--quiet", options->quiet, "Prints no progress and no lines for episodes");
+  command->add_flag("-v,--verbose", options->verbose, "Prints a line for each episode");
   command->add_flag("--all", options->all, "Plays all games, also when the requirements of the suite are answered");
   add_bench_tables(*command, action);
   command->callback([command, suite, options, &action] {

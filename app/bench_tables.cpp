@@ -198,7 +198,7 @@ int page(const PageOptions& options) {
 
 void add_table_options(CLI::App& command, TableOptions& options) {
   command.add_option("--metric", options.metric,
-                     "Which figure (default: the one that the world compares; cxlab list metrics)");
+                     "The metric (default: the first one of the world; cxlab list metrics)");
   CLI::Option* format =
       command.add_option("--format", options.format, "How the tables are written")->check(one_of(kFormats));
   command.add_flag("--json", options.json, "Prints JSON, as --format json")->excludes(format);
@@ -216,7 +216,7 @@ void add_bench_tables(CLI::App& bench, Action& action) {
   show_command->add_option("sweep", shown->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
   show_command->add_option(
       "--against", shown->against,
-      "The strategy from which differences or of which shares are taken (default: the first of each scenario)");
+      "Differences are from this strategy, and shares of its points (default: the first of each scenario)");
   show_command
       ->add_option("--table", shown->table,
                    "Only this table; overview: several figures side by side; shares: of the figure of --against in the "
@@ -232,14 +232,14 @@ void add_bench_tables(CLI::App& bench, Action& action) {
       "Examples:\n  cxlab bench plot runs/strategies strategies.svg\n"
       "  cxlab bench plot runs/strategies late.svg --kind differences --metric late_s");
   plot_command->add_option("sweep", plotted->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
-  plot_command->add_option("file", plotted->file, "Where (NAME.svg)")->required();
+  plot_command->add_option("file", plotted->file, "The file (NAME.svg)")->required();
   plot_command->add_option("--metric", plotted->metric,
-                           "Which figure (default: the one that the world compares; cxlab list metrics)");
+                           "The metric (default: the first one of the world; cxlab list metrics)");
   plot_command->add_option("--against", plotted->against,
-                           "The strategy with the dashed line, from which differences are taken (default: the first)");
+                           "Differences are from this strategy, which has the dashed line (default: the first)");
   plot_command
       ->add_option("--kind", plotted->kind,
-                   "What is drawn (default scores: games and means with intervals); parts: points by kind")
+                   "The plot (default scores: games and means with intervals); parts: points by kind")
       ->check(one_of(kPlots));
   plot_command->callback([plotted, &action] { action = [plotted] { return plot(*plotted); }; });
 
@@ -250,14 +250,14 @@ void add_bench_tables(CLI::App& bench, Action& action) {
       "Examples:\n  cxlab bench page runs/bench-rcll\n"
       "  cxlab bench page runs/after runs/before --play -j 2");
   page_command->add_option("sweep", paged->sweep, "Folder of a sweep, or a file like its rows.csv")->required();
-  page_command->add_option("old", paged->before, "An earlier sweep, with which it is compared in the same games");
-  page_command->add_option("--out", paged->out, "Where (default SWEEP/index.html)")->type_name("FILE");
+  page_command->add_option("old", paged->before, "An earlier sweep, to compare the same games");
+  page_command->add_option("--out", paged->out, "The file (default SWEEP/index.html)")->type_name("FILE");
   page_command->add_option("--metric", paged->metric,
-                           "Which figure (default: the one that the world compares; cxlab list metrics)");
+                           "The metric (default: the first one of the world; cxlab list metrics)");
   page_command->add_option("--against", paged->against,
-                           "The strategy from which differences are taken (default: the first of each scenario)");
+                           "Differences are from this strategy (default: the first of each scenario)");
   CLI::Option* play_games = page_command->add_flag(
-      "--play", paged->play, "Plays the games again that it shows, into SWEEP/games, and links to their pages");
+      "--play", paged->play, "Plays the shown games again, into SWEEP/games, and links to their pages");
   whole_number(page_command->add_option("-j", paged->jobs, "Games at once"), 1, 256)->needs(play_games);
   page_command->callback([paged, &action] { action = [paged] { return page(*paged); }; });
 

@@ -82,7 +82,7 @@ int examine(const CheckCommand& command) {
 
 void add_check(CLI::App& app, Action& action) {
   auto options = std::make_shared<CheckCommand>();
-  CLI::App* command = app.add_subcommand("check", "Examines rules without running them (docs/reference/check.md)");
+  CLI::App* command = app.add_subcommand("check", "Examine rules without running them (docs/reference/check.md)");
   command->footer(std::string("Examples:\n  cxlab check rcll/game\n  cxlab check my_agent/params/agent.yaml --graph "
                               "rules.svg\n  cxlab check "
                               "my_agent/clips/*.clp\n") +
@@ -100,7 +100,7 @@ void add_check(CLI::App& app, Action& action) {
   add_package_options(*command, options->check.packages);
   command->add_option("--graph", options->graph,
                       "Draws which rules produce and consume which facts: FILE.svg, or FILE.dot for Graphviz");
-  command->add_flag("--json", options->json, "The findings as JSON");
+  command->add_flag("--json", options->json, "Prints the findings as JSON");
   command->callback([options, &action] { action = [options] { return examine(*options); }; });
 }
 

@@ -248,9 +248,9 @@ static void add_size(CLI::App& command, const std::string& name, std::int64_t& b
 }
 
 void add_limit_options(CLI::App& command) {
-  add_size(command, "--memory", g_most.memory,
-           "What rules may hold of the machine's memory, as 500MB or 4GB; 0 = no limit", "2GB");
-  add_size(command, "--disk", g_most.disk, "What rules may write to the disk, as 500MB or 4GB; 0 = no limit", "5GB");
+  add_size(command, "--memory", g_most.memory, "Memory that rules may hold, such as 500MB or 4GB; 0 = no limit", "2GB");
+  add_size(command, "--disk", g_most.disk, "Bytes that rules may write to the disk, such as 500MB or 4GB; 0 = no limit",
+           "5GB");
   whole_number(
       command.add_option(
           "--steps", g_most.steps,

@@ -97,10 +97,10 @@ void add_coverage(CLI::App& command, const char* page, lab::CoverageOptions& opt
 void add_coverage(CLI::App& app, Action& action) {
   auto options = std::make_shared<RunsCoverageOptions>();
   CLI::App* command = app.add_subcommand(
-      "coverage", "Says which rules of recorded runs fired, how far conditions got, and which functions were called");
+      "coverage", "Report which rules of recorded runs fired, how far conditions got, and which functions were called");
   command
       ->add_option("runs", options->paths,
-                   "Folders of runs, folders with such folders below, or sweeps, whose counts are summed up")
+                   "Folders of runs, folders with such folders below, or sweeps; the counts are summed up")
       ->required();
   add_limit_options(*command);
   add_trust_programs(*command, options->trust_programs);

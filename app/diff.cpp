@@ -71,12 +71,12 @@ int diff(const DiffOptions& options) {
 void add_diff(CLI::App& app, Action& action) {
   auto options = std::make_shared<DiffOptions>();
   CLI::App* command = app.add_subcommand(
-      "diff", "Says where the rules of two recorded runs part first, what led to it, and what came of it");
+      "diff", "Compare two recorded runs: where their rules part first, what led to it, and what came of it");
   add_limit_options(*command);
   command->add_option("a", options->a, "Folder of a run")->required();
   command->add_option("b", options->b, "Folder of another run")->required();
   add_trust_programs(*command, options->trust_programs);
-  command->add_flag("--json", options->json, "The answer as JSON");
+  command->add_flag("--json", options->json, "Prints the answer as JSON");
   command->footer(
       "Exit code 0: the rules did the same, and the results agree; 1: they differ. It names constructs that are "
       "written\n"

@@ -138,7 +138,7 @@ int doc(const DocOptions& options) {
 void add_doc(CLI::App& app, Action& action) {
   auto options = std::make_shared<DocOptions>();
   CLI::App* command = app.add_subcommand(
-      "doc", "Shows what rules can use: all plugins with their functions and templates, one of them, or an interface");
+      "doc", "Show what rules can use: all plugins with their functions and templates, one of them, or an interface");
   command->footer(
       "Examples:\n  cxlab doc\n  cxlab doc config-load\n  cxlab doc tf2-tracked-pose\n  cxlab doc "
       "cx::ExecutivePlugin\n  cxlab doc std-msgs-string-publish\n  cxlab doc rcll_interfaces/msg/Order");

@@ -40,9 +40,9 @@ int doctor(bool json) {
 
 void add_doctor(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("doctor", "Says what this machine has, what is missing and the remedy; needs no network");
+      app.add_subcommand("doctor", "Report what this machine has, what is missing and the remedy; needs no network");
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "The findings as JSON");
+  command->add_flag("--json", *json, "Prints the findings as JSON");
   command->callback([json, &action] { action = [json] { return doctor(*json); }; });
 }
 

@@ -54,32 +54,32 @@ void declare(CLI::App& command, EnvOptions& options) {
                   "Configurations of the CLIPS-Executive (YAML), one environment manager each")
       ->required();
   once_each(command.add_option("--package", options.env.packages,
-                               "NAME=DIR: where a package lies (default: what lies around the configuration)"));
+                               "NAME=DIR: folder of a package (default: the packages around the configuration)"));
   suggest(once_each(command.add_option("--with", options.env.with,
                                        "Plays in a world, or starts a node: " + lab::known_companions(catalogue()))),
           companion_names);
   once_each(command.add_option("--param", options.env.params, "NODE.NAME=VALUE: changes a parameter"));
-  command.add_option("--namespace", options.env.name_space, "Of the nodes")->capture_default_str();
+  command.add_option("--namespace", options.env.name_space, "Namespace of the nodes")->capture_default_str();
   once_each(command.add_option("--remap", options.env.remaps, "FROM:=TO: renames a topic, service or action"));
   declare_bag(command, options.env.bag);
   command.add_option("--stimuli", options.env.stimuli,
-                     "What happens from outside (YAML list, docs/reference/scenario.md)");
+                     "File of stimuli from outside (YAML list, docs/reference/scenario.md)");
   command.add_flag("!--no-activate", options.env.activate,
-                   "Managers without autostart_node stay unconfigured until somebody asks");
+                   "Managers without autostart_node stay unconfigured until a request");
   once_each(command.add_option("--transition", options.env.transitions,
                                "SECONDS:NAME[@NODE]: configure, activate, deactivate, cleanup or shutdown of a manager "
                                "(docs/reference/plugins/manager.md)"));
   options.run.play.spec.keep_going = true;
   command.add_flag("--keep-going,!--no-keep-going", options.run.play.spec.keep_going,
-                   "Errors in rule files are reported and the run goes on (default); it then ends with exit code 3");
+                   "Reports errors in rule files and continues (default); the run then ends with exit code 3");
   command.add_flag("--stop-on-rule-error", options.env.stop_on_rule_error,
-                   "An error in a rule ends the run (exit code 4); without it the run goes on and the exit code does "
-                   "not change");
-  whole_number(command.add_option("--max-firings", options.env.max_firings,
-                                  "Rules that an environment may fire in a tick before the run ends as one without "
-                                  "an end (default 100000, 0 = no limit)"),
+                   "An error in a rule ends the run with exit code 4 (default: the run continues, and the exit code "
+                   "does not change)");
+  whole_number(command.add_option(
+                   "--max-firings", options.env.max_firings,
+                   "Firings of an environment in one tick that end the run as a loop (default 100000, 0 = no limit)"),
                0, std::int64_t{1} << 62);
-  command.add_flag("--trust-rules", options.env.trust_rules, "Rules may read, write and run anything");
+  command.add_flag("--trust-rules", options.env.trust_rules, "Lets rules read, write and run anything");
   declare_play(command, options.run);
   command.get_option("--until")->description(
       "End, s of simulated time (default 60; with --bag a second after its end)");
@@ -90,7 +90,7 @@ void declare(CLI::App& command, EnvOptions& options) {
 void add_env(CLI::App& app, Action& action) {
   auto options = std::make_shared<EnvOptions>();
   CLI::App* command = app.add_subcommand(
-      "env", "Runs a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes named");
+      "env", "Run a configuration of the CLIPS-Executive as it is, in an empty world or with the nodes of --with");
   command->footer(
       "Examples:\n  cxlab env docs/examples/hello/hello.yaml\n  cxlab env my_agent/params/agent.yaml --until 30 "
       "--stimuli tests/stimuli.yaml\n  cxlab env my_agent/params/agent.yaml --bag floor.mcap --out runs/floor\n  cxlab "

@@ -60,7 +60,7 @@ int export_it(const ExportChoice& choice) {
 void add_export(CLI::App& app, Action& action) {
   auto choice = std::make_shared<ExportChoice>();
   CLI::App* command = app.add_subcommand(
-      "export", "Writes a recorded run in the formats of Foxglove, PlotJuggler, ROS 2, Perfetto, pandas and DuckDB");
+      "export", "Write a recorded run in the formats of Foxglove, PlotJuggler, ROS 2, Perfetto, pandas and DuckDB");
   command->add_option("run", choice->run, "Folder of the run")->required();
   CLI::Option* mcap = command->add_flag(
       "--mcap", choice->options.mcap,
@@ -71,21 +71,22 @@ void add_export(CLI::App& app, Action& action) {
   command->add_flag("--parquet", choice->options.parquet, "The same tables as Parquet");
   command
       ->add_option("--pictures", choice->pictures,
-                   "With --mcap, of a run with physics: a picture each so many seconds, as a topic")
+                   "With --mcap and physics: a topic with a picture every so many seconds")
       ->check(between(kShortest, kLongest))
       ->needs(mcap);
   command
-      ->add_option("--camera", choice->options.pictures.camera, "Of pictures: as of cxlab render (default: the field)")
+      ->add_option("--camera", choice->options.pictures.camera,
+                   "Camera of --pictures, as for cxlab render (default: the field)")
       ->needs("--pictures");
-  command->add_option("--size", choice->size, "Of pictures: WIDTHxHEIGHT")
+  command->add_option("--size", choice->size, "Size of pictures: WIDTHxHEIGHT")
       ->check(picture_size())
       ->capture_default_str()
       ->needs("--pictures");
   command->add_option("--out,-o", choice->options.out,
                       "The file, or a folder for several formats (default: the folder export of the run)");
-  time_option(command->add_option("--from", choice->from, "The stretch begins then (default: the start)"));
-  time_option(command->add_option("--to", choice->to, "The stretch ends then (default: the end of the run)"));
-  command->add_flag("--json", choice->json, "What was written, as JSON");
+  time_option(command->add_option("--from", choice->from, "Beginning of the stretch (default: the start of the run)"));
+  time_option(command->add_option("--to", choice->to, "End of the stretch (default: the end of the run)"));
+  command->add_flag("--json", choice->json, "Prints what was written, as JSON");
   command->footer(
       "Messages of the bus are in runs of cxlab run --journal full only (docs/how-to/export-a-run.md).\n"
       "Examples:\n  cxlab export runs/game-1 --mcap --trace --csv\n  cxlab export runs/game-1 --mcap --from 5:00 --to "

@@ -126,10 +126,9 @@ int list_faults() {
 }  // namespace
 
 void add_list(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "list",
-      "Lists scenarios, worlds, nodes beside a world, skills, interfaces, plugin classes, functions and templates for "
-      "rules, faults, or metrics");
+  CLI::App* command = app.add_subcommand("list",
+                                         "List scenarios, worlds, nodes beside a world, skills, interfaces, plugin "
+                                         "classes, functions and templates for rules, faults, or metrics");
   auto what = std::make_shared<std::string>();
   command->add_option("what", *what, "What to list")
       ->required()

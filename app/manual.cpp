@@ -77,7 +77,7 @@ int print_page(const CLI::App& app, const std::string& page, bool suggestions) {
 }  // namespace
 
 void add_help(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("help", "Shows the help of cxlab or of a command");
+  CLI::App* command = app.add_subcommand("help", "Show the help of cxlab or of a command");
   auto names = std::make_shared<std::vector<std::string>>();
   command->add_option("command", *names, "A command, and its subcommand");
   command->callback([&app, names, &action] {
@@ -104,7 +104,7 @@ void add_help(CLI::App& app, Action& action) {
 }
 
 void add_man(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("man", "Prints the manual page (roff): cxlab man | man -l -");
+  CLI::App* command = app.add_subcommand("man", "Print the manual page (roff): cxlab man | man -l -");
   auto markdown = std::make_shared<bool>(false);
   command->add_flag("--markdown", *markdown, "As docs/reference/commands.md");
   command->callback([&app, markdown, &action] {
@@ -113,7 +113,7 @@ void add_man(CLI::App& app, Action& action) {
 }
 
 void add_completion(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("completion", "Prints a script that completes commands and options");
+  CLI::App* command = app.add_subcommand("completion", "Print a script that completes commands and options");
   command->footer("Examples:\n  source <(cxlab completion bash)\n  cxlab completion zsh > ~/.zfunc/_cxlab");
   auto shell = std::make_shared<std::string>();
   command->add_option("shell", *shell, "bash or zsh")->required()->check(one_of({"bash", "zsh"}));

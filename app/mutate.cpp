@@ -292,7 +292,7 @@ int mutate(const MutateOptions& options) {
 void add_mutate(CLI::App& app, Action& action) {
   auto options = std::make_shared<MutateOptions>();
   CLI::App* command = app.add_subcommand(
-      "mutate", "Changes rules one by one and counts how often a story fails (docs/how-to/measure-stories.md)");
+      "mutate", "Change rules one by one and count how often a story fails (docs/how-to/measure-stories.md)");
   command->footer(
       "A mutant is the agent with one small change: a condition, constraint, action or slot is left out, a "
       "comparison,\n"
@@ -314,19 +314,19 @@ void add_mutate(CLI::App& app, Action& action) {
                    "A folder with stories, a configuration, a scenario, a story file, or FILE::NAME")
       ->required()
       ->type_name("AGENT");
-  CLI::Option* mutants = whole_number(
-      command->add_option("--mutants", options->mutants, "How many are drawn and played (default 200)"), 1);
+  CLI::Option* mutants =
+      whole_number(command->add_option("--mutants", options->mutants, "Mutants to draw and play (default 200)"), 1);
   mutants->type_name("N");
-  CLI::Option* all = command->add_flag("--all", options->all, "Plays all mutants that there are")->excludes(mutants);
+  CLI::Option* all = command->add_flag("--all", options->all, "Plays all mutants")->excludes(mutants);
   seed_number(
-      command->add_option("--seed", options->seed, "Of the draw (default 1): the same mutants, whatever -j is"));
+      command->add_option("--seed", options->seed, "Seed of the draw (default 1): the same mutants for any -j"));
   command
-      ->add_option("--time-limit", options->time_limit_s,
-                   "After so many seconds of mutants no other one is begun; the stories are played without any first, "
-                   "which does not count")
+      ->add_option(
+          "--time-limit", options->time_limit_s,
+          "Begins no other mutant after so many seconds; the first play of the stories without a mutant does not count")
       ->check(positive())
       ->type_name("S");
-  whole_number(command->add_option("-j", options->jobs, "Mutants at a time"), 1, 256);
+  whole_number(command->add_option("-j", options->jobs, "Mutants at once"), 1, 256);
   command->add_option("-k", options->filter, "Plays only the stories for which this holds, as cxlab test -k does")
       ->type_name("EXPR");
   once_each(command->add_option("--file", options->files, "Changes only this rule file, or those of this folder"))
@@ -337,16 +337,16 @@ void add_mutate(CLI::App& app, Action& action) {
       command->add_option("--show", options->show, "Shows a mutant as a diff of its file")->type_name("ID");
   CLI::Option* list = command->add_flag("--list", options->list, "Lists all mutants and plays none");
   CLI::Option* fail_under =
-      command->add_option("--fail-under", options->fail_under, "Exit code 1 where fewer percent of the mutants die")
+      command->add_option("--fail-under", options->fail_under, "Exit code 1 if fewer percent of the mutants die")
           ->check(between(0, 100))
           ->type_name("PERCENT");
   command
       ->add_option("--patience", options->patience_s,
-                   "s of the clock on the wall that a story may take (default 2 s and ten times the slowest story)")
+                   "Wall time that a story may take, s (default 2 s and ten times the slowest story)")
       ->check(positive());
   add_package_options(*command, options->packages);
-  command->add_flag("-q,--quiet", options->quiet, "No progress");
-  command->add_flag("-v", options->verbose, "Names mutants that died, too, and what the story said");
+  command->add_flag("-q,--quiet", options->quiet, "Prints no progress");
+  command->add_flag("-v", options->verbose, "Lists also mutants that died, with the message of the story");
   command->add_flag("--json", options->json, "Prints JSON")->excludes(show);
   const std::array modes{one, show, list};
   for (std::size_t i = 0; i < modes.size(); ++i) {

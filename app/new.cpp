@@ -106,7 +106,7 @@ int make_story(StoryOptions options) {
 void add_story(CLI::App& command, Action& action) {
   auto options = std::make_shared<StoryOptions>();
   CLI::App* sub =
-      command.add_subcommand("story", "A story from a moment of a recorded run (docs/reference/stories.md)");
+      command.add_subcommand("story", "Write a story from a moment of a recorded run (docs/reference/stories.md)");
   sub->footer(
       "The story has the facts of that moment, the answers of skills and the messages that came in the seconds after\n"
       "it, and expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"
@@ -115,12 +115,11 @@ void add_story(CLI::App& command, Action& action) {
       "  cxlab new story runs/game-1 --at 5:12 --for 30 --name 'the second order is delivered'");
   add_limit_options(*sub);
   sub->add_option("run", options->run, "Folder of the run")->required();
-  time_option(sub->add_option("--at", options->at, "The moment: 312.4, 5:12 or 5:12.4"))->required();
-  sub->add_option("--for", options->seconds, "s after the moment that the story goes on (default 10)")
-      ->check(positive());
-  sub->add_option("--env", options->environment, "The environment, where the run has several");
-  sub->add_option("--name", options->name, "Of the story (default: when and of which run it is)");
-  sub->add_option("--out", options->file, "Its file (default: RUN-at-T.story.yaml in this folder)");
+  time_option(sub->add_option("--at", options->at, "Time: 312.4, 5:12 or 5:12.4"))->required();
+  sub->add_option("--for", options->seconds, "Seconds of the story after that time (default 10)")->check(positive());
+  sub->add_option("--env", options->environment, "The environment, if the run has several");
+  sub->add_option("--name", options->name, "Name of the story (default: run and time)");
+  sub->add_option("--out", options->file, "The file (default: RUN-at-T.story.yaml in this folder)");
   add_package_options(*sub, options->packages);
   add_trust_programs(*sub, options->trust_programs);
   sub->add_flag("--force", options->force, "Overwrites a file");
@@ -130,12 +129,13 @@ void add_story(CLI::App& command, Action& action) {
 void add_game(CLI::App& command, Action& action) {
   auto options = std::make_shared<GameOptions>();
   CLI::App* sub =
-      command.add_subcommand("game", "A game of the Logistics League: layout, ring prices, orders, down periods");
+      command.add_subcommand("game", "Write a game of the Logistics League: layout, ring prices, orders, down periods");
   sub->footer(
       "Examples:\n  cxlab new game game.yaml --seed 7\n  cxlab new game game.yaml --set world.complexities=[C0,C1]\n"
       "  cxlab run rcll/game --set world.game=game.yaml");
-  sub->add_option("file", options->file, "Where (YAML; docs/reference/game-files.md has its keys)")->required();
-  sub->add_option("--scenario", options->scenario, "Whose settings it is drawn with (default: those of the league)");
+  sub->add_option("file", options->file, "The file (YAML; docs/reference/game-files.md has its keys)")->required();
+  sub->add_option("--scenario", options->scenario,
+                  "Scenario whose settings the game is drawn with (default: those of the league)");
   seed_number(sub->add_option("--seed", options->seed, "Seed of the draw, instead of the scenario's"));
   once_each(sub->add_option("--set", options->overrides, "Changes a value: a.b[0].c=VALUE (may be given often)"));
   sub->add_flag("--force", options->force, "Overwrites a file");
@@ -151,7 +151,7 @@ CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::sha
   auto folder = std::make_shared<std::string>();
   CLI::App* sub = command.add_subcommand(kind.word, kind.what);
   sub->footer(std::string("Example:\n  cxlab new ") + kind.word + " my_" + kind.word);
-  sub->add_option("folder", *folder, "Where; must be new or empty. Its last part is the name of the package")
+  sub->add_option("folder", *folder, "The folder, new or empty. Its last part is the name of the package")
       ->required()
       ->check([](const std::string& text) { return text.empty() ? "found '', expected a folder" : ""; });
   sub->callback([=, &action] { action = [=] { return make(*package, *folder, kind.next); }; });
@@ -160,10 +160,10 @@ CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::sha
 
 void add_agent(CLI::App& command, Action& action) {
   auto package = std::make_shared<lab::NewPackage>("agent");
-  CLI::App* sub = add_kind(
-      command, action,
-      {"agent", "An agent with configuration, rules, stories and scenario", "cxlab test; cxlab run scenario.yaml"},
-      package);
+  CLI::App* sub = add_kind(command, action,
+                           {"agent", "Write an agent with configuration, rules, stories and scenario",
+                            "cxlab test; cxlab run scenario.yaml"},
+                           package);
   sub->footer(
       "With --ci the folder has pipelines for GitHub Actions (.github/workflows/agent.yml) and GitLab "
       "(.gitlab-ci.yml)\n"
@@ -173,7 +173,7 @@ void add_agent(CLI::App& command, Action& action) {
       "  cxlab new agent my_agent --ci --cxlab https://files.example.org/cxlab-0.1.0-debian12-x86_64.tar.gz \\\n"
       "      --sha256 $(sha256sum cxlab-0.1.0-debian12-x86_64.tar.gz | cut -c 1-64)");
   sub->add_flag_callback(
-      "--rcll", [package] { package->variant = "rcll"; }, "One that plays the Logistics League: one robot, C0 orders");
+      "--rcll", [package] { package->variant = "rcll"; }, "The agent plays the Logistics League: one robot, C0 orders");
   const auto tarball = [package]() -> lab::NewPackage::Tarball& {
     return package->continuous ? *package->continuous : package->continuous.emplace();
   };
@@ -196,9 +196,9 @@ void add_new(CLI::App& app, Action& action) {
   add_agent(*command, action);
   const std::filesystem::path installed = find_share().prefix;
   const std::string prefix = installed.empty() ? "PREFIX (docs/how-to/install.md)" : installed.string();
-  const Kind plugin{"plugin",
-                    "A plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
-                    "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};
+  const Kind plugin{
+      "plugin", "Write a plugin in C++ with its own messages, configuration, rules and a test, built outside of cxlab",
+      "cmake -B build -D CMAKE_PREFIX_PATH=" + prefix + "; cmake --build build; ctest --test-dir build"};
   add_kind(*command, action, plugin, std::make_shared<lab::NewPackage>("plugin"));
   add_game(*command, action);
   add_story(*command, action);

@@ -242,14 +242,14 @@ void add_plan(CLI::App& app, Action& action) {
   CLI::App* plan = app.add_subcommand("plan", "Find a plan for a PDDL problem with time, numbers and events");
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
-  plan->add_option("--data", options->data, "JSON object for domain and problem that are templates");
+  plan->add_option("--data", options->data, "JSON object for a domain or problem that is a template");
   plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
   whole_number(plan->add_option("--budget", options->budget,
                                 "work units; one is about a microsecond. The same budget gives the same plan"),
                1)
       ->capture_default_str();
   plan->add_flag("--anytime", options->anytime,
-                 "go on to better plans until time or budget end: by the metric, or shorter ones");
+                 "continue to better plans (by the metric, or shorter ones) until time or budget end");
   whole_number(plan->add_option("--patience", options->patience,
                                 "with --anytime: end when no better plan is found for so many work units"),
                1);

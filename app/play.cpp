@@ -21,33 +21,35 @@ void declare_play(CLI::App& command, PlayCommand& options) {
              "What journal.jsonl holds: none, decisions or full")
       ->default_str(std::string(named(spec.journal, kJournalLevels).word()));
   command.add_flag("--strict-cx", spec.strict,
-                   "What the real CX would do otherwise are errors (docs/reference/strict-cx.md)");
-  add_choice(command, "--release", named(spec.release, cx::kRosReleases),
-             "With --strict-cx: the release of ROS 2 that the agent shall run on: humble, jazzy or kilted (kilted)");
+                   "Reports as errors what the real CX would do differently (docs/reference/strict-cx.md)");
+  add_choice(
+      command, "--release", named(spec.release, cx::kRosReleases),
+      "With --strict-cx: the release of ROS 2 for which the agent is meant: humble, jazzy or kilted (default kilted)");
   add_prefix_option(command, spec.prefixes);
   add_limit_options(command);
   command.add_flag("--control", play.control, "Opens a socket in the run's folder for cxlab attach");
-  command.add_option("--control-at", play.control_at, "Opens it there: a path, or 127.0.0.1:PORT with a token");
-  command.add_flag("--break", play.begin_stopped, "Begins stopped, for cxlab attach; opens the socket as well");
+  command.add_option("--control-at", play.control_at, "Opens the socket at a path, or at 127.0.0.1:PORT with a token");
+  command.add_flag("--break", play.begin_stopped, "Begins stopped, for cxlab attach, and opens the socket");
   command.add_flag("--realtime", play.realtime, "Sleeps between ticks, to watch");
   command.add_flag("--sockets", spec.sockets,
-                   "Programs of this machine reach the ports of agents and nodes; sleeps between ticks");
+                   "Lets programs of this machine reach the ports of agents and nodes; sleeps between ticks");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
-  command.add_flag("-v,--verbose", options.verbose, "Shows the lives of nodes and lines of level debug as well");
+  command.add_flag("-v,--verbose", options.verbose, "Shows also the states of nodes and lines of level debug");
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }
 
 void declare_bag(CLI::App& command, lab::BagOptions& options) {
   command.add_option("--bag", options.file,
                      "Plays a recording: an MCAP file, or a folder of ros2 bag record (docs/how-to/replay-a-bag.md)");
-  time_option(command.add_option("--bag-start", options.start, "Plays it from there on, s after its first message"));
-  time_option(command.add_option("--bag-offset", options.offset, "Simulated time at which that comes (0)"));
-  command.add_option("--bag-rate", options.rate, "Seconds of the bag in a second of simulated time (1)");
-  command.add_option("--bag-topics", options.topics, "Regular expression: plays only names in which it is found");
-  command.add_option("--bag-exclude", options.exclude, "Regular expression: leaves out names in which it is found");
+  time_option(
+      command.add_option("--bag-start", options.start, "Begins so many seconds after the first message of the bag"));
+  time_option(command.add_option("--bag-offset", options.offset, "Simulated time of that first message (default 0)"));
+  command.add_option("--bag-rate", options.rate, "Seconds of the bag in a second of simulated time (default 1)");
+  command.add_option("--bag-topics", options.topics, "Regular expression: plays only names that contain a match");
+  command.add_option("--bag-exclude", options.exclude, "Regular expression: leaves out names that contain a match");
   once_each(command.add_option("--bag-remap", options.remaps,
                                "FROM:=TO: plays a topic, service or action under another name"));
-  command.add_flag("--bag-own", options.own, "Plays topics that this run publishes, too");
+  command.add_flag("--bag-own", options.own, "Plays also topics that this run publishes");
 }
 
 Outcome play(const PlayCommand& command, Scenario scenario) {

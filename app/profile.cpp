@@ -48,7 +48,7 @@ int profile(const ProfileOptions& options) {
 void add_profile(CLI::App& app, Action& action) {
   auto options = std::make_shared<ProfileOptions>();
   CLI::App* command = app.add_subcommand(
-      "profile", "Says how much time and how many partial matches each rule, condition and function of a run takes");
+      "profile", "Report how much time and how many partial matches each rule, condition and function of a run takes");
   add_question(*command, options->question, Times::kAt);
   whole_number(command->add_option("--most", options->most, "Rows of each table of the text (default 15)"), 1, 100000);
   command->add_option("--html", options->page, "Writes a page with all rules, which needs no other file");

@@ -31,19 +31,19 @@ void add_question(CLI::App& command, Question& question, Times times) {
   CLI::Option* at = nullptr;
   if (times != Times::kStretch)
     at = time_option(
-        command.add_option("--at", question.at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
+        command.add_option("--at", question.at, "Time: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
   if (times != Times::kAt) {
-    CLI::Option* from =
-        time_option(command.add_option("--from", question.from, "The stretch begins then (default: the start)"));
+    CLI::Option* from = time_option(
+        command.add_option("--from", question.from, "Beginning of the stretch (default: the start of the run)"));
     CLI::Option* to =
-        time_option(command.add_option("--to", question.to, "The stretch ends then (default: the end of the run)"));
+        time_option(command.add_option("--to", question.to, "End of the stretch (default: the end of the run)"));
     if (at) {
       from->excludes(at);
       to->excludes(at);
     }
   }
   add_trust_programs(command, question.trust_programs);
-  command.add_flag("--json", question.json, "The answer as JSON");
+  command.add_flag("--json", question.json, "Prints the answer as JSON");
 }
 
 SimTime from_of(const Question& question) { return question.from ? from_seconds(*question.from) : kEarliest; }

@@ -121,11 +121,11 @@ int why(const WhyOptions& options) {
 
 void add_facts(CLI::App& app, Action& action) {
   auto options = std::make_shared<FactsOptions>();
-  CLI::App* command = app.add_subcommand("facts", "Lists the facts of a recorded run at a time, and who made them");
+  CLI::App* command = app.add_subcommand("facts", "List the facts of a recorded run at a time, and who made them");
   add_question(*command, options->question, Times::kAtOrStretch);
   command->add_option("what", options->what,
                       "A template, a pattern such as '(order (id 3))', or a fact such as f-12 (default: all)");
-  command->add_flag("--changes", options->changes, "Each change of the facts, with who made it");
+  command->add_flag("--changes", options->changes, "Lists each change of the facts, with who made it");
   command->footer(
       "With --from or --to it lists all facts that were there at some time of this stretch, with their changes.\n"
       "Examples:\n  cxlab facts runs/game-1 order --at 5:12\n  cxlab facts runs/game-1 '(robot (name robot1))' "
@@ -136,7 +136,7 @@ void add_facts(CLI::App& app, Action& action) {
 void add_agenda(CLI::App& app, Action& action) {
   auto question = std::make_shared<Question>();
   CLI::App* command =
-      app.add_subcommand("agenda", "Lists the rules of a recorded run that wait to fire at a time, the next one first");
+      app.add_subcommand("agenda", "List the rules of a recorded run that wait to fire at a time, the next one first");
   add_question(*command, *question, Times::kAt);
   command->callback([question, &action] {
     action = [question] {
@@ -155,7 +155,7 @@ void add_agenda(CLI::App& app, Action& action) {
 
 void add_globals(CLI::App& app, Action& action) {
   auto question = std::make_shared<Question>();
-  CLI::App* command = app.add_subcommand("globals", "Lists the global variables of a recorded run at a time");
+  CLI::App* command = app.add_subcommand("globals", "List the global variables of a recorded run at a time");
   add_question(*command, *question, Times::kAt);
   command->callback([question, &action] {
     action = [question] {
@@ -174,7 +174,7 @@ void add_firings(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("firings", "Lists which rules of a recorded run fired when, and for which values");
+      app.add_subcommand("firings", "List which rules of a recorded run fired when, and for which values");
   add_question(*command, options->question, Times::kStretch);
   command->add_option("rule", options->rule, "Only this rule, with or without its module (default: all)");
   command->footer("Example:\n  cxlab firings runs/game-1 order-begin --from 5:00 --to 6:00");
@@ -193,16 +193,16 @@ void add_firings(CLI::App& app, Action& action) {
 void add_rules(CLI::App& app, Action& action) {
   auto options = std::make_shared<RulesOptions>();
   CLI::App* command = app.add_subcommand(
-      "rules", "Lists which rules of a recorded run fired, waited in vain, or never matched, and what these lack");
+      "rules", "List which rules of a recorded run fired, waited in vain, or never matched, and what these lack");
   add_question(*command, options->question, Times::kAt);
-  command->add_option("--against", options->against, "Another run: lists the rules that fired in only one of the two");
+  command->add_option("--against", options->against, "Another run: lists the rules that fired in only one of both");
   command->footer("Examples:\n  cxlab rules runs/game-1\n  cxlab rules runs/game-1 --against runs/game-2");
   command->callback([options, &action] { action = [options] { return rules(*options); }; });
 }
 
 void add_why(CLI::App& app, Action& action) {
   auto options = std::make_shared<WhyOptions>();
-  CLI::App* command = app.add_subcommand("why", "Says how a fact of a recorded run came about, or why a rule fired");
+  CLI::App* command = app.add_subcommand("why", "Explain how a fact of a recorded run came about, or why a rule fired");
   add_question(*command, options->question, Times::kAt);
   command
       ->add_option(

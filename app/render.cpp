@@ -89,9 +89,9 @@ int render(RenderOptions options) {
 
 void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
-  CLI::App* command = app.add_subcommand("render", "Draws the world of a run or of a scenario");
+  CLI::App* command = app.add_subcommand("render", "Draw the world of a run or of a scenario");
   add_limit_options(*command);
-  suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to then"),
+  suggest(command->add_option("what", options->what, "Folder of a run, or a scenario, which is played up to --at"),
           scenario_names, true)
       ->required();
   CLI::Option* out = command->add_option("--out", options->picture.out, "A picture (PNG)");
@@ -99,30 +99,30 @@ void add_render(CLI::App& app, Action& action) {
       command->add_option("--at", options->picture.at,
                           "When, s of simulated time, or 5:12.4 (of a run: default its end, or how far its log goes)"));
   CLI::Option* film = command->add_option("--video", options->film.video.file, kVideoHelp)->excludes(out)->excludes(at);
-  time_option(command->add_option("--from", options->film.from, "Of a film: its beginning, s"))->needs(film);
-  time_option(command->add_option("--to", options->film.to, "Of a film: its end, s (default that of the run)"))
+  time_option(command->add_option("--from", options->film.from, "Film: its beginning, s"))->needs(film);
+  time_option(command->add_option("--to", options->film.to, "Film: its end, s (default: the end of the run)"))
       ->needs(film);
-  command->add_option("--speed", options->film.video.speed, "Of a film: seconds of simulated time in a second of it")
+  command->add_option("--speed", options->film.video.speed, "Film: seconds of simulated time in a second of the film")
       ->check(between(kSlowest, kFastest))
       ->capture_default_str()
       ->needs(film);
   command
       ->add_option("--frame-rate", options->film.video.frame_rate,
-                   "Of a film: frames in a second of it (default 25, of an animated image 10)")
+                   "Film: frames in a second (default 25, for an animated image 10)")
       ->check(between(kFewestFrames, kMostFrames))
       ->needs(film);
   command->add_option("--max-size", options->most, kMaxSizeHelp)->check(byte_count())->needs(film);
   command->add_option("--camera", options->camera,
-                      "Of a factory: field (default), top, follow-robot1, robot1 (what it sees) or a machine (C-CS1); "
-                      "of turtles: canvas. Several side by side: field,follow-robot1");
+                      "Factory: field (default), top, follow-robot1, robot1 (what it sees) or a machine (C-CS1). "
+                      "Turtles: canvas. Several side by side: field,follow-robot1");
   command
       ->add_option("--size", options->size,
                    "WIDTHxHEIGHT (default 960x600, of an animated image 640x400); a canvas of turtles is the largest "
                    "square in it")
       ->check(picture_size());
-  command->add_flag("--no-caption", options->no_caption, "Without the lines with time, points and the last events");
-  seed_number(command->add_option("--seed", options->seed, "Of a scenario: seed of all chance"));
-  once_each(command->add_option("--set", options->overrides, "Of a scenario: changes a value, a.b[0].c=VALUE"));
+  command->add_flag("--no-caption", options->no_caption, "Leaves out the lines with time, points and the last events");
+  seed_number(command->add_option("--seed", options->seed, "Scenario: seed of all chance"));
+  once_each(command->add_option("--set", options->overrides, "Scenario: changes a value, a.b[0].c=VALUE"));
   command->footer(
       "Examples:\n  cxlab render scenarios/rcll/game.yaml --at 60 --out field.png --camera top\n"
       "  cxlab render runs/game-1 --video film.mp4 --from 30 --to 120 --speed 5 --camera field,follow-robot1\n"

@@ -89,14 +89,13 @@ int replay(const ReplayOptions& options) {
 
 void add_replay(CLI::App& app, Action& action) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command =
-      app.add_subcommand("replay", "Plays a run again from its input log and says whether the hashes agree");
+  CLI::App* command = app.add_subcommand("replay", "Play a run again from its input log and compare the hashes");
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_flag("--rules", options->rules, "Only the rules, without world and servers");
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");
   add_trust_programs(*command, options->trust_programs);
-  command->add_flag("--json", options->json, "The answer as JSON");
+  command->add_flag("--json", options->json, "Prints the answer as JSON");
   command->footer("It reads nothing but the run's folder: the files of the run may be gone or changed.");
   command->callback([options, &action] { action = [options] { return replay(*options); }; });
 }

@@ -185,30 +185,32 @@ int rerun(const RerunOptions& options) {
 void add_rerun(CLI::App& app, Action& action) {
   auto options = std::make_shared<RerunOptions>();
   CLI::App* command = app.add_subcommand(
-      "rerun", "Plays a run again into a new folder and says whether the hashes agree, or lets it go on otherwise");
+      "rerun", "Play a run again into a new folder and compare the hashes, or continue it differently from a time");
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("--out", options->out, "Folder of the new run (default runs/<scenario>-<seed>)");
   command->add_flag("--force", options->force, "Overwrites a folder that is in use");
   time_option(command->add_option("--at", options->at,
-                                  "What if: exactly as then up to this time (s, or 5:12.4), from there with what "
-                                  "--then, --set and --assert say"));
-  command->add_option("--then", options->what_if.file,
-                      "With --at: a file of rules, loaded as batch* does; a construct replaces that of the same name");
+                                  "What if: plays the run exactly up to this time (s, or 5:12.4), and continues with "
+                                  "the changes of --then, --set and --assert"));
+  command->add_option(
+      "--then", options->what_if.file,
+      "With --at: a file of rules, loaded as batch* does; a construct replaces the one of the same name");
   once_each(command->add_option("--set", options->what_if.set,
                                 "With --at: NODE.NAME=VALUE, a parameter of an agent's node, or '?*NAME*=VALUE', a "
                                 "global of rules (repeatable)"));
   once_each(
       command->add_option("--assert", options->what_if.facts, "With --at: a fact, as '(order (id 3))' (repeatable)"));
   once_each(command->add_option("--env", options->what_if.environments,
-                                "With --at: the environment that --then, globals and facts are for (repeatable; "
-                                "default: each, for facts the only one)"));
-  time_option(command->add_option("--until", options->until, "With --at: another end than that of the run"));
+                                "With --at: the environment for --then, globals and facts (repeatable; default: all "
+                                "environments; facts need exactly one)"));
+  time_option(command->add_option("--until", options->until,
+                                  "With --at: end of the new run (default: the end of the old one)"));
   command->add_flag("--trust-rules", options->trust_rules,
-                    "Rules that were trusted then may read, write and run anything again");
+                    "Lets rules that were trusted in the run read, write and run anything again");
   add_trust_programs(*command, options->trust_programs);
-  command->add_flag("--json", options->json, "The answer as JSON");
-  command->add_flag("--quiet", options->quiet, "No progress and no log lines");
+  command->add_flag("--json", options->json, "Prints the answer as JSON");
+  command->add_flag("--quiet", options->quiet, "Prints no progress and no log lines");
   command->footer(
       "Examples:\n  cxlab rerun runs/game-1\n"
       "  cxlab rerun runs/game-1 --at 5:12.4 --then repair.clp      # a repair, at the moment where it matters\n"

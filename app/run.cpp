@@ -91,7 +91,7 @@ void declare(CLI::App& command, RunOptions& options) {
       ->needs(film);
   command.add_option("--video-max-size", options.most_of_video, kMaxSizeHelp)->check(byte_count())->needs(film);
   command.add_flag("--no-caption", options.no_caption,
-                   "Pictures and film without the lines with time, points and the last events");
+                   "Leaves out the lines with time, points and the last events below pictures and film");
   command.add_option("--video-speed", video.speed, "Seconds of simulated time in a second of the film")
       ->check(between(kSlowest, kFastest))
       ->capture_default_str()
@@ -103,7 +103,7 @@ void declare(CLI::App& command, RunOptions& options) {
 
 void add_run(CLI::App& app, Action& action) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Plays a scenario");
+  CLI::App* command = app.add_subcommand("run", "Play a scenario");
   command->footer(
       "Examples:\n  cxlab run scenarios/rcll/game.yaml --seed 7\n  cxlab run scenarios/rcll/game.yaml --tier timed "
       "--set world.team=MAGENTA\n"

@@ -47,11 +47,11 @@ int show(const SceneOptions& options) {
 void add_scene(CLI::App& app, Action& action) {
   auto options = std::make_shared<SceneOptions>();
   CLI::App* command = app.add_subcommand(
-      "scene", "Lists what there was to see in a recorded run: what stood, moved or was carried where, and its state");
+      "scene", "List the entities of a recorded run at a time: what stood, moved or was carried where, and its state");
   command->add_option("run", options->run, "Folder of the run")->required();
   command->add_option("what", options->what, "Only the entity of this name, or those of this kind (default: all)");
-  time_option(command->add_option("--at", options->at, "When: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
-  command->add_flag("--json", options->json, "The answer as JSON");
+  time_option(command->add_option("--at", options->at, "Time: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
+  command->add_flag("--json", options->json, "Prints the answer as JSON");
   command->footer(
       "Examples:\n  cxlab scene runs/game-1 --at 5:12\n  cxlab scene runs/game-1 piece --at 5:12\n"
       "  cxlab scene runs/game-1 robot2 --json");

@@ -348,8 +348,7 @@ int test(const TestOptions& options) {
 
 void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
-  CLI::App* command =
-      app.add_subcommand("test", "Plays stories: regression tests of rules (docs/reference/stories.md)");
+  CLI::App* command = app.add_subcommand("test", "Play stories: regression tests of rules (docs/reference/stories.md)");
   command->footer(
       "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is chosen; "
       "3: a story file or a rule file cannot be\n"
@@ -370,26 +369,27 @@ void add_test(CLI::App& app, Action& action) {
       ->type_name("EXPR");
   command->add_flag("-x", options->stop, "Stops after the first story that fails");
   command->add_flag("--last-failed,--lf", options->last_failed,
-                    "Plays those that failed the last time; all if none did");
+                    "Plays the stories that failed the last time, or all if none failed");
   command->add_flag("-q", options->quiet, "Names only stories that fail");
   command->add_flag("-v", options->verbose, "Shows what the agent of each story printed")->excludes("-q");
   command
       ->add_option("--patience", options->patience_s,
-                   "s of the clock on the wall that a story may take (default 60); then it has failed")
+                   "Wall time that a story may take, s (default 60); a slower story fails")
       ->check(positive());
   command
       ->add_option("--keep-runs", options->runs,
-                   "Each story that fails leaves its run in a folder of its own there, for why-not, attach, ...")
+                   "Keeps the run of each story that fails in a folder below DIR, for why-not, attach, ...")
       ->type_name("DIR");
   seed_number(command->add_option("--seed", options->seed, "Plays the stories with this seed alone"));
   command->add_option("--junit", options->junit, "Writes a JUnit report");
-  command->add_option("--coverage", options->coverage.lcov,
-                      "Says which rules fired, how far conditions got, and what was called; writes the counts as lcov");
+  command->add_option(
+      "--coverage", options->coverage.lcov,
+      "Reports which rules fired, how far conditions got, and what was called; writes the counts as lcov");
   add_coverage(*command, "--coverage-page", options->coverage);
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->add_flag("--accept", options->accept,
-                    "Golden runs that go otherwise give way to the runs of now; look at the difference first");
+                    "Replaces golden runs that differ by the new runs; look at the difference first");
   command->add_flag("--watch", options->watch, "Plays again what a changed rule or story file affects, until Ctrl-C")
       ->excludes("--json")
       ->excludes("--accept")

@@ -137,15 +137,16 @@ std::string metric_text(double metric) { return planner::number_text(rounded_met
 
 void add_validate(CLI::App& app, Action& action) {
   auto options = std::make_shared<ValidateOptions>();
-  CLI::App* command = app.add_subcommand("validate", "Says whether a plan is right, and what is wrong first");
+  CLI::App* command =
+      app.add_subcommand("validate", "Report whether a plan is valid, and the first fault if it is not");
   command->add_option("domain", options->domain, "PDDL file of the domain")->required();
   command->add_option("problem", options->problem, "PDDL file of the problem")->required();
   command
       ->add_option("plan", options->plan,
                    "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]; or what a planner printed")
       ->required();
-  command->add_option("--data", options->data, "JSON object for domain and problem that are templates");
-  command->add_option("--epsilon", options->rules.epsilon, "s that keeps interfering happenings apart")
+  command->add_option("--data", options->data, "JSON object for a domain or problem that is a template");
+  command->add_option("--epsilon", options->rules.epsilon, "seconds between happenings that interfere")
       ->check(not_negative())
       ->capture_default_str();
   command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
@@ -156,7 +157,7 @@ void add_validate(CLI::App& app, Action& action) {
   command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
   command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")
       ->check(positive());
-  command->add_flag("--json", options->json, "The answer as JSON");
+  command->add_flag("--json", options->json, "Prints the answer as JSON");
   command->footer(
       "Exit codes: 0 valid; 1 not valid; 23 budget ended; 31 a file cannot be used; 34 something in it is not "
       "supported.");

@@ -71,14 +71,14 @@ int view(const ViewOptions& options) {
 void add_view(CLI::App& app, Action& action) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = app.add_subcommand(
-      "view", "Serves the page of a run, or of all runs of a folder, and answers there what its rules know");
+      "view", "Serve the page of a run, or of all runs of a folder, with answers to questions about its rules");
   add_limit_options(*command);
   command->add_option("place", options->place, "Folder of a run, or a folder with runs in it, such as that of a sweep")
       ->required();
-  command->add_option("--port", options->port, "Port of 127.0.0.1, 0 to 65535; 0: one that is free")
+  command->add_option("--port", options->port, "Port of 127.0.0.1, 0 to 65535; 0: any free port")
       ->check(CLI::Range(0, 65535));
   command->add_flag("--live", options->live,
-                    "The run is being played with --control or --break; without it cxlab finds out");
+                    "The run is in progress, with --control or --break (default: cxlab finds out)");
   command->add_flag("--open", options->open, "Opens the address in the browser (xdg-open)");
   add_trust_programs(*command, options->trust_programs);
   command->footer(

@@ -166,7 +166,7 @@ void add_why_not(CLI::App& app, Action& action) {
   auto options = std::make_shared<WhyNotOptions>();
   CLI::App* command = app.add_subcommand(
       "why-not",
-      "Says why a rule of a recorded run has not fired, or what becomes of a fact and which rules wait for it");
+      "Explain why a rule of a recorded run has not fired, or which rules wait for a fact and what they lack");
   add_question(*command, options->question, Times::kAt);
   command
       ->add_option("rule", options->rule,

@@ -102,16 +102,16 @@ Status add_world_questions(CLI::App& app, Action& action) {
       if (!question.argument.empty())
         command->add_option(std::string(question.argument), ask->about, std::string(question.argument_help));
       CLI::Option* at = time_option(
-          command->add_option("--at", ask->at, "As it was then: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
-      CLI::Option* from =
-          time_option(command->add_option("--from", ask->from, "The stretch begins then (default: the start)"));
+          command->add_option("--at", ask->at, "Time: 312.4, 5:12 or 5:12.4 (default: the end of the run)"));
+      CLI::Option* from = time_option(
+          command->add_option("--from", ask->from, "Beginning of the stretch (default: the start of the run)"));
       CLI::Option* to =
-          time_option(command->add_option("--to", ask->to, "The stretch ends then (default: the end of the run)"));
+          time_option(command->add_option("--to", ask->to, "End of the stretch (default: the end of the run)"));
       from->excludes(at);
       to->excludes(at);
       command->add_option("--sort", ask->sort,
                           "Sorts the first table by the column of this key in JSON: numbers from the greatest");
-      command->add_flag("--json", ask->json, "The answer as JSON");
+      command->add_flag("--json", ask->json, "Prints the answer as JSON");
       const std::vector<std::string> worlds = worlds_with(name);
       command->footer("Of runs of the world " + some_of(worlds, worlds.size()) + ".\nExamples:\n" +
                       std::string(question.examples));

@@ -91,7 +91,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
     def test_the_script_for_zsh_names_every_command(self):
         script = cxlab("completion", "zsh").stdout
         self.assertTrue(script.startswith("#compdef cxlab\n"))
-        for text in ["'run:Plays a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments", "'*:argument:_cxlab_run' ;;", f"_cxlab_run() {{ _alternative 'names:name:({' '.join(SCENARIOS)})' 'files:file:_files' }}",
+        for text in ["'run:Play a scenario'", "'--tier[", ":value:(physics timed)'", "    why-not) _arguments", "'*:argument:_cxlab_run' ;;", f"_cxlab_run() {{ _alternative 'names:name:({' '.join(SCENARIOS)})' 'files:file:_files' }}",
                      "(agent plugin game story)", " config-load "]:
             self.assertIn(text, script)
         if shutil.which("zsh"):

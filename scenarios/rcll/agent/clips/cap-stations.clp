@@ -68,7 +68,7 @@
 ; --- What goes wrong
 
 (defrule station-instruction-failed
-  "The machine broke down with what was in it: the station begins anew."
+  "The machine broke down with its content: the station begins again."
   ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state FAILED) (error ?error))
   ?station <- (cap-station (name ?name))
   =>
@@ -79,7 +79,7 @@
     (assert (trouble (job ?j:id) (kind GONE)))))
 
 (defrule station-broken
-  "It broke down by itself, and its cap and what lay on it are gone: it begins anew."
+  "It broke down by itself, and lost its cap and the piece on it: it begins again."
   (machine (name ?name) (state BROKEN))
   ?station <- (cap-station (name ?name) (phase CLEARING|LOADED))
   =>

@@ -57,7 +57,7 @@
   (ros-msgs-create-publisher "/machine_report" "rcll_interfaces/msg/MachineReport"))
 
 (defrule explore-report
-  "Where one of our machines stands, once; the league answers in what it tells of the machine."
+  "Where one of our machines stands, once; the league answers in its report of the machine."
   (game (phase PRODUCTION))
   (to-find ?name)
   (sighting (machine ?name) (zone ?zone) (rotation ?rotation))
@@ -110,7 +110,7 @@
   (+ (distance ?x ?y (zone-x ?zone) (zone-y ?zone)) (if (eq ?skill explore) then 0 else 20)))
 
 (defrule explore-go
-  "The idle robot that has the shortest way to a zone where it shall look."
+  "The idle robot with the shortest way to a zone that wants a look."
   (game (phase PRODUCTION))
   ?look <- (to-look (zone ?zone) (skill ?skill))
   ?robot <- (robot (name ?name) (state IDLE) (x ?x) (y ?y))

@@ -48,7 +48,7 @@
   (slot state (type SYMBOL) (allowed-values OPEN STARTED DONE) (default OPEN)))
 
 (deftemplate product
-  "What is being made for an order. READY: it lies at the output of a machine (at first the base station, which has yet to
+  "The product that the agent makes for an order. READY: it lies at the output of a machine (at first the base station, which has yet to
    dispense the base). MOVING: a robot brings it. WAITING: it lies on the input. WORKING: the machine works on it."
   (slot order (type INTEGER))
   (multislot todo (type STRING))      ; works still to be begun
@@ -136,14 +136,14 @@
   (slot rotation (type INTEGER) (default -1)))
 
 (deftemplate to-look
-  "A zone to which a robot shall go: to read the markers of what stands there, or only to look around."
+  "A zone to which a robot must go: to read the markers of what stands there, or only to look around."
   (slot zone (type STRING))
   (slot skill (type SYMBOL) (allowed-values explore drive_to)))
 
 ; --- What it decides
 
 (deftemplate decision
-  "What was decided, and why: the journal has them as records of their own."
+  "A decision, and its reason: the journal has them as records of their own."
   (slot what (type STRING))
   (slot why (type STRING)))
 

@@ -48,8 +48,8 @@
   (assert (trouble (job ?id) (kind LOST))))
 
 (defrule maintenance-base-at-hand
-  "The base station has a base ready for a job without a robot, and all the others may wait for that station: one of them
-   takes it, and its own job waits."
+  "The base station has a base ready for a job without a robot. All other robots may wait for that station: one
+   of them takes the base, and its own job waits."
   (machine (name ?bs) (kind BS))
   (reserved (machine ?bs) (job ?id))
   ?job <- (job (id ?id) (step WAITING) (avoid ?avoid) (not-before ?wait))

@@ -15,7 +15,7 @@
 
 (defrule product-to-ring-station
   "The ring station is free, or its own already; and no product that must still come here is on a machine which this one
-   needs later: the two would wait for each other for ever."
+   needs later: otherwise the two would wait for each other without end."
   ?product <- (product (order ?id) (via ?next $?after) (keeps $?keeps) (job 0) (state READY|WORKING))
   (machine (name ?next) (kind RS))
   (not (product (order ~?id) (keeps $? ?next $?)))

@@ -1,4 +1,4 @@
-; What becomes of a job of ours when trying again does not help: one rule for each trouble (others: trouble.clp).
+; What the agent does with a job when trying again does not help: one rule for each trouble (others: trouble.clp).
 
 ; --- Fetching
 
@@ -61,7 +61,7 @@
   (assert (held-up (job ?id) (step GO-PUT))))
 
 (defrule recover-shelf-used-up
-  "What is left on the shelf is out of reach, and its last cap is used: no more caps of this station."
+  "No robot reaches the rest of the shelf, and the last cap is used: this station gives no more caps."
   (shelf (machine ?name) (state BARRED))
   (not (shelf (machine ?name) (state FULL)))
   (cap-station (name ?name) (phase EMPTY))
@@ -91,7 +91,7 @@
   (assert (lost ?id)))
 
 (defrule recover-undoable-in-hand
-  "The robot would wait with it before the cap station for ever: away with it."
+  "The robot would wait before the cap station without end: it discards the piece."
   (undoable ?cap)
   (product (order ?order) (todo ?cap $?) (job ?id))
   ?job <- (job (id ?id) (step PUT) (moving NO) (robot ?robot&~""))

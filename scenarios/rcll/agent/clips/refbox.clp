@@ -35,7 +35,7 @@
   (if (not (any-factp ((?g game)) TRUE)) then (assert (game (phase ?phase) (state ?state) (begin ?begin)))))
 
 (deffunction bonus-of (?o ?letter)
-  "Of a competitive order: the team that is first with it gains 10 points, the other one loses them."
+  "Points of a competitive order: the team that is first with it gains 10 points, the other one loses them."
   (if (not (ros-msgs-get-field ?o "competitive")) then (return 0))
   (bind ?theirs (if (eq ?letter "C") then "quantity_delivered_magenta" else "quantity_delivered_cyan"))
   (if (> (ros-msgs-get-field ?o ?theirs) 0) then -10 else 10))
@@ -149,7 +149,7 @@
   (ros-msgs-destroy-message ?m)
   (retract ?message))
 
-; --- What follows from the machines that there are
+; --- What follows from the machines of the game
 
 (defrule shelf-of-cap-station
   (cap-station (name ?name))

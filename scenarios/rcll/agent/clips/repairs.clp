@@ -138,7 +138,7 @@
   (modify ?instruction (handle NONE) (goal-id NONE) (state NEW)))
 
 (defrule repair-late-result
-  "Of a skill or instruction for which nobody waits any more."
+  "The answer belongs to a skill or instruction for which nobody waits: drop it."
   (declare (salience -10))
   ?wrapped <- (ros-msgs-wrapped-result (goal-id ?goal) (result-ptr ?result))
   (not (command (state SENT)))

@@ -2,7 +2,7 @@
 ; (command ...) or (instruction ...) and waits for its state SUCCEEDED or FAILED.
 
 (deftemplate command
-  "A skill that a robot shall do."
+  "A skill that a robot must do."
   (slot id (type INTEGER))
   (slot robot (type STRING))
   (slot skill (type SYMBOL) (allowed-values drive_to pick place explore transport))
@@ -109,7 +109,7 @@
 (defglobal ?*INSTRUCT* = "/factory/instruct_machine")
 
 (deftemplate instruction
-  "What a machine shall do."
+  "An instruction for a machine."
   (slot id (type INTEGER))
   (slot machine (type STRING))
   (slot operation (type STRING))

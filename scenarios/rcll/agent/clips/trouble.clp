@@ -65,7 +65,7 @@
   (modify ?trouble (kind MISSING)))
 
 (defrule recover-stuck
-  "The robot does not get rid of the piece there: away with it, and the job begins anew."
+  "The robot cannot put the piece there: it discards the piece, and the job begins again."
   ?trouble <- (trouble (job ?id) (kind STUCK))
   ?job <- (job (id ?id) (purpose ~DISCARD) (robot ?robot))
   (machine (name ?delivery) (kind DS))

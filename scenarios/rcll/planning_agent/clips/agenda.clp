@@ -33,7 +33,7 @@
   (assert (may-begin)))
 
 (defrule agenda-look
-  "Of these, the one of the smallest rank that has not been looked at since the world changed."
+  "The step of the smallest rank that the agent has not looked at since the world changed."
   (may-begin)
   (not (step (state CHECKING)))
   (not (pddl-action-get-effect))

@@ -1,4 +1,4 @@
-; Which orders are worked for: plans are made for several sets of them at once, and the most valuable plan is taken.
+; Which orders are worked for: the agent makes plans for several sets of them at once, and uses the most valuable plan.
 
 (deffunction best-of (?orders)
   "The order of these that earns most for each job, if it is begun now; 0: none is worth it."
@@ -22,7 +22,7 @@
   (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
 
 (deffunction gets-cap (?station)
-  "Whether a cap is in, or a carrier is under way or inside."
+  "Whether a cap is in, or a carrier is inside or on its way."
   (or (is-true cap-loaded ?station)
       (is-true carrier-at-input ?station)
       (any-factp ((?s step)) (and (eq ?s:state RUNNING) (member$ ?s:action (create$ fetch-carrier retrieve-cap))
@@ -87,7 +87,7 @@
   ?last)
 
 (deffunction has-no-time (?order)
-  "Whether its product must begin anew, or has not begun, and would not be ready before the game ends."
+  "Whether its product must begin again, or has not begun, and would not be ready before the game ends."
   (do-for-fact ((?o order)) (= ?o:id ?order)
     (return (and (is-true not-begun (product-of ?order)) (> (+ (game-time) (time-to-make ?o:rings)) ?*GAME*))))
   FALSE)

@@ -1,4 +1,4 @@
-; The instance `planning` becomes the world as it will be: a copy of `production`, in which what is under way has ended.
+; The instance `planning` becomes the world as it will be: a copy of `production`, in which all running steps have ended.
 
 (defrule copy-true
   (planning (state COPY))
@@ -72,7 +72,7 @@
   (assert (pddl-action-get-effect (action ?id) (effect-type ?time) (apply TRUE))))
 
 (deffunction end-what-runs ()
-  "The effects that what is under way still has, for `planning`: they are applied after the copy."
+  "The effects that running steps still have, for `planning`: they are applied after the copy."
   (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
     (if (neq ?s:worker ROBOT)
      then (end-in-plan ?s:action (create$ ?s:params (if (eq ?s:action deliver) then never else (create$))) END)
@@ -82,7 +82,7 @@
       (end-in-plan (sym-cat ?s:action -place) ?s:params ALL))))
 
 (defrule copy-done
-  "All is copied, and nothing ends just now."
+  "All is copied, and no step ends now."
   (declare (salience -10))
   ?planning <- (planning (state COPY))
   (not (pddl-action-get-effect))

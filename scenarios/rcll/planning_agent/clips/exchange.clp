@@ -21,7 +21,7 @@
   (<= (+ (game-time) (time-to-make ?left)) (min ?end ?*GAME*)))
 
 (deffunction exchange (?product ?other ?machine ?step)
-  "What is true of the one product is so of the other, which was not begun."
+  "Facts about the one product hold for the other, which was not begun."
   (no-fluent production at-output ?product ?machine)
   (no-fluent production at-step ?product ?step)
   (no-fluent production not-begun ?other)
@@ -32,7 +32,7 @@
   (fluent production at-step ?product s0))
 
 (defrule exchange-order
-  "It lies at an output, and nothing is under way for it."
+  "It lies at an output, and no step for it is running."
   (planning (state IDLE))
   (not (replan))
   (pddl-fluent (instance production) (name at-output) (params ?product ?machine))

@@ -50,10 +50,10 @@
   =>
   (retract ?emptied))
 
-; --- Pieces that somebody has taken away: the machine saw one at its output and does so no more, and no robot of ours has it
+; --- Pieces that somebody has taken away: the machine saw one at its output and does so no more, and none of our robots has it
 
 (defrule taken-not-yet
-  "A product, or a bare base, which no robot fetches just now."
+  "A product, or a bare base, which no robot fetches now."
   (pddl-fluent (instance production) (name ?lies&at-output|bare-base-at-output) (params $? ?m))
   (machine (name ?machine&:(eq ?m (pddl-name ?machine))) (state READY-AT-OUTPUT))
   (not (seen ?lies ?machine))
@@ -68,7 +68,7 @@
   (retract ?seen))
 
 (defrule taken-product
-  "It begins anew at once, not when a robot has come for it in vain."
+  "It begins again at once, not after a robot has come for it in vain."
   ?seen <- (seen at-output ?machine)
   (machine (name ?machine) (state IDLE))
   (pddl-fluent (instance production) (name at-output) (params ?product =(pddl-name ?machine)))
@@ -161,7 +161,7 @@
   (look-again))
 
 (defrule failure-order-without-cap
-  "What is begun of it is given up: its machine is free for others."
+  "The agent gives up the begun steps of it: its machine is free for others."
   (bare-shelf)
   ?order <- (order (id ?id) (state STARTED))
   (time ?)
@@ -186,7 +186,7 @@
   (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?name)))
 
 (defrule failure-out-of-reach
-  "No robot could fetch the piece, though the machine sees it: it stays there. If that is so once more it goes with a reset."
+  "No robot could fetch the piece, though the machine sees it: it stays there. If that happens again, it goes with a reset."
   (declare (salience 10)) ; check: allow salience - before recover-unable-all, which gives the job to nobody else
   (trouble (job ?id) (kind UNABLE))
   ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
@@ -422,7 +422,7 @@
 (defglobal ?*WATCH* = 60.0)  ; s
 
 (defrule watch-begin
-  "Nothing is under way, though there is something to do."
+  "No step is running, though there is something to do."
   (planning (state IDLE))
   (game (phase PRODUCTION))
   (exists (step (state OPEN|BLOCKED)))
@@ -451,7 +451,7 @@
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED)) (forget-step ?s)))
 
 (defrule watch-bites
-  "The plan is made anew. Robots that wait for pieces are needed for others, perhaps, without which these never come."
+  "The agent makes a new plan. Robots that wait for pieces are needed for others, perhaps, without which these never come."
   ?watched <- (watched ?since)
   (exists (order (state STARTED)))
   (game (begin ?zero))
@@ -468,7 +468,7 @@
   (printout warn "nothing is under way, these wait: " ?waiting crlf)
   (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))
 
-; --- What is under way does not end
+; --- A running step does not end
 
 (defglobal ?*STILL* = 240.0)  ; s without an effect: longer than any skill, work and down time
 
@@ -479,7 +479,7 @@
   "nobody")
 
 (defrule still-begin
-  "Something is under way: from now on its effects are waited for."
+  "A step is running: from now on the agent waits for its effects."
   (exists (step (state RUNNING) (worker ~AGENT)))
   (game (phase PRODUCTION))
   (world-version ?version)

@@ -1,4 +1,4 @@
-; What comes before what in a plan: groups, steps that use the same product, machine or robot, and what is looked at first.
+; The order of the steps in a plan: groups, steps that use the same product, machine or robot, and what is looked at first.
 
 (deffunction later-step (?a ?b)
   "For sort."

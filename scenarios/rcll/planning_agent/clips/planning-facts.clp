@@ -1,6 +1,6 @@
 ; What the agent knows besides the facts of the rule agent (rcll_agent) and of the PDDL helper rules (cx_pddl_clips).
-; The instance `production` is the world as it is; `planning` is what plans are made for: the world when all that is under
-; way has ended.
+; The instance `production` is the world as it is; The agent makes plans for `planning`: the world after all running steps
+; have ended.
 
 (defglobal
   ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
@@ -64,7 +64,7 @@
   (slot after (type SYMBOL)))
 
 (deftemplate planning
-  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. END: what is under way is thought to its end.
+  "How far the next plan is. IDLE: nothing to plan. COPY: the world is copied. END: the copy assumes that every running step completes.
    GOALS: plans are made for the alternatives."
   (slot state (type SYMBOL) (allowed-values IDLE COPY END GOALS) (default IDLE)))
 
@@ -103,8 +103,8 @@
   (slot work (type FLOAT) (default 0.0)))   ; s of robots that it takes
 
 (deftemplate skipped
-  "An order for which there is no plan as the world is: it is not proposed until a machine works again, a product is delivered,
-   or there has been nothing to do for a while."
+  "An order without a plan in the present world. It is not proposed until a machine works again, a product is
+   delivered, or there was nothing to do for a while."
   (slot order (type INTEGER))
   (slot since (type FLOAT)))
 
@@ -121,7 +121,7 @@
   (world-version 0))
 
 (deffunction look-again ()
-  "What was held back is looked at again."
+  "The agent looks again at the steps that it held back."
   (do-for-fact ((?v world-version)) TRUE
     (bind ?n (nth$ 1 ?v:implied))
     (retract ?v)

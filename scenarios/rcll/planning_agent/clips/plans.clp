@@ -300,7 +300,7 @@
   ?best)
 
 (deffunction take-plan (?name)
-  "The steps that are under way stay; those that have not begun make room for the plan's."
+  "The running steps stay; those that have not begun make room for the plan's."
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED APPROACHING FAILED))
     (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?s:id) (retract ?a))
     (if (eq ?s:state APPROACHING) then (assert (approached ?s:work ?s:action ?s:params)))

@@ -1,4 +1,4 @@
-; The planning problem: objects and facts for all that the league tells of.
+; The planning problem: objects and facts for all that the league reports.
 
 (defglobal
   ?*WINDOW-LEAD* = 45.0  ; so long before its window a product is fetched for its delivery, s
@@ -32,7 +32,7 @@
   (give-up (str-cat "no PDDL manager answers at '" ?node "' (servers of the scenario, planner.node of the agent)")))
 
 (defrule problem-not-loaded
-  "It answers that there is an error in our domain or problem."
+  "It answers that our domain or problem has an error."
   (pddl-instance (name ?instance) (state ERROR) (error ?why))
   =>
   (give-up (str-cat "the PDDL manager cannot load " ?instance ": " ?why)))
@@ -81,7 +81,7 @@
       (number ?instance way-time (way-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
 
 (defrule problem-machine
-  "A machine is found: it is empty, so far from the others, and works if it is not out of order just now."
+  "A machine is found: it is empty, so far from the others, and works if it is not out of order now."
   (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (state ?state))
   (loaded ?instance)
   (not (in-problem ?instance ?machine))

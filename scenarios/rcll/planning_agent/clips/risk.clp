@@ -27,7 +27,7 @@
   (assert (can-be-lost ?product)))
 
 (defrule risk-lost
-  "The product begins anew. A product whose order is open again was given up, not lost."
+  "The product begins again. A product whose order is open again was given up, not lost."
   ?can-be-lost <- (can-be-lost ?product)
   (pddl-fluent (instance production) (name not-begun) (params ?product))
   (order (id ?id&:(eq ?product (product-of ?id))) (state ?state))

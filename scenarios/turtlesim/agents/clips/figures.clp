@@ -1,4 +1,4 @@
-; What is drawn, by whom, and how the artists come: turtle1 leaves, each figure gets a turtle of its own with its pen.
+; Figures, their artists, and how the artists come: turtle1 leaves, each figure gets a turtle of its own with its pen.
 
 (deftemplate figure
   (slot name (type SYMBOL))

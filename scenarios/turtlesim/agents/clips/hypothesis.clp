@@ -16,7 +16,7 @@
   (slot turn (type FLOAT)))
 
 (deftemplate prediction
-  "What was seen when it was made, and from when on it is compared."
+  "The pose that the turtle had when the hypothesis was made, and the time from which it is compared."
   (slot made (type FLOAT))
   (slot due (type FLOAT))
   (slot x (type FLOAT))

@@ -1,5 +1,5 @@
-; Facts of the helper rules, as the CLIPS-Executive has them. An agent may define a template anew, with more slots, after this
-; file and before the rules. Requests begin with the state PENDING; the rules do the rest.
+; Facts of the helper rules, as the CLIPS-Executive has them. An agent may define a template again, with more slots, after
+; this file and before the rules. Requests begin with the state PENDING; the rules do the rest.
 
 (deftemplate pddl-service-request-meta
   (slot service (type STRING))

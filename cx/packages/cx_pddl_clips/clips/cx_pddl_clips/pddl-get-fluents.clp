@@ -1,4 +1,4 @@
-; What is true now.
+; The fluents that are true now.
 
 (defrule pddl-ask-fluents
   (pddl-manager (node ?node) (ros-comm-init TRUE))

@@ -127,7 +127,7 @@
   (any-factp ((?r pddl-refused)) (eq ?r:implied (create$ (fact-index ?change)))))
 
 (deffunction pddl-close-changes ()
-  "What was tried alone has been answered."
+  "The change that was tried alone has its answer."
   (do-for-all-facts ((?r pddl-refused)) TRUE
     (bind ?change (nth$ 1 ?r:implied))
     (if (or (not (fact-existp ?change)) (neq (fact-slot-value ?change state) PENDING)) then (retract ?r))))

@@ -1,5 +1,5 @@
-; strategy.dispatch: groups, lookahead:N. Steps that begin together are a group. Of the groups that are not done the first may
-; begin, and N more.
+; strategy.dispatch: groups, lookahead:N. Steps that begin together are a group. The first group that is not done may begin,
+; and N more.
 
 (defglobal ?*AHEAD* = (groups-ahead (ros-param-get-value "strategy.dispatch" "groups")))
 
