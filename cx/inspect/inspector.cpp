@@ -34,6 +34,8 @@ std::string text_of_act(const JournalRecord& act) {
   return act.data.text("what") == "set" ? name + " = " + std::string(act.data.text("text")) : name;
 }
 
+bool is_by_program(const JournalRecord& act) { return !act.data.text("by").empty(); }
+
 bool is_template(const RuleEngine& engine, const std::string& name) {
   return engine.has("deftemplate", name) || !engine.facts(name).empty();
 }
@@ -67,7 +69,7 @@ Doer Inspector::doer_of(std::uint64_t n) const {
       }
       case RecordKind::kControl: {
         const JournalRecord act = timeline_->read(cause.n);
-        if (!act.data.text("by").empty())
+        if (is_by_program(act))
           return {Doer::Kind::kProgram, std::string(act.data.text("what")) + ' ' + text_of_act(act), cause.n};
         return {is_planned(act) ? Doer::Kind::kWhatIf : Doer::Kind::kPerson, text_of_act(act), cause.n};
       }
@@ -424,6 +426,7 @@ Derivation Inspector::why(std::uint64_t record) const {
     } else {
       const JournalRecord cause = timeline_->read(n);
       step.planned = is_planned(cause);
+      step.by_program = is_by_program(cause);
       step.text = step.kind == RecordKind::kControl
                       ? text_of_act(cause)
                       : std::string(cause.data.text("what")) + ' ' + std::string(cause.data.text("name"));

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from pathlib import Path
 
 from .errors import MachineError
 
-__all__ = ["program"]
+__all__ = ["main", "program"]
 
 
 def program() -> Path:
@@ -19,3 +20,9 @@ def program() -> Path:
         if place and os.access(place, os.X_OK) and os.path.isfile(place):
             return Path(place)
     raise MachineError("found no program cxlab; install the wheel, or set CXLAB to the program of a build")
+
+
+def main() -> None:
+    """The command `cxlab` of the wheel: becomes the program."""
+    path = os.fspath(program())
+    os.execv(path, [path, *sys.argv[1:]])

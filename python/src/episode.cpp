@@ -114,6 +114,10 @@ class PlayedEpisode {
     note_state();
   }
 
+  ~PlayedEpisode() { let_go(); }
+  PlayedEpisode(const PlayedEpisode&) = delete;
+  PlayedEpisode& operator=(const PlayedEpisode&) = delete;
+
   StepTuple step(std::optional<double> until, std::optional<std::int64_t> ticks) {
     const Use use(*this);
     if (until && std::isnan(*until)) raise(usage_error("found nan, expected a time, s", "until"));
@@ -140,7 +144,6 @@ class PlayedEpisode {
   nb::object close() {
     const Use use(*this);
     lines_.listen();
-    renderer_ = {};
     {
       const nb::gil_scoped_release others_may_run;
       lab::Played played = session_->close();
@@ -150,7 +153,7 @@ class PlayedEpisode {
       page_ = lab::write_report(played);
       failure_ = played.failure;
     }
-    session_.reset();
+    let_go();
     over_ = true;
     lines_.hand_over();
     play_->raise_again();
@@ -269,7 +272,7 @@ class PlayedEpisode {
     const Use use(*this);
     outside().cancel(goal);
   }
-  nb::dict goal(std::size_t number) { return heard().goal(number); }
+  nb::object goal(std::size_t number) { return heard().goal(number); }
 
   // --- What there is to see
 
@@ -302,6 +305,12 @@ class PlayedEpisode {
   };
 
   Episode& episode() { return session_->episode(); }
+  /// What refers to the session goes before it.
+  void let_go() {
+    renderer_ = {};
+    if (session_ && outside_) outside_->finish();
+    session_.reset();
+  }
   void note_state() {
     now_ = to_seconds(episode().now());
     over_ = session_->over();
@@ -377,7 +386,7 @@ class PlayedEpisode {
   std::unique_ptr<Outside> outside_;       // outlives the session, as do the others above
   std::unique_ptr<lab::Session> session_;  // none: closed
   Renderer renderer_;
-  double now_ = -1e-9;
+  double now_ = -1;
   bool over_ = false, paused_ = false;
   // Of a closed one
   std::string result_, folder_;

@@ -52,6 +52,7 @@ std::size_t Outside::call(const std::string& service, const std::string& type, c
 }
 
 nb::object Outside::response(std::size_t call) const {
+  if (finished_) return responses_.at(call);
   const auto& answer = calls_.at(call);
   return answer ? to_python(answer->view()) : nb::none();
 }
@@ -72,16 +73,29 @@ std::size_t Outside::send_goal(const std::string& action, const std::string& typ
   return number;
 }
 
-nb::dict Outside::goal(std::size_t number) const {
-  const Goal& goal = goals_.at(number);
-  nb::list feedback;
-  for (const bus::Message& message : goal.feedback) feedback.append(to_python(message.view()));
-  nb::dict state;
-  state["accepted"] = or_none(goal.accepted);
-  state["feedback"] = feedback;
-  state["succeeded"] = or_none(goal.succeeded);
-  state["result"] = goal.result ? to_python(goal.result.view()) : nb::none();
-  return state;
+nb::object Outside::goal(std::size_t number) const {
+  if (finished_) return states_.at(number);
+  return goals_.at(number).state();
+}
+
+nb::dict Outside::Goal::state() const {
+  nb::list messages;
+  for (const bus::Message& message : feedback) messages.append(to_python(message.view()));
+  nb::dict all;
+  all["accepted"] = or_none(accepted);
+  all["feedback"] = messages;
+  all["succeeded"] = or_none(succeeded);
+  all["result"] = result ? to_python(result.view()) : nb::none();
+  return all;
+}
+
+void Outside::finish() {
+  for (std::size_t i = 0; i < calls_.size(); ++i) responses_.push_back(response(i));
+  for (const Goal& one : goals_) states_.push_back(one.state());
+  finished_ = true;
+  read_.clear();
+  for (auto& answer : calls_) answer.reset();
+  for (Goal& one : goals_) one = {};
 }
 
 }  // namespace cxlab::python

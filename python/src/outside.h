@@ -30,14 +30,18 @@ class Outside {
   nb::object response(std::size_t call) const;
   std::size_t send_goal(const std::string& action, const std::string& type, const std::string& yaml);
   void cancel(std::size_t goal) { check(bus_->cancel(static_cast<SeatGoal>(goal))); }
+  /// The episode will be closed: its types of messages go, and so what has come becomes objects of Python.
+  void finish();
   /// {"accepted": None or bool, "feedback": [dict...], "succeeded": None or bool, "result": None or dict}.
-  nb::dict goal(std::size_t goal) const;
+  nb::object goal(std::size_t goal) const;
 
  private:
   struct Goal {
     std::optional<bool> accepted, succeeded;
     std::vector<bus::Message> feedback;
     bus::Message result;
+
+    nb::dict state() const;
   };
   using Messages = std::vector<std::pair<SimTime, bus::Message>>;
 
@@ -45,6 +49,8 @@ class Outside {
   std::map<std::string, Messages> read_;  // by topic
   std::deque<std::optional<bus::Message>> calls_;
   std::deque<Goal> goals_;
+  std::vector<nb::object> responses_, states_;  // of calls and goals, when it is finished
+  bool finished_ = false;
 };
 
 }  // namespace cxlab::python
