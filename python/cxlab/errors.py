@@ -24,10 +24,10 @@ class CxlabError(Exception):
         self.word = word
 
     def __str__(self) -> str:
-        place = self.file or ""
-        if self.line:
-            place += f":{self.line}"
-        return f"{place}: {self.message}" if place else self.message
+        if not self.file:
+            return self.message
+        line = f":{self.line}" if self.line else ""
+        return f"{self.file}{line}: {self.message}"
 
 
 class NegativeError(CxlabError):

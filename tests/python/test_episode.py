@@ -141,7 +141,7 @@ class Acts(EpisodeTest):
         self.assert_replays(run)
         self.assertIn("the program at 20.000 s: (hint (x 3))", program("why", run, "(seen)", "--at", "24").stdout)
         self.assertIn("assert (hint (x 3))", json.dumps(json.loads(program("facts", run, "--at", "24", "hint", "--json").stdout)))
-        self.assertEqual(program("why", run, "(hint)", "--at", "30").returncode, 1)
+        self.assertNotIn("(hint", program("facts", run, "--at", "30", "hint").stdout)
 
     def test_what_is_done_after_the_last_tick_replays(self):
         with cxlab.Episode(**GAME, out=self.folder / "run", until=3) as episode:
@@ -153,7 +153,9 @@ class Acts(EpisodeTest):
 
     def test_a_run_on_another_course_is_refused(self):
         with cxlab.Episode(**GAME, out=self.folder / "run", until=3) as episode:
+            episode.step(until=1)
             episode.eval("(+ 1 2)")
+            episode.run()
         otherwise = program("rerun", self.folder / "run", "--at", "2", "--assert", "(x)", "--out", self.folder / "b")
         self.assertEqual(otherwise.returncode, 2)
         self.assertIn("program", otherwise.stderr)
@@ -207,8 +209,7 @@ class Acts(EpisodeTest):
 
     def test_a_run_that_fails_raises_and_can_be_closed(self):
         with cxlab.Episode(**GAME, out=self.folder / "run") as episode:
-            episode.build("(defrule bad (time ?) => (nth$ x y))") if False else None
-            episode.build("(defrule bad => (+ a 1))")
+            episode.build("(defrule bad => (+ (nth$ 1 (create$ a)) 1))")
             with self.assertRaises(cxlab.RunError) as caught:
                 episode.step(until=5)
             self.assertEqual(caught.exception.code, 4)
@@ -313,7 +314,7 @@ class Seats(EpisodeTest):
                 raise OSError("not today")
 
         for seat, kind in (
-            (object(), AttributeError),
+            (object(), cxlab.UsageError),
             (Nameless(), cxlab.UsageError),
             (Pilot("no name"), cxlab.UsageError),
             (Unborn(), OSError),
@@ -327,9 +328,9 @@ class Seats(EpisodeTest):
 class Bus(EpisodeTest):
     def test_a_program_reads_publishes_calls_and_sends_goals(self):
         with cxlab.Episode(**TURTLES, out=self.folder / "run", until=8) as episode:
+            episode.step(until=1)
             self.assertEqual(episode.topics["/star/pose"].type, "turtlesim/msg/Pose")
             self.assertIn("/spawn", episode.services)
-            episode.step(until=1)
             self.assertEqual(episode.read("/star/pose"), [])
             spawned = episode.call("/spawn", None, {"x": 1.0, "y": 2.0, "name": "t9"})
             self.assertIsNone(spawned.response)
@@ -338,7 +339,7 @@ class Bus(EpisodeTest):
             self.assertEqual(spawned.response, {"name": "t9"})
             self.assertIn("/t9/cmd_vel", episode.topics)
             turn = episode.send_goal("/t9/rotate_absolute", None, {"theta": 1.0})
-            episode.publish("/t9/cmd_vel", None, {"linear": {"x": 1}})
+            episode.publish("/square/cmd_vel", None, {"linear": {"x": 1}})
             episode.step(until=3)
             times = [t for t, _ in episode.read("/star/pose")]
             self.assertGreater(len(times), 50)
