@@ -149,7 +149,8 @@ class PythonAgent final : public Agent {
 
 Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play) {
   std::string name;
-  if (const nb::object given = nb::getattr(object, "name", nb::none()); !nb::try_cast(given, name)) raise(usage_error("found a seat whose name is no text", "seats"));
+  if (const nb::object given = nb::getattr(object, "name", nb::none()); !nb::try_cast(given, name))
+    raise(usage_error("found a seat whose name is no text", "seats"));
   for (const char* method : {"perceive", "decide", "act", "next_due"})
     if (!nb::hasattr(object, method))
       raise(usage_error("found a seat without the method " + std::string(method) + ", expected one of class cxlab.Seat",
