@@ -427,8 +427,8 @@ class _Task:
     def _compile(self) -> None:
         problem = self.original
         for feature, compiler, kind in (
-            ("OBJECT_FLUENTS", UsertypeFluentsRemover, CompilationKind.USERTYPE_FLUENTS_REMOVING),
             ("STATE_INVARIANTS", StateInvariantsRemover, CompilationKind.STATE_INVARIANTS_REMOVING),
+            ("OBJECT_FLUENTS", UsertypeFluentsRemover, CompilationKind.USERTYPE_FLUENTS_REMOVING),
         ):
             if feature not in problem.kind.features:
                 continue
@@ -440,7 +440,7 @@ class _Task:
         self.problem = problem.clone()
 
     def _rewrite(self) -> None:
-        problem, manager = self.problem, self.problem.environment.expression_manager
+        problem = self.problem
         for action in problem.actions:
             if isinstance(action, InstantaneousAction):
                 effects = list(action.effects)
@@ -448,6 +448,7 @@ class _Task:
                 for effect in self._rewritten(effects, action.add_precondition):
                     action._add_effect_instance(effect)
             elif isinstance(action, DurativeAction):
+                self._close_duration(action)
                 timed = {timing: list(effects) for timing, effects in action.effects.items()}
                 action.clear_effects()
                 for timing, effects in timed.items():
@@ -464,14 +465,46 @@ class _Task:
         for fluent, value in problem.initial_values.items():
             if _bounds(fluent) != (None, None) and not _within(fluent, value):
                 self.impossible = f"the first value of {fluent} is out of its bounds"
-        metrics = list(problem.quality_metrics)
-        if len(metrics) > 1:
+        self._rewrite_metric()
+
+    def _close_duration(self, action: DurativeAction) -> None:
+        """PDDL has no open bounds: they move by a microsecond, the planner's grain of time."""
+        bounds, manager = action.duration, action.environment.expression_manager
+        if bounds.is_left_open() or bounds.is_right_open():
+            grain = manager.Real(_MICROSECOND)
+            lower = manager.Plus(bounds.lower, grain).simplify() if bounds.is_left_open() else bounds.lower
+            upper = manager.Minus(bounds.upper, grain).simplify() if bounds.is_right_open() else bounds.upper
+            action.set_closed_duration_interval(lower, upper)
+
+    def _rewrite_metric(self) -> None:
+        """Costs of actions as a number of the last state."""
+        problem = self.problem
+        if len(problem.quality_metrics) > 1:
             raise _Unsupported("found more than one quality metric")
-        if metrics and isinstance(metrics[0], up.model.metrics.MinimizeActionCosts):
-            costs = {action: metrics[0].get_action_cost(action) for action in problem.actions}
+        for metric in problem.quality_metrics:
+            if isinstance(metric, up.model.metrics.MinimizeActionCosts):
+                costs = {action: metric.get_action_cost(action) for action in problem.actions}
+            elif isinstance(metric, up.model.metrics.MinimizeSequentialPlanLength):
+                costs = {action: problem.environment.expression_manager.Int(1) for action in problem.actions}
+            else:
+                return
             problem.clear_quality_metrics()
-            costs = {action: manager.Int(0) if cost is None else cost for action, cost in costs.items()}
-            problem.add_quality_metric(up.model.metrics.MinimizeActionCosts(costs, environment=problem.environment))
+            spent = self._fluent("spent", problem.environment.type_manager.RealType(), 0)
+            for action, cost in costs.items():
+                if cost is not None and isinstance(action, DurativeAction):
+                    action.add_increase_effect(EndTiming(), spent(), cost)
+                elif cost is not None:
+                    action.add_increase_effect(spent(), cost)
+            problem.add_quality_metric(up.model.metrics.MinimizeExpressionOnFinalState(spent(), environment=problem.environment))
+
+    def _fluent(self, name: str, kind: up.model.Type, value: Any, parameters: Any = None, problem: Problem | None = None) -> up.model.Fluent:
+        """A fluent that the original problem does not have."""
+        problem = problem or self.problem
+        while problem.has_name(name):
+            name += "_"
+        fluent = up.model.Fluent(name, kind, parameters, problem.environment)
+        problem.add_fluent(fluent, default_initial_value=value)
+        return fluent
 
     def _rewritten(self, effects: list[Effect], require: Callable[[FNode], Any]) -> Iterator[Effect]:
         """Effects of one moment, without assignments of conditions; calls `require` with conditions that keep bounds."""
@@ -536,12 +569,8 @@ class _Task:
         for action in list(problem.actions):
             if not isinstance(action, DurativeAction):
                 continue
-            name = f"running_{action.name}"
-            while problem.has_name(name):
-                name += "_"
-            running = up.model.Fluent(name, problem.environment.type_manager.BoolType(), list(action.parameters), problem.environment)
-            problem.add_fluent(running, default_initial_value=False)
-            this = running(*action.parameters)
+            boolean = problem.environment.type_manager.BoolType()
+            this = self._fluent(f"running_{action.name}", boolean, False, list(action.parameters), problem)(*action.parameters)
             action.add_condition(StartTiming(), problem.environment.expression_manager.Not(this))
             action.add_effect(StartTiming(), this, True)
             action.add_effect(EndTiming(), this, False)
@@ -597,6 +626,8 @@ def _separated(timed: Timed, orderings: Any, assigned: list[set[FNode]], events:
     edges: list[tuple[int, int, Fraction]] = []  # from, to, distance; -1 is time 0
     for ordering in orderings:
         tail, head = (-1 if end == "origin" else 2 * end["step"] + (end["at"] == "end") for end in (ordering["from"], ordering["to"]))
+        if tail >= 0 and head >= 0 and tail // 2 == head // 2:
+            continue  # a duration, with fewer digits than it has here
         edges.append((tail, head, _micros(ordering["least_s"])))
         if "most_s" in ordering:
             edges.append((head, tail, -_micros(ordering["most_s"])))
