@@ -31,7 +31,7 @@ __all__ = ["PddlError", "Plan", "PlanStep", "Verdict", "plan", "plans", "validat
 Pddl = Union[str, "os.PathLike[str]"]
 """A file, or the text of one: a `str` that names no file and has a parenthesis is text."""
 
-_SOLVED, _NO_PLAN, _BAD_INPUT, _UNSUPPORTED = 0, (10, 12, 22, 23), 31, 34
+_NO_PLAN, _BAD_INPUT, _UNSUPPORTED = (10, 12, 22, 23), 31, 34
 _GRACE_S = 5.0  # after its timeout the program has this long to answer, then it is killed
 
 
@@ -153,6 +153,7 @@ def plan(
     anytime: bool = False,
     patience: int | None = None,
     memory: int | None = None,
+    svg: str | os.PathLike[str] | None = None,
     on_message: Callable[[str], None] | None = None,
 ) -> Plan:
     """Find a plan.
@@ -165,6 +166,7 @@ def plan(
         anytime: go on to better plans until time or budget end; `plans` shows them as they come.
         patience: with `anytime`, end when no better plan is found for so many units.
         memory: address space of the planner, bytes; None: no limit.
+        svg: file for a drawing of the plan: bars, slack and what waits for what.
         on_message: called with each line of progress.
 
     Returns:
@@ -175,6 +177,8 @@ def plan(
         UsageError: an argument cannot be.
     """
     options = _planning_options(timeout, budget, anytime, patience)
+    if svg is not None:
+        options.append(f"--svg={os.path.abspath(svg)}")
     with _Files(data, domain=domain, problem=problem) as files:
         *_, last = _answers(files, options, timeout, memory, on_message)
     return last
@@ -442,7 +446,7 @@ def _answers(
             else:
                 answered = True
             yield found
-    if answered:
+    if answered and process.code in (0, *_NO_PLAN):
         return
     if process.code == 22 or memory is not None and "memory" in process.errors:
         yield _ended("memory", process.errors.strip().removeprefix("error: "), best)

@@ -143,6 +143,13 @@ class Planning(unittest.TestCase):
         plan(*tour(6), budget=100000, anytime=True, on_message=lines.append)
         self.assertRegex(lines[0], r"^plan: \d+ steps, makespan [\d.]+ s")
 
+    def test_a_plan_is_drawn(self):
+        file = self.folder / "plan.svg"
+        plan(DOMAIN, PROBLEM, svg=file)
+        self.assertIn("go a b", file.read_text())
+        with self.assertRaises(MachineError):
+            plan(DOMAIN, PROBLEM, svg=self.folder / "none" / "plan.svg")
+
     def test_closing_the_iterator_ends_the_search(self):
         search = plans(*tour(30), budget=10**12)
         self.assertEqual(next(search).status, "found")
