@@ -68,7 +68,8 @@ class Plan(Sequence[PlanStep]):
     """The answer of the planner: a sequence of steps, in the order of their starts. It is false if there is no plan."""
 
     status: str
-    """`plan`; `found` (better ones may follow); `unsolvable`, which is proved; `ended` without plan or proof; `memory`; `budget`: work units or time ended."""
+    """`plan`; `found` (better ones may follow); `unsolvable`, which is proved; `ended` without plan or proof; `memory`;
+    `budget`: work units or time ended."""
     reason: str
     """One sentence."""
     steps: tuple[PlanStep, ...]
@@ -85,7 +86,8 @@ class Plan(Sequence[PlanStep]):
     out_of_reach: str | None = None
     """Why no plan exists, where facts one by one or in pairs prove it."""
     orderings: tuple[Mapping[str, Any], ...] = ()
-    """Distances that a schedule of the same steps must keep: `from`, `to` (`origin`, or step and `start` or `end`), `least_s`, `most_s`."""
+    """Distances that a schedule of the same steps must keep: `from` and `to` (`origin`, or `step` and `at`), `least_s`,
+    `most_s`."""
     text: str = ""
     """The steps as a plan file."""
 
@@ -137,7 +139,8 @@ class Verdict:
     violation: Mapping[str, Any] | None
     """The same as fields: `kind`, `time` (s), `step` and `line` of the plan, `condition`."""
     robust: Mapping[str, Any] | None
-    """With `robust=True`: `holds_s`, by how much steps may begin early or late, `breaks_s`, and `plans` that were tried."""
+    """With `robust=True`: `holds_s`, by how much steps may begin early or late, `breaks_s`, and `plans`, how many were
+    tried."""
 
     def __bool__(self) -> bool:
         return self.valid
@@ -159,7 +162,8 @@ def plan(
     """Find a plan.
 
     Args:
-        domain, problem: files, or texts of PDDL.
+        domain: file, or text of PDDL.
+        problem: file, or text of PDDL.
         data: values for a domain and problem that are templates.
         timeout: wall time, s. Reading the files counts.
         budget: work units; the same budget gives the same plan. None: 60 million, about a minute.
@@ -223,7 +227,8 @@ def validate(
     """Judge a plan.
 
     Args:
-        domain, problem: files, or texts of PDDL.
+        domain: file, or text of PDDL.
+        problem: file, or text of PDDL.
         plan: a `Plan`, or a file or text with one step a line: `TIME: (ACTION OBJECT...) [DURATION]`.
         data: values for a domain and problem that are templates.
         epsilon: s that keeps interfering happenings apart.
@@ -240,7 +245,11 @@ def validate(
         if not plan:
             raise UsageError(f"found no plan to judge: {plan.status}")
         plan = _Text(plan.text)
-    options = ["--json", f"--epsilon={_seconds('epsilon', epsilon, 0)}", f"--tolerance={_seconds('tolerance', tolerance, 0)}"]
+    options = [
+        "--json",
+        f"--epsilon={_seconds('epsilon', epsilon, 0)}",
+        f"--tolerance={_seconds('tolerance', tolerance, 0)}",
+    ]
     if budget is not None:
         options.append(f"--budget={_whole('budget', budget)}")
     if robust:
@@ -284,7 +293,9 @@ def _planning_options(timeout: float | None, budget: int | None, anytime: bool, 
 
 def _seconds(name: str, value: float, least: float | None = None) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not (value > 0 or value == least):
-        raise UsageError(f"{name}: found {value!r}, expected a number of seconds {'from 0' if least == 0 else 'above 0'}")
+        raise UsageError(
+            f"{name}: found {value!r}, expected a number of seconds {'from 0' if least == 0 else 'above 0'}"
+        )
     return repr(float(value))
 
 
@@ -334,12 +345,14 @@ class _Files:
         return os.path.abspath(source)  # no name begins with a dash
 
     def error(self, process: _Process) -> CxlabError:
-        """What the program printed, as an exception; files that the caller never saw have the names of their arguments."""
+        """Make an exception of what the program printed; files of texts are named by their arguments."""
         text = process.errors.strip()
         for file, name in self._texts.items():
             text = text.replace(file, name)
         if process.code < 0:
-            return MachineError(f"the planner was ended by {signal.Signals(-process.code).name}: {text or 'it printed nothing'}")
+            return MachineError(
+                f"the planner was ended by {signal.Signals(-process.code).name}: {text or 'it printed nothing'}"
+            )
         if process.code not in (2, 5, _BAD_INPUT, _UNSUPPORTED):
             return BugError(f"cxlab {process.arguments[0]} ended with {process.code}: {text}")
         first = next((line for line in text.splitlines() if line.startswith("error: ")), text).removeprefix("error: ")
@@ -353,7 +366,7 @@ class _Files:
 
 
 class _Process:
-    """The program at work. Leaving the context ends it, whatever happened: an exception, Ctrl-C, an iterator that is closed."""
+    """The program at work. Leaving the context ends it: after an exception, at Ctrl-C, with a closed iterator."""
 
     def __init__(self, arguments: list[str], limit_s: float | None, memory: int | None) -> None:
         from .program import program
@@ -386,7 +399,7 @@ class _Process:
         return self
 
     def lines(self) -> Iterator[str]:
-        """Lines of standard output as they come; messages are passed on in between. Kills the program after its limit."""
+        """Yield lines of standard output as they come, and pass messages on. The program is killed after its limit."""
         arrived: queue.Queue[tuple[str, str | None]] = queue.Queue()
 
         def read(name: str, stream: IO[str]) -> None:
@@ -430,11 +443,17 @@ class _Process:
 
 
 def _answers(
-    files: _Files, options: list[str], timeout: float | None, memory: int | None, on_message: Callable[[str], None] | None
+    files: _Files,
+    options: list[str],
+    timeout: float | None,
+    memory: int | None,
+    on_message: Callable[[str], None] | None,
 ) -> Iterator[Plan]:
     """Each better plan, then the answer."""
     limit = None if timeout is None else timeout + _GRACE_S
-    process = _Process(["plan", *files.arguments, *options], limit, None if memory is None else int(_whole("memory", memory)))
+    process = _Process(
+        ["plan", *files.arguments, *options], limit, None if memory is None else int(_whole("memory", memory))
+    )
     process.on_message = on_message
     best: Plan | None = None
     answered = False
@@ -448,7 +467,7 @@ def _answers(
             yield found
     if answered and process.code in (0, *_NO_PLAN):
         return
-    if process.code == 22 or memory is not None and "memory" in process.errors:
+    if process.code == 22 or (memory is not None and "memory" in process.errors):
         yield _ended("memory", process.errors.strip().removeprefix("error: "), best)
     elif process.code == -signal.SIGKILL and timeout is not None:
         yield _ended("budget", f"the planner did not answer within {timeout + _GRACE_S:g} s and was killed", best)
@@ -462,7 +481,14 @@ def _ended(status: str, reason: str, best: Plan | None) -> Plan:
 
 def _plan_of(answer: Mapping[str, Any]) -> Plan:
     steps = tuple(
-        PlanStep(step["action"], tuple(step["arguments"]), step["start"], step["duration"], step["latest_start"], step["latest_end"])
+        PlanStep(
+            step["action"],
+            tuple(step["arguments"]),
+            step["start"],
+            step["duration"],
+            step["latest_start"],
+            step["latest_end"],
+        )
         for step in answer.get("steps", [])
     )
     return Plan(

@@ -1,22 +1,25 @@
-"""The engine `cxlab` of the Unified Planning Framework (unified-planning 1.3): one-shot and anytime planner, plan validator.
+"""The engine `cxlab` of the Unified Planning Framework (unified-planning 1.3): planner and plan validator.
 
     >>> import cxlab.up
     >>> from unified_planning.shortcuts import OneshotPlanner
     >>> with OneshotPlanner(name="cxlab") as planner:
     ...     result = planner.solve(problem, timeout=10)
 
-Importing this module registers the engine. `python -m cxlab.up` prints the section of `up.ini` that does so without an import.
+Importing this module registers the engine. `python -m cxlab.up` prints the section of `up.ini` that does so without an
+import.
 """
+
+# mypy: disable-error-code="import-untyped,misc,no-any-return"
+# The Framework has no types.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import IO, Any, Union
+from typing import IO, Any
 
 import unified_planning as up
 from unified_planning.engines import Credits, Engine, LogLevel, LogMessage, PlanGenerationResult, ValidationResult
@@ -24,7 +27,12 @@ from unified_planning.engines import PlanGenerationResultStatus as Status
 from unified_planning.engines import ValidationResultStatus as Validity
 from unified_planning.engines.compilers.state_invariants_remover import StateInvariantsRemover
 from unified_planning.engines.compilers.usertype_fluents_remover import UsertypeFluentsRemover
-from unified_planning.engines.mixins import AnytimePlannerMixin, CompilationKind, OneshotPlannerMixin, PlanValidatorMixin
+from unified_planning.engines.mixins import (
+    AnytimePlannerMixin,
+    CompilationKind,
+    OneshotPlannerMixin,
+    PlanValidatorMixin,
+)
 from unified_planning.engines.mixins.anytime_planner import AnytimeGuarantee
 from unified_planning.engines.mixins.oneshot_planner import OptimalityGuarantee
 from unified_planning.engines.plan_validator import SequentialPlanValidator, TimeTriggeredPlanValidator
@@ -104,7 +112,7 @@ _MICROSECOND = Fraction(1, 10**6)
 _EPSILON = Fraction(1, 1000)  # s, between happenings that interfere; the planner's own
 _MOST_SEPARATIONS = 1000
 
-Timed = list[tuple[Fraction, ActionInstance, Union[Fraction, None]]]
+Timed = list[tuple[Fraction, ActionInstance, Fraction | None]]
 
 
 class _Unsupported(Exception):
@@ -115,12 +123,14 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
     """Plans and validates with `cxlab plan` and `cxlab validate`.
 
     Parameters of the engine (`OneshotPlanner(name="cxlab", params={...})`):
-        budget: work units; the same budget gives the same plan. Default: 60 million, and no limit where `timeout` is given.
+        budget: work units; the same budget gives the same plan. Default: 60 million; none where `timeout` is given.
         patience: of an anytime search: end when no better plan is found for so many units.
         memory: address space of the planner, bytes.
     """
 
-    def __init__(self, budget: int | None = None, patience: int | None = None, memory: int | None = None, **options: Any) -> None:
+    def __init__(
+        self, budget: int | None = None, patience: int | None = None, memory: int | None = None, **options: Any
+    ) -> None:
         Engine.__init__(self)
         OneshotPlannerMixin.__init__(self)
         AnytimePlannerMixin.__init__(self)
@@ -142,7 +152,7 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
             website="",
             license="see the package cxlab",
             short_description="The planner of cxlab: durative actions, numbers, events; one-shot, anytime, validator.",
-            long_description="The planner of cxlab, a laboratory for rule-based robot agents: PDDL 2.1 with durative actions, "
+            long_description="The planner of cxlab, a laboratory for rule-based robot agents: PDDL 2.1 with durations, "
             "numbers and timed effects. The same budget gives the same plan.",
         )
 
@@ -272,7 +282,7 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
         budget = self._budget
         if budget is None and timeout is not None:
             budget = 2**62
-        limits = {"timeout": timeout, "budget": budget, "memory": self._memory, "on_message": message}
+        limits: dict[str, Any] = {"timeout": timeout, "budget": budget, "memory": self._memory, "on_message": message}
         if anytime:
             yield from planning.plans(domain, problem, patience=self._patience, **limits)
         else:
@@ -287,7 +297,10 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
         def framework(why: str) -> ValidationResult:
             found = task.judged(plan)
             found.engine_name = self.name
-            found.log_messages = [LogMessage(LogLevel.INFO, f"judged by the validator of the Framework: {why}"), *(found.log_messages or [])]
+            found.log_messages = [
+                LogMessage(LogLevel.INFO, f"judged by the validator of the Framework: {why}"),
+                *(found.log_messages or []),
+            ]
             return found
 
         try:
@@ -303,16 +316,24 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
         violation = verdict.violation
         if violation is None:
             if isinstance(plan, TimeTriggeredPlan) and task.overlaps_itself(plan):
-                return result(Validity.INVALID, "an action overlaps itself", reason=FailedValidationReason.MUTEX_CONFLICT)
+                return result(
+                    Validity.INVALID, "an action overlaps itself", reason=FailedValidationReason.MUTEX_CONFLICT
+                )
             if isinstance(plan, TimeTriggeredPlan) and task.meets(plan):
-                return result(Validity.INVALID, "two actions or events assign one fluent at the same time", reason=FailedValidationReason.MUTEX_CONFLICT)
+                return result(
+                    Validity.INVALID,
+                    "two actions or events assign one fluent at the same time",
+                    reason=FailedValidationReason.MUTEX_CONFLICT,
+                )
             return result(Validity.VALID, "", metric_evaluations=task.metric_of(verdict))
         text = "; ".join(filter(None, [verdict.message, verdict.advice]))
         if violation["kind"] == "interference" or task.stricter:
             return framework(text)
         if "step" in violation:
             step = steps[violation["step"]]
-            return result(Validity.INVALID, text, reason=FailedValidationReason.INAPPLICABLE_ACTION, inapplicable_action=step)
+            return result(
+                Validity.INVALID, text, reason=FailedValidationReason.INAPPLICABLE_ACTION, inapplicable_action=step
+            )
         return result(Validity.INVALID, text, reason=FailedValidationReason.UNSATISFIED_GOALS)
 
 
@@ -354,7 +375,10 @@ class _Task:
             if timed is None:
                 return None
             plan = TimeTriggeredPlan(timed, self.original.environment)
-            if self.original.epsilon is not None and (plan.extract_epsilon(self.original) or math.inf) < self.original.epsilon:
+            if (
+                self.original.epsilon is not None
+                and (plan.extract_epsilon(self.original) or math.inf) < self.original.epsilon
+            ):
                 return None
         for back in reversed(self._back):
             plan = plan.replace_action_instances(back)
@@ -364,8 +388,14 @@ class _Task:
         if plan is not None:
             if answer.status == "found":
                 return Status.INTERMEDIATE
-            best = self.original.quality_metrics and answer.metric_bound is not None and answer.metric == answer.metric_bound
-            return Status.SOLVED_OPTIMALLY if best and not self.timed and not self._in_doubt else Status.SOLVED_SATISFICING
+            best = (
+                self.original.quality_metrics
+                and answer.metric_bound is not None
+                and answer.metric == answer.metric_bound
+            )
+            return (
+                Status.SOLVED_OPTIMALLY if best and not self.timed and not self._in_doubt else Status.SOLVED_SATISFICING
+            )
         if answer.status == "unsolvable" and not self.timed and not self._in_doubt:
             return Status.UNSOLVABLE_PROVEN
         return {"budget": Status.TIMEOUT, "memory": Status.MEMOUT}.get(answer.status, Status.UNSOLVABLE_INCOMPLETELY)
@@ -391,8 +421,10 @@ class _Task:
 
     def meets(self, plan: TimeTriggeredPlan) -> bool:
         """Whether two actions or events assign one fluent at the same time."""
-        forward = lambda instance: ActionInstance(self._compiled.action(instance.action.name), instance.actual_parameters)
-        timed = [(start, forward(instance), duration) for start, instance, duration in plan.timed_actions]
+        timed: Timed = [
+            (start, ActionInstance(self._compiled.action(instance.action.name), instance.actual_parameters), duration)
+            for start, instance, duration in plan.timed_actions
+        ]
         return _met(_times(timed), self._assigned(timed), self._events()) is not None
 
     def text_of(self, plan: up.plans.Plan) -> tuple[str, list[ActionInstance]]:
@@ -408,7 +440,10 @@ class _Task:
         for start, instance, duration in timed:
             words = [instance.action.name, *(str(argument.object().name) for argument in instance.actual_parameters)]
             action = self.problem.action(words[0])
-            names = [self._writer.get_pddl_name(action), *(self._writer.get_pddl_name(self.problem.object(word)) for word in words[1:])]
+            names = [
+                self._writer.get_pddl_name(action),
+                *(self._writer.get_pddl_name(self.problem.object(word)) for word in words[1:]),
+            ]
             lines.append(f"{_decimal(start)}: ({' '.join(names)}) [{_decimal(duration or Fraction(0))}]\n")
         return "".join(lines), [instance for _, instance, _ in timed]
 
@@ -452,7 +487,9 @@ class _Task:
                 timed = {timing: list(effects) for timing, effects in action.effects.items()}
                 action.clear_effects()
                 for timing, effects in timed.items():
-                    for effect in self._rewritten(effects, lambda condition, timing=timing, action=action: action.add_condition(timing, condition)):
+                    for effect in self._rewritten(
+                        effects, lambda condition, timing=timing, action=action: action.add_condition(timing, condition)
+                    ):
                         action._add_effect_instance(timing, effect)
         self._rewrite_timed_effects()
         goals = [goal.simplify() for goal in problem.goals]
@@ -495,9 +532,13 @@ class _Task:
                     action.add_increase_effect(EndTiming(), spent(), cost)
                 elif cost is not None:
                     action.add_increase_effect(spent(), cost)
-            problem.add_quality_metric(up.model.metrics.MinimizeExpressionOnFinalState(spent(), environment=problem.environment))
+            problem.add_quality_metric(
+                up.model.metrics.MinimizeExpressionOnFinalState(spent(), environment=problem.environment)
+            )
 
-    def _fluent(self, name: str, kind: up.model.Type, value: Any, parameters: Any = None, problem: Problem | None = None) -> up.model.Fluent:
+    def _fluent(
+        self, name: str, kind: up.model.Type, value: Any, parameters: Any = None, problem: Problem | None = None
+    ) -> up.model.Fluent:
         """A fluent that the original problem does not have."""
         problem = problem or self.problem
         while problem.has_name(name):
@@ -507,7 +548,7 @@ class _Task:
         return fluent
 
     def _rewritten(self, effects: list[Effect], require: Callable[[FNode], Any]) -> Iterator[Effect]:
-        """Effects of one moment, without assignments of conditions; calls `require` with conditions that keep bounds."""
+        """Yield effects of one moment without assignments of conditions; `require` gets conditions that keep bounds."""
         numeric: dict[Any, int] = {}
         for effect in effects:
             manager = effect.environment.expression_manager
@@ -570,7 +611,9 @@ class _Task:
             if not isinstance(action, DurativeAction):
                 continue
             boolean = problem.environment.type_manager.BoolType()
-            this = self._fluent(f"running_{action.name}", boolean, False, list(action.parameters), problem)(*action.parameters)
+            this = self._fluent(f"running_{action.name}", boolean, False, list(action.parameters), problem)(
+                *action.parameters
+            )
             action.add_condition(StartTiming(), problem.environment.expression_manager.Not(this))
             action.add_effect(StartTiming(), this, True)
             action.add_effect(EndTiming(), this, False)
@@ -590,7 +633,9 @@ class _Task:
             instance = self._instance(step)
             duration = None
             if isinstance(instance.action, DurativeAction):
-                duration = _exact_duration(instance, _micros(step.duration), lambda bound: evaluator.evaluate(bound, state).constant_value())
+                duration = _exact_duration(
+                    instance, _micros(step.duration), lambda bound: evaluator.evaluate(bound, state).constant_value()
+                )
             timed.append((_micros(step.start), instance, duration))
         return _separated(timed, answer.orderings, self._assigned(timed), self._events())
 
@@ -598,12 +643,10 @@ class _Task:
         """What each start (2 i) and end (2 i + 1) of the steps assigns."""
         assigned: list[set[FNode]] = []
         for _, instance, _ in timed:
-            values = dict(zip(instance.action.parameters, instance.actual_parameters))
+            values = dict(zip(instance.action.parameters, instance.actual_parameters, strict=True))
             at: tuple[set[FNode], set[FNode]] = (set(), set())
-            if isinstance(instance.action, DurativeAction):
-                moments = list(instance.action.effects.items())
-            else:
-                moments = [(StartTiming(), instance.action.effects)]
+            timed_action = isinstance(instance.action, DurativeAction)
+            moments = instance.action.effects.items() if timed_action else [(StartTiming(), instance.action.effects)]
             for timing, effects in moments:
                 for effect in (one for each in effects for one in each.expand_effect(self._compiled)):
                     if effect.is_assignment():
@@ -618,14 +661,16 @@ class _Task:
         return events
 
 
-def _separated(timed: Timed, orderings: Any, assigned: list[set[FNode]], events: dict[Fraction, set[FNode]]) -> Timed | None:
+def _separated(
+    timed: Timed, orderings: Any, assigned: list[set[FNode]], events: dict[Fraction, set[FNode]]
+) -> Timed | None:
     """The plan, with happenings that assign one fluent at the same time moved apart; None if that cannot be.
 
     The Framework forbids what PDDL allows: two actions give a fact the same value at one instant.
     """
     edges: list[tuple[int, int, Fraction]] = []  # from, to, distance; -1 is time 0
     for ordering in orderings:
-        tail, head = (-1 if end == "origin" else 2 * end["step"] + (end["at"] == "end") for end in (ordering["from"], ordering["to"]))
+        tail, head = _point(ordering["from"]), _point(ordering["to"])
         if tail >= 0 and head >= 0 and tail // 2 == head // 2:
             continue  # a duration, with fewer digits than it has here
         edges.append((tail, head, _micros(ordering["least_s"])))
@@ -639,10 +684,10 @@ def _separated(timed: Timed, orderings: Any, assigned: list[set[FNode]], events:
         if pair is None:
             return [(times[2 * i], instance, duration) for i, (_, instance, duration) in enumerate(timed)]
         first, second = pair
-        ways = [edges + [(first, second, _EPSILON)], edges + [(second, first, _EPSILON)]]
+        ways = [[*edges, (first, second, _EPSILON)], [*edges, (second, first, _EPSILON)]]
         if second < 0:  # an event: its time is fixed
             at = times[first]
-            ways = [edges + [(-1, first, at + _EPSILON)], edges + [(first, -1, _EPSILON - at)]]
+            ways = [[*edges, (-1, first, at + _EPSILON)], [*edges, (first, -1, _EPSILON - at)]]
         for way in ways:
             found = _earliest(len(times), way)
             if found is not None:
@@ -653,11 +698,18 @@ def _separated(timed: Timed, orderings: Any, assigned: list[set[FNode]], events:
     return None
 
 
+def _point(end: Any) -> int:
+    """An end of an ordering: 2 i for the start of step i, 2 i + 1 for its end, -1 for time 0."""
+    return -1 if end == "origin" else 2 * int(end["step"]) + (end["at"] == "end")
+
+
 def _times(timed: Timed) -> list[Fraction]:
     return [time for start, _, duration in timed for time in (start, start + (duration or 0))]
 
 
-def _met(times: list[Fraction], assigned: list[set[FNode]], events: dict[Fraction, set[FNode]]) -> tuple[int, int] | None:
+def _met(
+    times: list[Fraction], assigned: list[set[FNode]], events: dict[Fraction, set[FNode]]
+) -> tuple[int, int] | None:
     """Two happenings that assign one fluent at one time; the second is -1 if it is an event."""
     seen: dict[tuple[Fraction, FNode], int] = {(at, fluent): -1 for at, fluents in events.items() for fluent in fluents}
     for point, fluents in enumerate(assigned):
@@ -686,7 +738,7 @@ def _earliest(points: int, edges: list[tuple[int, int, Fraction]]) -> list[Fract
 
 def _exact_duration(instance: ActionInstance, rounded: Fraction, value: Callable[[FNode], Any]) -> Fraction:
     """The duration that a rounded one stands for: within its bounds, which the Framework compares exactly."""
-    arguments = dict(zip(instance.action.parameters, instance.actual_parameters))
+    arguments = dict(zip(instance.action.parameters, instance.actual_parameters, strict=True))
     bounds = instance.action.duration
     lower, upper = (Fraction(value(bound.substitute(arguments))) for bound in (bounds.lower, bounds.upper))
     inside = min(_MICROSECOND, (upper - lower) / 2)
