@@ -230,6 +230,9 @@ Expected<std::unique_ptr<Trainer>> Trainer::create(TrainerOptions options, bus::
 SimTime Trainer::patience() const { return wait_.at_work ? kHangsAtWork : kHangs; }
 
 std::string Trainer::unfinished() const {
+  if (decision_.id != 0 && bus_.now() - decision_.asked >= kHangs)
+    return options_.node.full_name() + ": nobody answered decision " + std::to_string(decision_.id) +
+           "; with the policy external a program at a seat chooses";
   if (!options_.training || wait_.name.empty()) return {};
   return options_.node.full_name() + ": the training has not ended: in episode " + std::to_string(episode_ + 1) +
          " of " + std::to_string(options_.max_episodes) + " it waits since " + shortest_text(to_seconds(wait_.since)) +
@@ -237,6 +240,7 @@ std::string Trainer::unfinished() const {
 }
 
 Status Trainer::hanging() const {
+  if (wait_.name.empty()) return {};
   if (const std::string text = unfinished(); !text.empty() && bus_.now() - wait_.since >= patience())
     return run_error(text + "; the agent does not answer").with_code("trainer_hangs");
   return {};
@@ -443,6 +447,7 @@ void Trainer::decide(std::vector<Action> actions) {
 
 void Trainer::publish_decision(const std::string& outcome) {
   decision_.id = ++decisions_;
+  decision_.asked = bus_.now();
   auto message = std::make_shared<bus::Message>(*clients_->decision);
   const bus::MessageView view = message->view();
   view.set("id", decision_.id).set("robot", decision_.robot).set("reward", untold_).set("outcome", outcome);

@@ -81,6 +81,7 @@ class Trainer final : public Server {
     std::int64_t id = 0;  ///< 0: none is open
     std::string robot;    ///< empty: the episode has ended
     std::vector<Action> actions;
+    SimTime asked{};
   };
 
   void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }

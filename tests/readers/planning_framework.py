@@ -205,6 +205,16 @@ class Meaning(unittest.TestCase):
             else:
                 self.assertGreater(duration, Fraction(1, 3))
 
+    def test_an_open_interval_of_no_width_has_no_duration(self):
+        done, least, most = Fluent("done"), Fluent("least", RealType()), Fluent("most", RealType())
+        problem = self.problem(done, least, most, least=1, most=1)
+        action = DurativeAction("act")
+        action.set_open_duration_interval(least, most)
+        action.add_effect(EndTiming(), done, True)
+        problem.add_action(action)
+        problem.add_goal(done)
+        self.solve(problem, status=Status.UNSOLVABLE_INCOMPLETELY)
+
     def test_two_actions_that_give_one_fact_its_value_do_not_end_together(self):
         shared, x, y = Fluent("shared"), Fluent("x"), Fluent("y")
         problem = self.problem(shared, x, y)
