@@ -1,6 +1,7 @@
 """cxlab.rl.CXEnv: the agent of docs/examples/rl, in rules, is trained with Gymnasium. ./dev readers"""
 
 import subprocess
+import sys
 import unittest
 import warnings
 
@@ -106,27 +107,13 @@ class Interfaces(Lab):
         self.assertEqual((before.tobytes(), 0, False), (after.tobytes(), reward, terminated))
         self.assertGreaterEqual(later["time"], info["time"] + 1)
 
-    def test_a_policy_learns(self):
-        env = self.env()
-        chance = np.random.default_rng(1)
-        values = {}
-        lengths = []
-        observation, _ = env.reset(seed=1)
-        for episode in range(60):
-            for step in range(1000):
-                state, allowed = observation.tobytes(), env.action_masks().nonzero()[0]
-                if chance.random() < 0.3 * 0.95**episode:
-                    action = int(chance.choice(allowed))
-                else:
-                    action = max(allowed, key=lambda a: values.get((state, a), 0.0))
-                observation, reward, terminated, truncated, _ = env.step(action)
-                best = 0.0 if terminated else max(values.get((observation.tobytes(), a), 0.0) for a in env.action_masks().nonzero()[0])
-                old = values.get((state, action), 0.0)
-                values[state, action] = old + 0.5 * (reward + 0.95 * best - old)
-                if terminated or truncated:
-                    break
-            lengths.append(step + 1)
-            observation, _ = env.reset()
+    def test_the_example_learns_the_shortest_way(self):
+        script = SOURCE / "python/examples/blocks_q_learning.py"
+        done = subprocess.run([sys.executable, script, EXAMPLE], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lengths = [int(line.split()[2]) for line in done.stdout.splitlines()]
+        self.assertEqual(len(lengths), 60)
+        self.assertGreaterEqual(min(lengths), 3)
         self.assertGreaterEqual(lengths[-20:].count(3), 15, lengths)
 
     def test_a_training_is_a_run_that_replays(self):
