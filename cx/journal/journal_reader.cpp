@@ -235,9 +235,13 @@ Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
   return JournalReader(path, std::move(file));
 }
 
-bool JournalReader::next_line() {
-  ++number_;
-  return static_cast<bool>(std::getline(file_, line_)) && !file_.eof();
+bool JournalReader::next_line(const RecordFilter& filter) {
+  while (true) {
+    ++number_;
+    if (!std::getline(file_, line_) || file_.eof()) return false;
+    const auto kind = filter.kinds.empty() ? std::nullopt : kind_in_head(line_);
+    if (!kind || filter.takes(*kind)) return true;
+  }
 }
 
 Expected<JournalRecord> JournalReader::record() const {
@@ -247,8 +251,7 @@ Expected<JournalRecord> JournalReader::record() const {
 }
 
 Expected<std::optional<JournalRecord>> JournalReader::next(const RecordFilter& filter) {
-  while (next_line()) {
-    if (const auto kind = kind_in_head(line_); kind && !filter.takes(*kind)) continue;
+  while (next_line(filter)) {
     auto read = record();
     if (!read) return read.error();
     if (filter.takes(*read)) return std::optional(*std::move(read));

@@ -47,8 +47,8 @@ class JournalReader {
  public:
   static Expected<JournalReader> open(const std::filesystem::path& path);
 
-  /// Goes to the next line; false at the end.
-  bool next_line();
+  /// Goes to the next line; false at the end. Lines of other kinds than those of the filter are mostly passed over.
+  bool next_line(const RecordFilter& filter = {});
   const std::string& line() const { return line_; }
   /// The record of the line; the error has file and line.
   Expected<JournalRecord> record() const;

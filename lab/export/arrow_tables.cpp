@@ -9,7 +9,7 @@ namespace cxlab::lab {
 
 namespace {
 
-constexpr std::size_t kBatchBytes = std::size_t{1} << 23;
+constexpr std::size_t kBatchBytes = std::size_t{1} << 22;
 
 /// "a:1","b:2" as "a:1 b:2".
 std::string causes_text(std::string_view causes) {
@@ -37,7 +37,7 @@ void put_record(std::vector<ArrowColumn>& columns, const JournalLine& line, cons
 }
 
 Status put_records(JournalReader& journal, const RecordFilter& filter, std::vector<ArrowColumn>& columns) {
-  while (columns[5].bytes() < kBatchBytes && journal.next_line()) {
+  while (columns[5].bytes() < kBatchBytes && journal.next_line(filter)) {
     if (const auto line = split_journal_line(journal.line())) {
       if (filter.takes(line->kind, line->stream, line->t)) put_record(columns, *line, causes_text(line->causes));
       continue;
