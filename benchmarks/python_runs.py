@@ -55,7 +55,9 @@ def main(folder):
 
         best("first question, facts in the middle", first)
         best("next question at that time", lambda: run.facts(end / 2, "order"), 5)
-        best("why there", lambda: run.why("order-begin", end / 2))
+        rules = run.rules(end / 2)
+        latest = rules.sort_values("last_s")["rule"].iloc[-1]
+        best("why there, of the rule that fired last", lambda: run.why(latest, end / 2))
         run.facts(end / 2, "order")
         best("first question at the end", lambda: (run.close(), run.facts(None, "order")))
 

@@ -15,6 +15,7 @@ namespace cxlab::python {
 namespace nb = nanobind;
 
 void bind_episode(nb::module_& module);
+void bind_run(nb::module_& module);
 
 /// Throws the exception of the error's kind (cxlab/errors.py).
 [[noreturn]] void raise(const Error& error);
