@@ -69,7 +69,17 @@ if __name__ == "__main__":
         with tempfile.TemporaryDirectory() as scratch:
             game = Path(scratch) / "game"
             subprocess.run(
-                [os.fspath(cxlab.program()), "run", "rcll/planning", "--tier", "timed", "--seed", "1", "--journal", "full"]
+                [
+                    os.fspath(cxlab.program()),
+                    "run",
+                    "rcll/planning",
+                    "--tier",
+                    "timed",
+                    "--seed",
+                    "1",
+                    "--journal",
+                    "full",
+                ]
                 + ["--quiet", "--out", str(game)],
                 check=True,
                 stdout=subprocess.DEVNULL,

@@ -48,7 +48,12 @@ class Rerun(Run):
     def first_differences(self) -> Any:
         """The first record of each stream that differs: stream, t_s, then, now."""
         rows = [
-            {"stream": one["stream"], "t_s": one["t"], "then": tables.as_text(one["then"]), "now": tables.as_text(one["now"])}
+            {
+                "stream": one["stream"],
+                "t_s": one["t"],
+                "then": tables.as_text(one["then"]),
+                "now": tables.as_text(one["now"]),
+            }
             if isinstance(one, dict)
             else {"then": one}
             for one in self.answer["first_differences"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -84,7 +84,7 @@ def _timeline(run: Run) -> str:
         return ""
 
     def x(seconds: float) -> float:
-        return round(_LEFT + (_WIDTH - _LEFT - 50) * seconds / end, 1)
+        return float(round(_LEFT + (_WIDTH - _LEFT - 50) * seconds / end, 1))
 
     parts: list[str] = []
     robots = list(dict.fromkeys(skill["robot"] for skill in skills))
@@ -110,13 +110,13 @@ def _timeline(run: Run) -> str:
     )
 
 
-def _curves(points: Sequence[dict[str, Any]], x: Any, top: int, end: float) -> Iterable[str]:
+def _curves(points: Sequence[dict[str, Any]], x: Callable[[float], float], top: int, end: float) -> Iterable[str]:
     teams = list(dict.fromkeys(given["team"] for given in points))
     totals = [given["total"] for given in points]
     least, most = min([0, *totals]), max([1, *totals])
 
     def y(total: float) -> float:
-        return round(top + _CURVE * (most - total) / (most - least), 1)
+        return float(round(top + _CURVE * (most - total) / (most - least), 1))
 
     for number, team in enumerate(teams):
         colour = _COLOURS[number % len(_COLOURS)]

@@ -258,7 +258,7 @@ class Run:
 
     def _story(self, start: Time | None = None, end: Time | None = None) -> tuple[Any, Any]:
         skills, points = self._recorded.story(seconds_of(start, "start"), seconds_of(end, "end"))
-        return tuple(tables.frame(tables.read(source), self._frames) for source in (skills, points))  # type: ignore[return-value]
+        return tables.frame(tables.read(skills), self._frames), tables.frame(tables.read(points), self._frames)
 
     def scene(self, at: Time | None = None, what: str = "") -> Any:
         """What there was to see: id, kind, name, state, x, y, z (m), yaw (rad), carried_by, place; a row an entity.
@@ -352,9 +352,7 @@ class Run:
         columns = ("env", "fact", "template", "asserted_s", "asserted_by", "changed_s", "changed_by")
         return self._frame(rows, columns if what else (*columns, "text"))
 
-    def changes(
-        self, what: str, start: Time | None = None, end: Time | None = None, *, env: str | None = None
-    ) -> Any:
+    def changes(self, what: str, start: Time | None = None, end: Time | None = None, *, env: str | None = None) -> Any:
         """Each change of the facts that were there at some time of the stretch: t_s, env, fact, template, what, by, text."""
         begin, stop = seconds_of(start, "start") or 0.0, seconds_of(end, "end")
         stretch = {"from": begin} if stop is None else {"from": begin, "to": stop}
@@ -434,7 +432,12 @@ class Run:
             parts.append(answer)
             lines += _tree_lines(tree)
             rows += [
-                {"env": name, "step": number, **step, "values": json.dumps(step["values"]) if "values" in step else None}
+                {
+                    "env": name,
+                    "step": number,
+                    **step,
+                    "values": json.dumps(step["values"]) if "values" in step else None,
+                }
                 for number, step in enumerate(answer["steps"])
             ]
         columns = ("env", "step", "n", "t_s", "kind", "text", "place", "values", "because")
@@ -604,8 +607,7 @@ def _why_not_lines(rule: Mapping[str, Any]) -> list[str]:
     last = f", last at {rule['last_fired_s']} s" if rule.get("last_fired_s") is not None else ""
     times = "once" if fired == 1 else f"{fired} times"
     lines = [
-        f"rule {rule['rule']} ({rule['file']}:{rule['line']}) has "
-        + (f"fired {times}{last}" if fired else "not fired")
+        f"rule {rule['rule']} ({rule['file']}:{rule['line']}) has " + (f"fired {times}{last}" if fired else "not fired")
     ]
     unmet = rule.get("first_unmet")
     if not unmet:

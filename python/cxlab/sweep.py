@@ -56,10 +56,10 @@ class Plot:
 class Sweep:
     """The folder of a sweep, or a file like its rows.csv.
 
-        >>> sweep = cxlab.read_sweep("runs/strategies")
-        >>> sweep.scores                                 # mean, median, middle half, with 95 % intervals
-        >>> sweep.differences                            # from the first strategy, in the same games
-        >>> sweep.compare("runs/before").answer          # 'better'
+    >>> sweep = cxlab.read_sweep("runs/strategies")
+    >>> sweep.scores                                 # mean, median, middle half, with 95 % intervals
+    >>> sweep.differences                            # from the first strategy, in the same games
+    >>> sweep.compare("runs/before").answer          # 'better'
     """
 
     def __init__(self, folder: str | os.PathLike[str], *, frames: tables.Frames = "pandas", code: int = 0) -> None:
@@ -133,7 +133,9 @@ class Sweep:
             row = {}
             for column, cell in zip(given["columns"], cells, strict=True):
                 key, is_number = column["key"], column["number"] and not column["key"].endswith("_95")
-                row[key.replace("_95", "_in")] = (cell["order"] if cell["text"] else None) if is_number else cell["text"]
+                row[key.replace("_95", "_in")] = (
+                    (cell["order"] if cell["text"] else None) if is_number else cell["text"]
+                )
             rows.append(row)
         return self._frame(rows)
 

@@ -77,16 +77,11 @@ def from_rows(rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = ()) ->
     values: whole, real, truth, text, or lists of these. One with values of several types is text.
     """
     cells: dict[str, list[Any]] = {name: [] for name in columns}
-    count = 0
-    for row in rows:
+    for number, row in enumerate(rows):
         for name, value in row.items():
-            column = cells.get(name)
-            if column is None:
-                column = cells[name] = [None] * count
-            column.append(value)
-        count += 1
+            cells.setdefault(name, [None] * number).append(value)
         for column in cells.values():
-            if len(column) < count:
+            if len(column) == number:
                 column.append(None)
     arrow = library("pyarrow")
     return arrow.table({name: _column(values, arrow) for name, values in cells.items()})

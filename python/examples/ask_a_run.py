@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Asks a game of the Logistics League: which orders were late, what robots waited for, and why.
 
-    python/examples/ask_a_run.py runs/game-1
+python/examples/ask_a_run.py runs/game-1
 """
 
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares two robots with three in the same games of a scenario, and says whether the answer is sure.
 
-    python/examples/compare_strategies.py scenarios/rcll/game.yaml runs/robots
+python/examples/compare_strategies.py scenarios/rcll/game.yaml runs/robots
 """
 
 import sys
@@ -21,7 +21,8 @@ def main(scenario: str, out: str) -> None:
     for row in sweep.differences.itertuples():
         print(
             f"{row.strategy} against {row.against}: {row.difference:+.1f} points "
-            f"({row.difference_95_low:.1f} to {row.difference_95_high:.1f}), better in {row.improvement:.0%} of games: {row.answer}"
+            f"({row.difference_95_low:.1f} to {row.difference_95_high:.1f}), "
+            f"better in {row.improvement:.0%} of games: {row.answer}"
         )
 
 

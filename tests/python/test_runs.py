@@ -44,30 +44,41 @@ def ends(pid):
     return False
 
 
-class WithGame(unittest.TestCase):
-    """One short game for all tests of a class."""
+SCRATCH = tempfile.TemporaryDirectory()
+GAME = Path(SCRATCH.name) / "game"
 
-    @classmethod
-    def setUpClass(cls):
-        cls.scratch = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.scratch.cleanup)
-        cls.folder = Path(cls.scratch.name) / "game"
-        program("run", "rcll/game", "--tier", "timed", "--seed", 1, "--until", 130, "--quiet", "--out", cls.folder)
+
+def setUpModule():
+    unittest.addModuleCleanup(SCRATCH.cleanup)
+    program("run", "rcll/game", "--tier", "timed", "--seed", 1, "--until", 130, "--quiet", "--out", GAME)
+
+
+class WithGame(unittest.TestCase):
+    """Each test opens the one game of this module."""
+
+    folder = GAME
 
     def setUp(self):
-        self.run_ = cxlab.Run(self.folder)
+        self.run_ = cxlab.Run(GAME)
         self.addCleanup(self.run_.close)
 
 
 class Times(unittest.TestCase):
     def test_times_are_written_as_for_the_program(self):
-        for text, seconds in ((312.4, 312.4), (7, 7.0), ("312.4", 312.4), ("5:12", 312.0), ("5:12.4", 312.4), ("0:05", 5.0)):
+        for text, seconds in (
+            (312.4, 312.4),
+            (7, 7.0),
+            ("312.4", 312.4),
+            ("5:12", 312.0),
+            ("5:12.4", 312.4),
+            ("0:05", 5.0),
+        ):
             self.assertAlmostEqual(seconds_of(text), seconds, places=9, msg=text)
         self.assertIsNone(seconds_of(None))
 
     def test_what_is_no_time_says_how_one_is_written(self):
         for none in ("", "now", "5:60", "1:2:3", -1, "-1", float("nan"), float("inf"), True, [3]):
-            with self.assertRaisesRegex(cxlab.UsageError, '5:12.4', msg=none):
+            with self.assertRaisesRegex(cxlab.UsageError, "5:12.4", msg=none):
                 seconds_of(none)
 
 
@@ -96,7 +107,10 @@ class Questions(WithGame):
             why = self.run_.why("order-begin", at=at)
             wanted = self.answer("why", self.folder, "order-begin", "--at", at)["environments"]
             self.assertEqual(why.json, wanted)
-        words = lambda text: re.sub(r"[│├└─\s]+", " ", text).strip()  # the program breaks lines
+
+        def words(text):  # the program breaks lines
+            return re.sub(r"[│├└─\s]+", " ", text).strip()
+
         printed = program("why", self.folder, "order-begin").partition("\n")[2]
         self.assertEqual(words(str(self.run_.why("order-begin"))), words(printed))
 
@@ -104,7 +118,8 @@ class Questions(WithGame):
         for what in ("product-deliver", "(order (id 1))", "(delivered)"):
             not_yet = self.run_.why_not(what, at=100)
             wanted = self.answer("why-not", self.folder, what, "--at", 100)
-            for found, part in zip(not_yet.json, wanted.get("environments") or [{"explanations": wanted["explanations"]}], strict=True):
+            parts = wanted.get("environments") or [{"explanations": wanted["explanations"]}]
+            for found, part in zip(not_yet.json, parts, strict=True):
                 for key in part:
                     if key == "explanations":
                         for one, other in zip(found[key], part[key], strict=True):
@@ -131,7 +146,7 @@ class Questions(WithGame):
         for name in self.run_.questions:
             self.assertIn(name, dir(self.run_))
         with self.assertRaisesRegex(AttributeError, "did you mean 'orders'"):
-            self.run_.ordrs
+            _ = self.run_.ordrs
         self.assertFalse(hasattr(self.run_, "_repr_svg_"))
 
     def test_result_and_manifest_are_the_files(self):
@@ -221,7 +236,8 @@ class Process(WithGame):
 
     def test_it_ends_with_the_interpreter_however_that_ends(self):
         for end in ("pass", "os.kill(os.getpid(), 9)"):
-            code = f"import cxlab, os; r = cxlab.Run({str(self.folder)!r}); r.globals(at=20); print(r._asking.pid, flush=True); {end}"
+            ask = f"r = cxlab.Run({str(self.folder)!r}); r.globals(at=20); print(r._asking.pid, flush=True)"
+            code = f"import cxlab, os; {ask}; {end}"
             done = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True, timeout=60)
             self.assertTrue(ends(int(done.stdout)), end)
 
@@ -289,9 +305,9 @@ class Notebook(WithGame):
 
 class WhatIf(WithGame):
     def test_a_rerun_is_a_run_that_goes_on_otherwise(self):
-        out = Path(self.scratch.name) / "otherwise"
+        out = Path(SCRATCH.name) / "otherwise"
         other = cxlab.rerun(
-            self.run_, at="1:40", then='(defrule say-so (time ?) (not (said)) => (assert (said)))', until=120, out=out
+            self.run_, at="1:40", then="(defrule say-so (time ?) (not (said)) => (assert (said)))", until=120, out=out
         )
         self.assertTrue(other.same)
         self.assertEqual(other.folder, out)
@@ -301,12 +317,12 @@ class WhatIf(WithGame):
         other.close()
 
     def test_a_rerun_without_a_change_is_the_same(self):
-        again = cxlab.rerun(self.folder, out=Path(self.scratch.name) / "again")
+        again = cxlab.rerun(self.folder, out=Path(SCRATCH.name) / "again")
         self.assertTrue(again.same)
         self.assertEqual(again.result["journal_hash"], self.run_.result["journal_hash"])
 
     def test_what_cannot_be_is_refused(self):
-        out = Path(self.scratch.name) / "refused"
+        out = Path(SCRATCH.name) / "refused"
         for kind, text, options in (
             (cxlab.UsageError, "begin with '('", {"at": 10, "then": "no-such-file.clp"}),
             (cxlab.UsageError, "--at", {"assert_": "(a)"}),
@@ -327,7 +343,7 @@ class Pages(WithGame):
         self.assertFalse(is_alive(pid))
 
     def test_export_names_its_files(self):
-        files = self.run_.export("trace", out=Path(self.scratch.name) / "t.json")
+        files = self.run_.export("trace", out=Path(SCRATCH.name) / "t.json")
         self.assertEqual([file.name for file in files], ["t.json"])
         json.loads(files[0].read_text())
         with self.assertRaises(cxlab.UsageError):
