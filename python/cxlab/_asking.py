@@ -70,7 +70,7 @@ def _end(process: subprocess.Popen[bytes], said: IO[bytes], owner: int) -> None:
 
 
 class Asking:
-    """Asks `cxlab ask RUN`, which begins with the first question and ends with `close`, this object, or this process."""
+    """Asks `cxlab ask RUN`: it begins with the first question and ends with `close`, this object, or this process."""
 
     def __init__(self, folder: Path, trust_programs: bool) -> None:
         self._arguments = [str(folder)] + (["--trust-programs"] if trust_programs else [])
@@ -120,7 +120,7 @@ class Asking:
             self._close()
         if not self._process:
             self._owner = os.getpid()
-            self._said = tempfile.TemporaryFile()
+            self._said = tempfile.TemporaryFile()  # noqa: SIM115 - `_end` closes it
             self._process = subprocess.Popen(
                 [os.fspath(program()), "ask", *self._arguments],
                 stdin=subprocess.PIPE,

@@ -65,7 +65,7 @@ def run_html(run: Run) -> str:
         ("warnings", len(result.get("warnings") or ()) or None),
     ]
     cells = "".join(
-        f'<tr><th style="text-align: left">{escape(name)}</th><td style="text-align: left">{escape(str(value))}</td></tr>'
+        f'<tr style="text-align: left"><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>'
         for name, value in facts
         if value is not None
     )
@@ -93,12 +93,13 @@ def _timeline(run: Run) -> str:
         parts.append(_label(0, lane * _LANE + 12, robot))
     for skill in skills[:_MOST_DRAWN]:
         begin, stop = x(skill["begin_s"]), x(skill["end_s"] if skill["end_s"] is not None else end)
-        colour = _COLOURS[kinds.index(skill["skill"]) % len(_COLOURS)]
+        y, width = robots.index(skill["robot"]) * _LANE + 3, max(1.0, round(stop - begin, 1))
         failed = skill["state"] in ("failed", "refused")
+        colour = "#d33" if failed else _COLOURS[kinds.index(skill["skill"]) % len(_COLOURS)]
+        title = " ".join(str(skill[key]) for key in ("skill", "target", "state") if skill[key])
         parts.append(
-            f'<rect x="{begin}" y="{robots.index(skill["robot"]) * _LANE + 3}" width="{max(1.0, round(stop - begin, 1))}" '
-            f'height="{_LANE - 5}" fill="{"#d33" if failed else colour}"><title>'
-            f"{escape(' '.join(str(skill[key]) for key in ('skill', 'target', 'state') if skill[key]))}</title></rect>"
+            f'<rect x="{begin}" y="{y}" width="{width}" height="{_LANE - 5}" fill="{colour}">'
+            f"<title>{escape(title)}</title></rect>"
         )
     top = len(robots) * _LANE + 8
     height = top + _CURVE + 20

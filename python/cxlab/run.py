@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from cxlab.errors import CxlabError, InputError, UsageError
 
 Time = float | int | str
 
-_MINUTES = re.compile(r"(\d+):([0-5]?\d(?:\.\d*)?)")
+_TIME = re.compile(r"(?:(\d+):(?=[0-5]?\d(?:\.|$)))?(\d+(?:\.\d*)?)")
 _LONGEST_S = 1e9
 _AFTER_EACH_END_S = 1e8
 
@@ -29,12 +30,9 @@ def seconds_of(time: Time | None, name: str = "at") -> float | None:
         return None
     seconds: float | None = None
     if isinstance(time, str):
-        minutes = _MINUTES.fullmatch(time.strip())
-        try:
-            seconds = 60 * int(minutes[1]) + float(minutes[2]) if minutes else float(time)
-        except ValueError:
-            pass
-    elif isinstance(time, (int, float)) and not isinstance(time, bool):
+        written = _TIME.fullmatch(time)
+        seconds = 60 * int(written[1] or 0) + float(written[2]) if written else None
+    elif isinstance(time, Real) and not isinstance(time, bool):  # numbers of NumPy as well
         seconds = float(time)
     if seconds is None or not 0 <= seconds < _LONGEST_S:
         raise UsageError(f'{name}: found {time!r}, expected a time of the run: 312.4 (s), "5:12" or "5:12.4"')
@@ -353,7 +351,7 @@ class Run:
         return self._frame(rows, columns if what else (*columns, "text"))
 
     def changes(self, what: str, start: Time | None = None, end: Time | None = None, *, env: str | None = None) -> Any:
-        """Each change of the facts that were there at some time of the stretch: t_s, env, fact, template, what, by, text."""
+        """The changes in a stretch of the facts that match: t_s, env, fact, template, what, by, text."""
         begin, stop = seconds_of(start, "start") or 0.0, seconds_of(end, "end")
         stretch = {"from": begin} if stop is None else {"from": begin, "to": stop}
         rows = [
@@ -398,7 +396,10 @@ class Run:
         end: Time | None = None,
         env: str | None = None,
     ) -> Any:
-        """Which rules fired when: env, t_s, rule, place, values (JSON), facts. With `rule` each variable is a column."""
+        """Which rules fired when: env, n, t_s, rule, place, values (JSON), facts.
+
+        With `rule` each of its variables is a column.
+        """
         begin, stop = seconds_of(start, "start"), seconds_of(end, "end")
         stretch = {key: value for key, value in (("from", begin), ("to", stop)) if value is not None}
         rows = []

@@ -200,8 +200,9 @@ def bench(
 ) -> Sweep:
     """Plays the games of a suite, each in a process of its own, and opens the sweep.
 
-        >>> cxlab.bench({"scenarios": ["game.yaml"], "seeds": "1..30", "strategies": {"three": [], "two": ["world.robots=2"]}},
-        ...             out="runs/robots", jobs=2)
+        >>> suite = {"scenarios": ["game.yaml"], "seeds": "1..30",
+        ...          "strategies": {"three": [], "two": ["world.robots=2"]}}
+        >>> cxlab.bench(suite, out="runs/robots", jobs=2)
 
     Games that are there already and would come out the same are kept.
 

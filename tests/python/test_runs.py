@@ -77,7 +77,23 @@ class Times(unittest.TestCase):
         self.assertIsNone(seconds_of(None))
 
     def test_what_is_no_time_says_how_one_is_written(self):
-        for none in ("", "now", "5:60", "1:2:3", -1, "-1", float("nan"), float("inf"), True, [3]):
+        for none in (
+            "",
+            "now",
+            "5:60",
+            "1:2:3",
+            "5:",
+            ":5",
+            "5:123",
+            "1e3",
+            "1_0",
+            -1,
+            "-1",
+            float("nan"),
+            float("inf"),
+            True,
+            [3],
+        ):
             with self.assertRaisesRegex(cxlab.UsageError, "5:12.4", msg=none):
                 seconds_of(none)
 
