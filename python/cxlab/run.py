@@ -7,6 +7,7 @@ import json
 import os
 import re
 import subprocess
+import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
@@ -105,26 +106,17 @@ class Explanation:
 
 
 class View:
-    """`cxlab view` at work: open `url` in a browser of this machine. `close`, or the end of this process, ends it."""
+    """`cxlab view` at work: open `url` in a browser of this machine. It ends with `close`, or with this object."""
 
     def __init__(self, process: subprocess.Popen[str], url: str) -> None:
-        self._process = process
         self.url = url
-
-    def close(self) -> None:
-        if self._process.poll() is None:
-            self._process.terminate()
-            self._process.wait()
-        if self._process.stdout:
-            self._process.stdout.close()
+        self.pid = process.pid
+        self.close = weakref.finalize(self, _end_view, process)
 
     def __enter__(self) -> View:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -134,6 +126,13 @@ class View:
         from cxlab import jupyter
 
         return jupyter.link_html(self.url)
+
+
+def _end_view(process: subprocess.Popen[str]) -> None:
+    process.terminate()
+    process.wait()
+    if process.stdout:
+        process.stdout.close()
 
 
 class Run:

@@ -354,7 +354,7 @@ class Pages(WithGame):
     def test_view_serves_until_it_is_closed(self):
         with self.run_.view() as view:
             self.assertRegex(view.url, r"^http://127\.0\.0\.1:\d+/\?token=|^http://127\.0\.0\.1:\d+/")
-            pid = view._process.pid
+            pid = view.pid
             self.assertTrue(is_alive(pid))
         self.assertFalse(is_alive(pid))
 
