@@ -54,14 +54,11 @@ def run_program(arguments: Sequence[str], answers: Collection[int] = (0,)) -> tu
     return done.returncode, done.stdout
 
 
-def _end(process: subprocess.Popen[bytes], said: IO[bytes], owner: int) -> None:
-    """Ends it by the end of its input; after a while at once. A copy of the owner leaves it alone."""
+def _end(process: subprocess.Popen[bytes], said: IO[bytes]) -> None:
+    """Ends it by the end of its input, after a while at once. A copy of the owner only lets go of it: it cannot wait."""
     for file in (process.stdin, process.stdout, said):
         if file:
             file.close()
-    if os.getpid() != owner:
-        process.returncode = 0  # is none of its own
-        return
     try:
         process.wait(_LONGEST_END_S)
     except subprocess.TimeoutExpired:
@@ -129,7 +126,7 @@ class Asking:
                 env={**os.environ, "NO_COLOR": "1"},
                 start_new_session=True,  # Ctrl-C ends the question, not the process
             )
-            self._finalizer = weakref.finalize(self, _end, self._process, self._said, self._owner)
+            self._finalizer = weakref.finalize(self, _end, self._process, self._said)
         return self._process
 
     def _words(self) -> str:

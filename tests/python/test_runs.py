@@ -87,6 +87,7 @@ class Times(unittest.TestCase):
             "5:123",
             "1e3",
             "1_0",
+            1e9,
             -1,
             "-1",
             float("nan"),
@@ -268,9 +269,11 @@ class Process(WithGame):
         pid = self.asked()
         copy_of_this = os.fork()
         if copy_of_this == 0:
+            self.run_.globals(at=20)
+            other = self.run_._asking.pid
             self.run_.close()
-            os._exit(0)
-        os.waitpid(copy_of_this, 0)
+            os._exit(0 if other != pid and ends(other) else 1)
+        self.assertEqual(os.waitpid(copy_of_this, 0)[1], 0)
         time.sleep(0.2)
         self.assertTrue(is_alive(pid))
         self.assertEqual(self.asked(), pid)
@@ -279,21 +282,17 @@ class Process(WithGame):
 class RunThatWasKilled(unittest.TestCase):
     def test_it_is_asked_up_to_where_its_log_ends(self):
         with tempfile.TemporaryDirectory() as scratch:
-            folder = Path(scratch) / "killed"
-            game = subprocess.Popen(
-                [CXLAB, "run", "rcll/game", "--tier", "timed", "--seed", "1", "--realtime", "--quiet", "--out", folder],
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-            inputs = folder / "inputs.bin"
-            while not inputs.exists() or inputs.stat().st_size < 100:
-                self.assertIsNone(game.poll())
-                time.sleep(0.05)
-            game.kill()
-            game.wait()
-            with cxlab.Run(folder) as run:
-                self.assertEqual(run.result["reason"]["code"], "unfinished")
-                self.assertIn("last-id", run.globals())
+            killed = Path(scratch) / "killed"
+            shutil.copytree(GAME, killed)
+            begun = {"status": "failed", "reason": {"code": "unfinished", "message": "is being played"}}
+            result = json.loads((killed / "result.json").read_text())
+            (killed / "result.json").write_text(json.dumps(result | begun | {"sim_time_s": 0, "stream_hashes": {}}))
+            with cxlab.Run(killed) as run:
+                self.assertEqual(
+                    run.globals(), json.loads(program("globals", GAME, "--json"))["environments"][0]["globals"]
+                )
+                self.assertLess(run.globals(at=10)["last-id"], run.globals()["last-id"])
+                self.assertIn("unfinished", str(run.result))
 
 
 class Notebook(WithGame):
