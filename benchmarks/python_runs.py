@@ -56,7 +56,7 @@ def main(folder):
         best("first question, facts in the middle", first)
         best("next question at that time", lambda: run.facts(end / 2, "order"), 5)
         rules = run.rules(end / 2)
-        latest = rules.sort_values("last_s")["rule"].iloc[-1]
+        latest = rules.loc[rules["last_s"].idxmax(), "rule"]
         best("why there, of the rule that fired last", lambda: run.why(latest, end / 2))
         run.facts(end / 2, "order")
         best("first question at the end", lambda: (run.close(), run.facts(None, "order")))
