@@ -26,12 +26,12 @@
 (deffunction load-strategy (?file)
   (if (eq ?file greedy)
    then
-    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration payments shelves cap-stations worth orders products
-                             shared-machines trouble recovery maintenance repairs)
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots choose-jobs exploration payments shelves cap-stations worth orders
+                             choose-orders products shared-machines trouble recovery maintenance repairs)
     (load-files "rcll_planning_agent" settings dispatch/greedy)
    else
-    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration shelves worth shared-machines trouble maintenance
-                             repairs)
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots choose-jobs exploration shelves worth shared-machines trouble
+                             maintenance repairs)
     (load-files "rcll_planning_agent" settings planning-facts durations risk foresight problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
                                       plans refinement agenda finish failures exchange)))
 
