@@ -21,7 +21,7 @@
 (deffunction dispatch-file ()
   (if (groups-ahead (ros-param-get-value "strategy.dispatch" "partial-order"))
    then groups
-   else (sym-cat (one-of "strategy.dispatch" "partial-order" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"))))
+   else (sym-cat (one-of "strategy.dispatch" "partial-order" "external" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"))))
 
 (deffunction load-strategy (?file)
   (if (eq ?file greedy)
@@ -30,6 +30,7 @@
                              choose-orders products shared-machines trouble recovery maintenance repairs)
     (load-files "rcll_planning_agent" settings dispatch/greedy)
    else
+    (if (eq ?file external) then (load-files "cxlab_choices" choices))
     (load-files "rcll_agent" facts skills pauses refbox jobs robots choose-jobs exploration shelves worth shared-machines trouble
                              maintenance repairs)
     (load-files "rcll_planning_agent" settings planning-facts durations risk foresight problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
