@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cx/bus/needed.h"
 #include "scenarios/begin.h"
 
 namespace cxlab {
@@ -57,7 +56,7 @@ Status Episode::start() {
     if (starts(i))
       if (Status s = agents_[i]->activate(); !s) return s;
   if (options_.log && !options_.replay)
-    for (const std::string& text : bus::not_offered())
+    for (const std::string& text : registry_.not_offered())
       options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
   return write_out();
 }
@@ -126,7 +125,7 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   if (scene_log_) note(scene_log_->close());
   note(journal_.close());
   Result out = result();
-  for (const auto& more : {bus::not_offered(), at_the_end})
+  for (const auto& more : {registry_.not_offered(), at_the_end})
     out.warnings.insert(out.warnings.end(), more.begin(), more.end());
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;

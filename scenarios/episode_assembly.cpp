@@ -109,7 +109,6 @@ Status Episode::open_files() {
 
 Status Episode::build_bus() {
   if (is_folder(options_.interfaces)) bus::set_own_definitions(options_.interfaces);
-  bus::forget_not_offered();
   const bool replays = options_.replay.has_value();
   const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
   if (!replays || is_folder(interfaces))
