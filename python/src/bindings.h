@@ -14,6 +14,7 @@ namespace cxlab::python {
 
 namespace nb = nanobind;
 
+void bind_choice(nb::module_& module);
 void bind_episode(nb::module_& module);
 
 /// Throws the exception of the error's kind (cxlab/errors.py).

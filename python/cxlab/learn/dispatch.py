@@ -14,7 +14,7 @@ from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, mask_of, observation_
 class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     """The whole team is one agent: each step answers one choice of the rules.
 
-    Observation: float32, shape (314,), between -1 and 1 (docs/learning.md). Action: one of 16 options; `action_masks()` and
+    Observation: float32, shape (346,), between -1 and 1 (docs/learning.md). Action: one of 16 options; `action_masks()` and
     `info["action_mask"]` say which may be chosen. An action that the mask forbids takes the rules' option, and `info["invalid"]`
     is True. Reward: the points that the team
     got since the last step, or since the game began; their sum is what the game ends with. The episode terminates with the game; it is truncated at

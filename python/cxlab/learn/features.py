@@ -14,5 +14,6 @@ OPTION = {
     "take-job": (
         "preferred", "wait", "urgency", "way", "haul", "detour", "buffer", "clear", "pay", "to_ring_station", "to_cap_station",
         "deliver", "not_there_yet", "not_free_yet", "base_taken", "payments_missing", "points", "time_left", "works_left",
+        "users", "next_users",
     ),
 }  # fmt: skip

@@ -42,7 +42,7 @@ def mask_of(choice: Choice | None) -> NDArray[np.bool_]:
 
 
 def observation_of(choice: Choice | None) -> NDArray[np.float32]:
-    """Shape (314,), each between -1 and 1: the kind of choice (2), the situation (8), then 16 options with 19 features each."""
+    """Shape (346,), each between -1 and 1: the kind of choice (2), the situation (8), then 16 options with 21 features each."""
     out = np.zeros(SIZE, dtype=np.float32)
     if choice is None:
         return out

@@ -154,6 +154,15 @@
   "Whether the base comes for another job first."
   (any-factp ((?r reserved)) (eq ?r:machine ?station)))
 
+(deffunction users (?machine)
+  "How many products still need the machine, and how many need it next."
+  (bind ?all 0)
+  (bind ?next 0)
+  (do-for-all-facts ((?p product)) (member$ ?machine ?p:via)
+    (bind ?all (+ ?all 1))
+    (if (eq ?machine (nth$ 1 ?p:via)) then (bind ?next (+ ?next 1))))
+  (create$ ?all ?next))
+
 (deffunction features-of-job (?robot ?job ?preferred ?now ?zero)
   (bind ?id (fact-slot-value ?job id))
   (bind ?purpose (fact-slot-value ?job purpose))
@@ -171,6 +180,7 @@
           (bind ?left (- ?o:end (- ?now ?zero)))
           (bind ?todo (length$ ?p:todo))
           (bind ?points (points-of ?o:complexity ?o:rings ?o:bonus (- 0.0 ?left) (- ?o:end ?o:begin)))))
+  (bind ?users (users ?goal))
   (create$ (flag ?preferred)
            0.0
            (share (fact-slot-value ?job urgency) 5)
@@ -189,10 +199,12 @@
            (share ?missing 3)
            (share ?points 200)
            (share ?left 600)
-           (share ?todo 5)))
+           (share ?todo 5)
+           (share (nth$ 1 ?users) 3)
+           (share (nth$ 2 ?users) 2)))
 
 (deffunction features-of-waiting (?preferred)
-  (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0))
+  (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0))
 
 (deffunction first-idle-robot ()
   "That is awake; FALSE: none."
