@@ -5,7 +5,7 @@
 
 Needs NumPy only. The policy is linear in the features of each option (docs/learning.md). Each generation plays pairs of games with
 the same seed, one with the weights plus a perturbation, one minus it; the differences of their points, cut at 150, are the
-gradient, which Adam follows. Each 10 generations the weights play seeds kept for that (20001...); the best ones so far are kept
+gradient, which Adam follows. Each 5 generations the weights play seeds kept for that (20001...); the best ones so far are kept
 in best.json. `train` goes on from training/state.json, if there is one; the same arguments give the same weights, with any
 number of processes.
 """
@@ -31,6 +31,7 @@ CHOOSING_SEEDS = range(20001, 20049)
 SIGMA = 0.25
 RATE = 0.06
 CUT = 150.0
+EVERY = 5
 
 Vector = NDArray[np.float64]
 
@@ -111,7 +112,7 @@ def train(arguments: argparse.Namespace) -> None:
         while (minutes := (time.monotonic() - begun) / 60) < arguments.minutes and training.generation < arguments.generations:
             mean = training.step(pool)
             gain, width = float("nan"), float("nan")
-            if training.generation % 10 == 0:
+            if training.generation % EVERY == 0:
                 gain, width = interval(play_games(pool, training.weights, CHOOSING_SEEDS) - rules)
                 if training.best is None or gain > training.best:
                     training.best = gain

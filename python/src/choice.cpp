@@ -127,8 +127,10 @@ void bind_choice(nb::module_& module) {
       .def_prop_ro("options", [](const ChoicesAtPlay& self) { return self.choice().options; })
       .def_prop_ro("allowed", [](const ChoicesAtPlay& self) { return self.choice().allowed; })
       .def_prop_ro("preferred", [](const ChoicesAtPlay& self) { return self.choice().preferred; })
-      .def_prop_ro("situation", [](const ChoicesAtPlay& self) { return array_of(self.choice().situation); })
-      .def_prop_ro("features", [](const ChoicesAtPlay& self) { return array_of(self.choice().features); });
+      .def_prop_ro("situation", [](const ChoicesAtPlay& self) { return array_of(self.choice().situation); },
+                   nb::rv_policy::move)
+      .def_prop_ro("features", [](const ChoicesAtPlay& self) { return array_of(self.choice().features); },
+                   nb::rv_policy::move);
 }
 
 }  // namespace cxlab::python
