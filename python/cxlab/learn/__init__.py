@@ -43,3 +43,16 @@ def __getattr__(name: str) -> Any:
     import importlib
 
     return getattr(importlib.import_module(f"cxlab.learn.{_LAZY[name]}"), name)
+
+
+def _register_when_gymnasium_is_there() -> None:
+    """Installed, Gymnasium finds the entry point by itself; from a build folder the import of this module registers."""
+    import sys
+
+    if "gymnasium" in sys.modules:
+        from cxlab.learn.registration import register
+
+        register()
+
+
+_register_when_gymnasium_is_there()
