@@ -110,7 +110,7 @@ AGENTS = [
           ["facts '(job (purpose CLEAR))' --at 1:30", "why '(job (purpose CLEAR))' --at 1:30", "firings payment-of-bare-base"],
           r"(?s)56.400 s  payment-of-bare-base .*\?name = \"C-CS1\".*\n +56.400 s  payment-of-bare-base .*\?name = \"C-CS1\""),
     # No order is begun.
-    Agent("a salience that is too low", 200, "agent/clips/orders.clp", [('have the best order made."\n', 'have the best order made."\n  (declare (salience -10000))\n')],
+    Agent("a salience that is too low", 200, "agent/clips/choose-orders.clp", [('have the best order made."\n', 'have the best order made."\n  (declare (salience -10000))\n')],
           ["orders", "rules", "why-not order-choose"],
           r"(?s)order-choose.*was on the agenda up to 200.000 s, until rule time-retract took it off"),
     # Machines stand while another one works.
