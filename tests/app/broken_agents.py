@@ -134,7 +134,7 @@ AGENTS = [
           ["orders", "why-not '(product (order 1))' --at 4:00", "globals"],
           r"DELIVERY-LEAD\* = -300"),
     # No order is begun after the first second.
-    Agent("a wrong unit", 200, "agent/clips/orders.clp", [("(assert (next-choice (+ ?now 1.0)))", "(assert (next-choice (+ ?now 1000.0)))")],
+    Agent("a wrong unit", 200, "agent/clips/choose-orders.clp", [("(assert (next-choice (+ ?now 1.0)))", "(assert (next-choice (+ ?now 1000.0)))")],
           ["orders", "why-not '(order (id 1) (state STARTED))'", "why-not '(chosen ?)'"],
           r"order-choose \(.*\) asserts it through .*\n +lacks now condition 4: .*1000"),
     # The second product stays in the robot's gripper.

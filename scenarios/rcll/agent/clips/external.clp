@@ -42,7 +42,7 @@
   (do-for-all-facts ((?p product)) TRUE (bind ?n (+ ?n (common ?p:via ?machines))))
   ?n)
 
-(deffunction features-of-order (?order ?preferred ?time ?spare)
+(deffunction features-of-order (?order ?preferred ?time)
   (bind ?rings (fact-slot-value ?order rings))
   (bind ?complexity (fact-slot-value ?order complexity))
   (bind ?bonus (fact-slot-value ?order bonus))
@@ -66,7 +66,7 @@
            (share (meetings (first$ ?machines)) 3)
            (share (meetings (rest$ ?machines)) 8)
            (flag (has-cap (nth$ (- (length$ ?machines) 1) ?machines)))
-           (share ?spare 3)))
+           0.0))
 
 (deffunction features-of-no-order (?preferred ?spare)
   (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 (share ?spare 3)))
@@ -85,7 +85,7 @@
     (bind ?items (create$ ?items ?o:id))
     (bind ?allowed (create$ ?allowed TRUE))
     (bind ?options (create$ ?options (str-cat "begin order " ?o:id)))
-    (bind ?features (create$ ?features (features-of-order ?o (= ?o:id ?best) ?time ?spare))))
+    (bind ?features (create$ ?features (features-of-order ?o (= ?o:id ?best) ?time))))
   (if (= (length$ ?items) 0) then (return))
   (bind ?items (create$ ?items 0))
   (assert (choice (id (new-choice)) (kind begin-order) (items ?items) (options ?options "begin no order") (allowed ?allowed TRUE)
