@@ -87,8 +87,13 @@ class ChoicesAtPlay {
   /// What the result has so far at that path, as JSON; empty: nothing.
   std::string result_at(const std::string& path) { return session().episode().result().at(path); }
 
+  nb::object render(int width, int height, const std::string& camera, bool caption) {
+    return renderer_.draw(session().episode(), width, height, camera, caption);
+  }
+
   nb::object close() {
     choice_ = nullptr;
+    renderer_ = {};
     lab::Played ended;
     {
       const nb::gil_scoped_release others_may_run;
@@ -107,6 +112,7 @@ class ChoicesAtPlay {
 
   std::unique_ptr<lab::ChoiceEpisode> episode_;  // none: closed
   const lab::Choice* choice_ = nullptr;          // none is open
+  Renderer renderer_;
 };
 
 }  // namespace
@@ -120,6 +126,7 @@ void bind_choice(nb::module_& module) {
       .def("next", &ChoicesAtPlay::next)
       .def("choose", &ChoicesAtPlay::choose, nb::arg("option"))
       .def("result_at", &ChoicesAtPlay::result_at, nb::arg("path"))
+      .def("render", &ChoicesAtPlay::render, nb::arg("width"), nb::arg("height"), nb::arg("camera"), nb::arg("caption"))
       .def("close", &ChoicesAtPlay::close)
       .def_prop_ro("now", [](ChoicesAtPlay& self) { return to_seconds(self.session().episode().now()); })
       .def_prop_ro("kind", [](const ChoicesAtPlay& self) { return self.choice().kind; })

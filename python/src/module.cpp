@@ -7,4 +7,5 @@ NB_MODULE(_cxlab, module) {
   module.attr("__version__") = cxlab::lab::cxlab_version();
   cxlab::python::bind_choice(module);
   cxlab::python::bind_episode(module);
+  cxlab::python::bind_seats(module);
 }

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
+from cxlab._yaml import yaml_text
 
 
 class Choice(NamedTuple):
@@ -59,12 +60,7 @@ class ChoiceGame:
         journal: str = "none",
         topic: str = "/choices",
     ) -> None:
-        import json
-
-        assignments = [
-            (f"{path}={value if isinstance(value, str) else json.dumps(value)}", f"set[{path!r}]")
-            for path, value in (set or {}).items()
-        ]
+        assignments = [(f"{path}={yaml_text(value, plain=True)}", f"set {path}") for path, value in (set or {}).items()]
         if seed is not None:
             assignments.append((f"seed={seed}", "seed"))
         if tier is not None:
@@ -106,6 +102,10 @@ class ChoiceGame:
 
         text = self._core.result_at(path)
         return json.loads(text) if text else None
+
+    def render(self, width: int = 640, height: int = 400, *, camera: str | None = None, caption: bool = False) -> NDArray[np.uint8]:
+        """A picture of the world now: uint8, shape (height, width, 3), as `cxlab.Episode.render`."""
+        return self._core.render(width, height, camera or "", caption)
 
     def close(self) -> dict[str, Any]:
         """End the episode here; its result, as result.json has it."""

@@ -29,7 +29,7 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
         set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012  Gymnasium's name and type
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012  Gymnasium's name and type
 
     def __init__(
         self,
@@ -87,6 +87,11 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     def action_masks(self) -> NDArray[np.bool_]:
         """For `sb3_contrib.MaskablePPO`: bool, shape (16,)."""
         return mask_of(self._games.choice)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """The field at the open choice: uint8, shape (400, 640, 3); None without `render_mode="rgb_array"`, or after the end."""
+        game = self._games.game
+        return game.render() if self.render_mode == "rgb_array" and game is not None and self._games.choice is not None else None
 
     def close(self) -> None:
         self._games.close()
