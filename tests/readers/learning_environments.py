@@ -91,6 +91,14 @@ class Dispatch(unittest.TestCase):
         self.assertNotIn("invalid", info)
         env.close()
 
+    def test_a_picture_is_drawn_at_the_open_choice(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", render_mode="rgb_array", **SHORT)
+        env.reset(seed=1)
+        picture = env.render()
+        env.close()
+        self.assertEqual((picture.shape[2], picture.dtype), (3, np.uint8))
+        self.assertGreater(picture.std(), 10)
+
     def test_a_vector_of_processes_plays_the_games_that_one_environment_plays(self):
         def make():
             return gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
@@ -155,6 +163,54 @@ class Robots(unittest.TestCase):
             total += rewards["robot1"]
         env.close()
         self.assertEqual(total, play(preferred, 1)["teams"]["CYAN"]["points"])
+
+
+class Turtles(unittest.TestCase):
+    def drive(self, seed, policy, steps=200, **more):
+        """Rewards, and the last answer of the environment."""
+        env = gymnasium.make("cxlab/Turtlesim-v0", journal="decisions", steps=steps, **more)
+        seen, _ = env.reset(seed=seed)
+        rewards, first = [], seen
+        while True:
+            seen, reward, terminated, truncated, info = env.step(policy(seen))
+            rewards.append(reward)
+            if terminated or truncated:
+                env.close()
+                return first, seen, rewards, (terminated, truncated), info
+
+    @staticmethod
+    def to_goal(seen):
+        _, _, ahead, left, _, _ = seen
+        turn = np.arctan2(left, ahead)
+        return np.array([np.cos(turn) if ahead > 0 else 0.0, turn], dtype=np.float32)
+
+    def test_gymnasium_finds_nothing_wrong(self):
+        env = gymnasium.make("cxlab/Turtlesim-v0").unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        env.close()
+
+    def test_who_drives_to_the_goal_gets_there_and_gains_the_way(self):
+        for seed in range(5):
+            first, last, rewards, ended, _ = self.drive(seed, self.to_goal)
+            self.assertEqual(ended, (True, False))
+            side = 11.0889
+            self.assertLess(np.hypot(*last[:2]) * side, 0.3)
+            self.assertAlmostEqual(sum(rewards), (np.hypot(*first[:2]) - np.hypot(*last[:2])) * side, places=3)
+
+    def test_who_stands_still_is_cut_off(self):
+        *_, rewards, ended, _ = self.drive(1, lambda _: np.zeros(2, np.float32), steps=30)
+        self.assertEqual((len(rewards), ended, sum(rewards)), (30, (False, True), 0.0))
+
+    def test_full_speed_is_two_metres_a_second(self):
+        first, last, *_ = self.drive(3, lambda _: np.array([1, 0], np.float32), steps=10)
+        self.assertAlmostEqual(np.hypot(*(last - first)[:2]) * 11.0889, 2.0, delta=0.1)
+
+    def test_the_same_seed_and_actions_are_the_same_run(self):
+        runs = [self.drive(seed, self.to_goal)[-1]["journal_hash"] for seed in (7, 7, 8)]
+        self.assertEqual(runs[0], runs[1])
+        self.assertNotEqual(runs[0], runs[2])
 
 
 class Registered(unittest.TestCase):
