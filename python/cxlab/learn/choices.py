@@ -94,7 +94,8 @@ class ChoiceGame:
     @property
     def now(self) -> float:
         """Simulated time of the last tick, s."""
-        return self._core.now
+        now: float = self._core.now
+        return now
 
     def result_at(self, path: str) -> Any:
         """What result.json has so far at a path: "teams.CYAN.points"; None if there is nothing."""
@@ -105,7 +106,8 @@ class ChoiceGame:
 
     def render(self, width: int = 640, height: int = 400, *, camera: str | None = None, caption: bool = False) -> NDArray[np.uint8]:
         """A picture of the world now: uint8, shape (height, width, 3), as `cxlab.Episode.render`."""
-        return self._core.render(width, height, camera or "", caption)
+        picture: NDArray[np.uint8] = self._core.render(width, height, camera or "", caption)
+        return picture
 
     def close(self) -> dict[str, Any]:
         """End the episode here; its result, as result.json has it."""

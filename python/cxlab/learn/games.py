@@ -24,7 +24,7 @@ def shown_options(choice: Choice) -> NDArray[np.int64]:
     count = len(choice.options)
     if count <= OPTIONS:
         return np.arange(count)
-    shown = list(range(OPTIONS - 1)) + [count - 1]
+    shown = [*range(OPTIONS - 1), count - 1]
     if choice.preferred not in shown:
         shown[-2] = choice.preferred
     return np.array(sorted(shown))

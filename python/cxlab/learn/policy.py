@@ -88,7 +88,7 @@ def play(policy: Policy, seed: int, *, scenario: str | os.PathLike[str] = "rcll/
 
 def _points(task: tuple[Policy, int, str, dict[str, Any]]) -> int:
     policy, seed, team, more = task
-    return play(policy, seed, **more)["teams"][team]["points"]
+    return int(play(policy, seed, **more)["teams"][team]["points"])
 
 
 def play_all(policies: Iterable[Policy], seeds: Iterable[int], *, processes: int = 1, team: str = "CYAN", **more: Any) -> NDArray[np.int64]:
