@@ -2,6 +2,7 @@
 
     python train_dispatcher.py train --out training --minutes 60 --processes 2
     python train_dispatcher.py evaluate training/best.json --seeds 30001..30200 --processes 2
+    python train_dispatcher.py draw training/curve.csv curve.svg
 
 Needs NumPy only. The policy is linear in the features of each option (docs/learning.md). Each generation plays pairs of games with
 the same seed, one with the weights plus a perturbation, one minus it; the differences of their points, cut at 150, are the
@@ -13,6 +14,7 @@ number of processes.
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import multiprocessing
 import time
@@ -152,19 +154,51 @@ def evaluate(arguments: argparse.Namespace) -> None:
         Path(arguments.csv).write_text("\n".join(["seed,rules,policy", *rows]) + "\n")
 
 
+def draw(arguments: argparse.Namespace) -> None:
+    """An SVG of curve.csv: gain against the rules with the seeds of the choice, with its 95 % interval, over the games played."""
+    with open(arguments.curve, encoding="utf-8") as text:
+        rows = [row for row in csv.DictReader(text) if row["choosing_gain"] != "nan"]
+    if not rows:
+        raise SystemExit(f"{arguments.curve}: no generation has been compared with the rules yet")
+    games, gain, width = (np.array([float(row[key]) for row in rows]) for key in ("games", "choosing_gain", "half_width"))
+    low, high = min(0.0, (gain - width).min()), max(0.0, (gain + width).max())
+    x = 50 + 530 * games / games.max()
+    y, top, bottom = (20 + 240 * (high - value) / (high - low) for value in (gain, gain + width, gain - width))
+    zero = 20 + 240 * high / (high - low)
+    bars = "".join(f'<path d="M{at:.1f} {a:.1f}V{b:.1f}" stroke="#9ab"/>' for at, a, b in zip(x, top, bottom, strict=True))
+    line = " ".join(f"{at:.1f},{value:.1f}" for at, value in zip(x, y, strict=True))
+    labels = "".join(
+        f'<text x="44" y="{at + 4:.1f}" text-anchor="end">{value:+.0f}</text>' for at, value in ((20, high), (zero, 0), (260, low))
+    )
+    Path(arguments.svg).write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 600 300" font-family="sans-serif" font-size="12">'
+        '<rect width="600" height="300" fill="#fff"/>'
+        f'<path d="M50 {zero:.1f}H580" stroke="#000"/>{bars}<polyline points="{line}" fill="none" stroke="#147" stroke-width="2"/>{labels}'
+        f'<text x="580" y="290" text-anchor="end">{games.max():.0f} games</text><text x="50" y="14">points more than the rules</text></svg>\n'
+    )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(required=True)
-    for name, does, about in (("train", train, "train a policy"), ("evaluate", evaluate, "compare a policy with the rules")):
+    for name, does, about in (
+        ("train", train, "train a policy"),
+        ("evaluate", evaluate, "compare a policy with the rules"),
+        ("draw", draw, "draw the learning curve"),
+    ):
         command = commands.add_parser(name, help=about)
         command.set_defaults(does=does)
-        command.add_argument("--processes", type=int, default=1, help="games at a time (1)")
+        if name != "draw":
+            command.add_argument("--processes", type=int, default=1, help="games at a time (1)")
         if name == "train":
             command.add_argument("--out", default="training", help="folder of the training (training)")
             command.add_argument("--minutes", type=float, default=90, help="ends after so many minutes (90)")
             command.add_argument("--generations", type=int, default=1000, help="ends after so many generations (1000)")
             command.add_argument("--pairs", type=int, default=64, help="pairs of games in a generation (64)")
             command.add_argument("--seed", type=int, default=1, help="of the perturbations (1)")
+        elif name == "draw":
+            command.add_argument("curve", help="curve.csv of a training")
+            command.add_argument("svg", help="the picture")
         else:
             command.add_argument("policy", help="weights (JSON)")
             command.add_argument("--seeds", default="30001..30200", help="FIRST..LAST, seeds that the training has not seen")
