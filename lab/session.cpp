@@ -419,6 +419,7 @@ Status set_up(RunAtPlay& run) {
 
   EpisodeOptions for_episode = episode_options(run);
   for_episode.seats = options.seats;
+  for_episode.acts = options.acts;
   for_episode.run_folder = run.folder;
   for_episode.control = run.control.debugger.get();
   if (run.what_if) for_episode.control = run.what_if.get();
@@ -517,6 +518,13 @@ Expected<StepReport> Session::step(SimTime until, const std::function<bool()>& p
   }
   if (!run.so_far) return run.so_far.error();
   return StepReport{run.episode->now(), run.ticks - before, has_ended(run)};
+}
+
+Status Session::join(const Seat& seat) {
+  RunAtPlay& run = *run_;
+  if (Status s = run.episode->join(seat); !s) return s;
+  run.options.seats.push_back(seat);
+  return run.folder.empty() ? Status() : replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
 }
 
 bool Session::over() const { return !run_->so_far || has_ended(*run_); }

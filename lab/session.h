@@ -30,6 +30,7 @@ namespace cxlab::lab {
 struct PlayOptions {
   RunSpec spec = {};
   std::vector<Seat> seats = {};           ///< agents that are programs, after those of the scenario
+  std::vector<PastAct> acts = {};         ///< `EpisodeOptions::acts`
   std::string out = {};                   ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
   bool force = false;                     ///< `out` may be a folder in use
   bool realtime = false;                  ///< sleeps between ticks, as a run with sockets does
@@ -79,6 +80,8 @@ class Session {
   /// error. After each tick `pause`, if there is one, is asked whether the step ends there. In steps a run is byte for
   /// byte the one that `play_scenario` plays.
   Expected<StepReport> step(SimTime until, const std::function<bool()>& pause = {});
+  /// A seat that joins between two steps.
+  Status join(const Seat& seat);
   /// Whether another step plays none.
   bool over() const;
   Episode& episode();

@@ -46,6 +46,7 @@ std::string Doer::text() const {
     case Kind::kInput: return name;
     case Kind::kPerson: return "a person: " + name;
     case Kind::kWhatIf: return "what if: " + name;
+    case Kind::kProgram: return "the program: " + name;
     case Kind::kStart: return "the start of the environment";
     case Kind::kOutside: break;
   }
@@ -66,6 +67,8 @@ Doer Inspector::doer_of(std::uint64_t n) const {
       }
       case RecordKind::kControl: {
         const JournalRecord act = timeline_->read(cause.n);
+        if (!act.data.text("by").empty())
+          return {Doer::Kind::kProgram, std::string(act.data.text("what")) + ' ' + text_of_act(act), cause.n};
         return {is_planned(act) ? Doer::Kind::kWhatIf : Doer::Kind::kPerson, text_of_act(act), cause.n};
       }
       default: break;

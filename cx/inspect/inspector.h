@@ -31,6 +31,7 @@ struct Doer {
     kInput,    ///< something came from outside, e.g. "topic /game_state"
     kPerson,   ///< with cxlab attach
     kWhatIf,   ///< cxlab rerun --then, --set or --assert
+    kProgram,  ///< the program that played the run, between ticks
     kStart,    ///< the environment when it started: deffacts, plugins
     kOutside,  ///< the executive or a plugin, for no reason that was recorded
   };

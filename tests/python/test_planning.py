@@ -15,6 +15,8 @@ from cxlab import planning
 from cxlab.errors import MachineError, UsageError
 from cxlab.planning import PddlError, Plan, plan, plans, validate
 
+PROGRAM = sys.modules["cxlab.program"]  # the module; cxlab.program is its function
+
 DOMAIN = """(define (domain d) (:types place)
   (:predicates (at ?p - place) (road ?a ?b - place) (seen ?p - place))
   (:durative-action go :parameters (?a ?b - place) :duration (= ?duration 5)
@@ -178,7 +180,7 @@ class Planning(unittest.TestCase):
     def test_a_program_that_hangs_is_killed(self):
         program = self.write("hangs", f"#!{sys.executable}\nimport time\ntime.sleep(600)\n")
         program.chmod(0o755)
-        with mock.patch("cxlab.program.program", lambda: str(program)), mock.patch.object(planning, "_GRACE_S", 0.2):
+        with mock.patch.object(PROGRAM, "program", lambda: str(program)), mock.patch.object(planning, "_GRACE_S", 0.2):
             found = plan(DOMAIN, PROBLEM, timeout=0.1)
         self.assertEqual(found.status, "budget")
         self.assertIn("was killed", found.reason)
@@ -187,9 +189,9 @@ class Planning(unittest.TestCase):
         for body, error in (("import os\nos.abort()", MachineError), ("raise SystemExit(5)", MachineError)):
             program = self.write("ends", f"#!{sys.executable}\n{body}\n")
             program.chmod(0o755)
-            with mock.patch("cxlab.program.program", lambda program=program: str(program)), self.assertRaises(error):
+            with mock.patch.object(PROGRAM, "program", lambda program=program: str(program)), self.assertRaises(error):
                 plan(DOMAIN, PROBLEM)
-        with mock.patch("cxlab.program.program", lambda: "/no/such/program"), self.assertRaisesRegex(MachineError, "cannot start /no/such/program"):
+        with mock.patch.object(PROGRAM, "program", lambda: "/no/such/program"), self.assertRaisesRegex(MachineError, "cannot start /no/such/program"):
             plan(DOMAIN, PROBLEM)
 
     def test_memory_is_limited(self):
@@ -224,7 +226,7 @@ class Planning(unittest.TestCase):
             plan("none.pddl", PROBLEM)
 
     def test_wrong_arguments_are_refused_before_the_program_begins(self):
-        with mock.patch("cxlab.program.program", side_effect=AssertionError):
+        with mock.patch.object(PROGRAM, "program", side_effect=AssertionError):
             for wrong in ({"timeout": 0}, {"timeout": "5"}, {"timeout": float("nan")}, {"budget": 0}, {"budget": 1.5}, {"budget": True},
                           {"patience": 5}, {"memory": -1}):
                 with self.subTest(wrong), self.assertRaisesRegex(UsageError, next(iter(wrong))):
