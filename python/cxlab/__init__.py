@@ -9,6 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cxlab import _libraries_of_python as _libraries_of_python
 from cxlab._cxlab import __version__
 from cxlab.episode import Endpoint, Episode, Step
 from cxlab.errors import BugError, CxlabError, InputError, MachineError, NegativeError, RunError, UsageError

@@ -97,7 +97,7 @@ class Episode:
                 path = os.path.abspath(agent)
                 assignments.append((f"agents[{number}].config={yaml_text(path)}", f"agents {agent}"))
         self._result: dict[str, Any] | None = None
-        self._core = _cxlab.Episode(
+        self._core: Any = _cxlab.Episode(
             scenario=os.fspath(scenario),
             assignments=assignments,
             until=until,
