@@ -135,15 +135,10 @@ Status play_from_copies(const Run& run, const StoredFiles& files, const std::fil
   return {};
 }
 
-/// Whether a person did something in the run, with cxlab attach. What was planned is done again.
-bool person_acted(const Run& run) {
-  auto log = InputLogReader::open(run.folder / "inputs.bin");
-  if (!log) return false;
-  while (const auto entry = log->next())
-    if (const auto* result = std::get_if<LoggedResult>(&*entry); result && result->key == kControlKey)
-      if (const auto act = read_act(result->t, result->bytes); !act || !cx::is_planned(act->verb)) return true;
-  return false;
-}
+bool is_of_program(const PastAct& past) { return past.act.place.is_between_ticks(); }
+
+/// With cxlab attach. What was planned, or done by the program that played the run, is done again.
+bool is_of_person(const PastAct& past) { return !is_of_program(past) && !cx::is_planned(past.act.verb); }
 
 /// The changes of the run in order of their time, with their files and the new one.
 Expected<std::vector<WhatIf>> changes_of(const Run& run, const std::optional<WhatIf>& more, const Scenario& scenario) {
@@ -208,9 +203,12 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
             run.folder.string() + "; cxlab replay plays them without touching anything",
         run.folder.string());
   if (Status s = no_hidden_packages(run, *scenario); !s && !copies && !given.trust_rules) return s.error();
-  const char* took_part = run.manifest.spec.sockets ? "programs outside (--sockets)"
-                          : person_acted(run)       ? "a person (cxlab attach)"
-                                                    : nullptr;
+  auto acts = recorded_acts(run.folder / "inputs.bin");
+  if (!acts) return acts.error();
+  const char* took_part = run.manifest.spec.sockets                  ? "programs outside (--sockets)"
+                          : std::ranges::any_of(*acts, is_of_person) ? "a person (cxlab attach)"
+                                                                     : nullptr;
+  std::erase_if(*acts, std::not_fn(is_of_program));
   if (took_part)
     return usage_error(std::string(took_part) +
                            " took part in this run, and would not do the same again; its rules alone: cxlab replay " +
@@ -226,10 +224,15 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
     return usage_error("the program at seat " + run.manifest.seats.front() +
                            " took part in this run; it sends what it sent then, and would not answer to another course",
                        run.folder.string());
+  if (given.what_if && !acts->empty())
+    return usage_error(
+        "the program that played this run acted in its environments, and would not do the same on another course",
+        run.folder.string());
   auto seats = run.seats();
   if (!seats) return seats.error();
   PlayOptions options{.spec = run.manifest.spec};
   options.seats = *std::move(seats);
+  options.acts = *std::move(acts);
   options.spec.what_if = *std::move(changes);
   options.also_read = {run.folder};
   if (copies) options.spec.prefixes.clear();

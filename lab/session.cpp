@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
@@ -64,6 +65,11 @@ struct Control {
 
 /// Everything of one run that outlives the loop.
 struct RunAtPlay {
+  RunAtPlay();
+  ~RunAtPlay();
+  RunAtPlay(const RunAtPlay&) = delete;
+  RunAtPlay& operator=(const RunAtPlay&) = delete;
+
   PlayOptions options;
   Scenario scenario;
   Host host;
@@ -81,19 +87,20 @@ struct RunAtPlay {
   bool refused = false;    // could not begin; its result says why
   Status so_far;           // of a session; an error has ended it
   std::int64_t ticks = 0;  // that its steps have played
+  bool over = false;       // its result is written
 };
 
 namespace {
 
-/// The run that is being played, for `note_crash`.
-const RunAtPlay* g_run = nullptr;
-
-struct AtPlay {
-  explicit AtPlay(const RunAtPlay& run) { g_run = &run; }
-  ~AtPlay() { g_run = nullptr; }
-  AtPlay(const AtPlay&) = delete;
-  AtPlay& operator=(const AtPlay&) = delete;
+/// The runs that are being played, for `note_crash`.
+struct RunsAtPlay {
+  std::mutex mutex;
+  std::set<const RunAtPlay*> all;
 };
+RunsAtPlay& runs_at_play() {
+  static RunsAtPlay runs;
+  return runs;
+}
 
 Expected<std::filesystem::path> folder_of(const PlayOptions& options, const Scenario& scenario) {
   if (options.out == "none") return std::filesystem::path();
@@ -412,6 +419,7 @@ Status set_up(RunAtPlay& run) {
 
   EpisodeOptions for_episode = episode_options(run);
   for_episode.seats = options.seats;
+  for_episode.acts = options.acts;
   for_episode.run_folder = run.folder;
   for_episode.control = run.control.debugger.get();
   if (run.what_if) for_episode.control = run.what_if.get();
@@ -432,6 +440,7 @@ Played conclude(RunAtPlay& run, const Status& played) {
   if (run.control.debugger)
     run.control.debugger->end(std::string(to_string(run.played.result.status)) + " at " +
                               fixed_text(to_seconds(run.played.result.sim_time), 3) + " s");
+  run.over = true;
   return std::move(run.played);
 }
 
@@ -447,14 +456,24 @@ EpisodeOptions shared_episode_options(const Host& host, RunSpec spec) {
   return options;
 }
 
+RunAtPlay::RunAtPlay() {
+  const std::scoped_lock lock(runs_at_play().mutex);
+  runs_at_play().all.insert(this);
+}
+RunAtPlay::~RunAtPlay() {
+  const std::scoped_lock lock(runs_at_play().mutex);
+  runs_at_play().all.erase(this);
+}
+
 void note_crash(const Error& error) {
-  const RunAtPlay* run = std::exchange(g_run, nullptr);
-  if (!run || run->folder.empty()) return;
-  Result result = unfinished_result(run->scenario);
-  result.reason = error;
-  if (run->episode) result.sim_time = std::max(run->episode->now(), SimTime::zero());
-  (void)replace_file(run->folder / "result.json", result.to_json());
-  if (run->episode) run->episode->flush();
+  for (const RunAtPlay* run : std::exchange(runs_at_play().all, {})) {
+    if (run->folder.empty() || run->over) continue;
+    Result result = unfinished_result(run->scenario);
+    result.reason = error;
+    if (run->episode) result.sim_time = std::max(run->episode->now(), SimTime::zero());
+    (void)replace_file(run->folder / "result.json", result.to_json());
+    if (run->episode) run->episode->flush();
+  }
 }
 
 Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, const Host& host) {
@@ -462,7 +481,6 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   run.options = options;
   run.scenario = std::move(scenario);
   run.host = host;
-  const AtPlay at_play(run);
   if (Status s = set_up(run); !s) return run.refused ? refused(run, s.error()) : s.error();
   Status played = prepare_pictures(run);
   if (played) played = start_agents(run);
@@ -470,8 +488,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   return conclude(run, played);
 }
 
-Session::Session() : run_(std::make_unique<RunAtPlay>()) { g_run = run_.get(); }
-Session::~Session() { g_run = nullptr; }
+Session::Session() : run_(std::make_unique<RunAtPlay>()) {}
+Session::~Session() = default;
 
 Expected<std::unique_ptr<Session>> Session::load(const PlayOptions& options, Scenario scenario, const Host& host) {
   std::unique_ptr<Session> session(new Session);
@@ -490,13 +508,26 @@ Expected<std::unique_ptr<Session>> Session::load(const PlayOptions& options, Sce
   return played.failure ? *played.failure : started.error();
 }
 
-Expected<StepReport> Session::step(SimTime until) {
+Expected<StepReport> Session::step(SimTime until, const std::function<bool()>& pause) {
   RunAtPlay& run = *run_;
   const std::int64_t before = run.ticks;
-  for (; run.so_far && !has_ended(run) && run.episode->next_tick() <= until; ++run.ticks) run.so_far = play_tick(run);
+  while (run.so_far && !has_ended(run) && run.episode->next_tick() <= until) {
+    run.so_far = play_tick(run);
+    ++run.ticks;
+    if (pause && pause()) break;
+  }
   if (!run.so_far) return run.so_far.error();
   return StepReport{run.episode->now(), run.ticks - before, has_ended(run)};
 }
+
+Status Session::join(const Seat& seat) {
+  RunAtPlay& run = *run_;
+  if (Status s = run.episode->join(seat); !s) return s;
+  run.options.seats.push_back(seat);
+  return run.folder.empty() ? Status() : replace_file(run.folder / "manifest.json", manifest_of(run).to_json());
+}
+
+bool Session::over() const { return !run_->so_far || has_ended(*run_); }
 
 Episode& Session::episode() { return *run_->episode; }
 

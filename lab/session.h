@@ -30,6 +30,7 @@ namespace cxlab::lab {
 struct PlayOptions {
   RunSpec spec = {};
   std::vector<Seat> seats = {};           ///< agents that are programs, after those of the scenario
+  std::vector<PastAct> acts = {};         ///< `EpisodeOptions::acts`
   std::string out = {};                   ///< empty = runs/<scenario>-<seed>, "none" = nothing is written
   bool force = false;                     ///< `out` may be a folder in use
   bool realtime = false;                  ///< sleeps between ticks, as a run with sockets does
@@ -63,7 +64,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
 
 struct RunAtPlay;
 
-/// The same, which the caller plays step by step. One at a time in a process.
+/// The same, which the caller plays step by step. There may be several in a process; each belongs to the thread that
+/// plays it.
 class Session {
  public:
   /// Reads everything that the scenario names and starts the agents, before tick 0. An error that comes when the run
@@ -75,8 +77,13 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Plays the ticks up to that time, one at it included; none after the end of the run, a stop by the host or an
-  /// error. In steps a run is byte for byte the one that `play_scenario` plays.
-  Expected<StepReport> step(SimTime until);
+  /// error. After each tick `pause`, if there is one, is asked whether the step ends there. In steps a run is byte for
+  /// byte the one that `play_scenario` plays.
+  Expected<StepReport> step(SimTime until, const std::function<bool()>& pause = {});
+  /// A seat that joins between two steps.
+  Status join(const Seat& seat);
+  /// Whether another step plays none.
+  bool over() const;
   Episode& episode();
   /// Deactivates the agents and completes the files. A run that has not come to its end is one with `until` here.
   /// Nothing is called after it.
@@ -87,7 +94,7 @@ class Session {
   std::unique_ptr<RunAtPlay> run_;
 };
 
-/// For the handler of a fault: the result of the run that is being played, if there is one, says that it failed so.
+/// For the handler of a fault: the results of the runs that are being played say that they failed so.
 void note_crash(const Error& error);
 
 /// Options of `Episode::load` that every episode has: the spec with the limits of the host, and the data that comes

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cx/bus/needed.h"
 #include "scenarios/begin.h"
 
 namespace cxlab {
@@ -57,16 +56,47 @@ Status Episode::start() {
     if (starts(i))
       if (Status s = agents_[i]->activate(); !s) return s;
   if (options_.log && !options_.replay)
-    for (const std::string& text : bus::not_offered())
+    for (const std::string& text : registry_.not_offered())
       options_.log->line({bus_->now(), cx::LogLevel::kWarn, "bus", text, {}});
-  return write_out();
+  if (Status s = write_out(); !s) return s;
+  return repeat_acts();
 }
 
 Status Episode::tick() {
   const SimTime next = loop_->next_tick();
   write_scene(next);
   if (Status s = loop_->tick_at(next); !s) return s;
-  return write_out();
+  if (Status s = write_out(); !s) return s;
+  return repeat_acts();
+}
+
+Status Episode::join(const Seat& seat) {
+  Seat now = seat;
+  now.joins_after = this->now();
+  if (Status s = seat_agent(now); !s) return s;
+  loop_->add(*seats_.back());
+  return {};
+}
+
+Expected<std::string> Episode::act(cx::Environment& environment, cx::ControlAct::Verb verb, const std::string& text) {
+  return environment.act_after_tick(now(), verb, text);
+}
+
+Status Episode::repeat_acts() {
+  for (; next_seat_ < options_.seats.size(); ++next_seat_) {
+    const Seat& seat = options_.seats[next_seat_];
+    if (!seat.joins_after) continue;
+    if (*seat.joins_after > now()) break;
+    if (Status s = join(seat); !s) return s;
+  }
+  for (; next_act_ < options_.acts.size() && options_.acts[next_act_].act.place.t <= now(); ++next_act_) {
+    const PastAct& past = options_.acts[next_act_];
+    for (cx::Environment* environment : environments())
+      if (environment->unique_name() == past.environment) (void)act(*environment, past.act.verb, past.act.text);
+  }
+  if (options_.replay)
+    for (cx::Environment* environment : environments()) environment->repeat_acts_after_tick(now());
+  return {};
 }
 
 Expected<StepReport> Episode::step(SimTime until) {
@@ -112,6 +142,7 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   // A node beside the world may say that the run has failed; before the agents go, who would answer it.
   if (const Result so_far = result(); so_far.reason && status != RunStatus::kInterrupted && !failure)
     failure = so_far.reason;
+  for (cx::Environment* environment : environments()) environment->move_to_this_thread();
   std::vector<std::size_t> load_errors;  // by agent: how many count
   const std::vector<std::string> at_the_end = shut_down(agents_, options_.spec.strict, failure, load_errors);
   const bool stopped = failure && failure->code == kStoppedCode;  // amid a tick: its inputs are not whole
@@ -126,7 +157,7 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   if (scene_log_) note(scene_log_->close());
   note(journal_.close());
   Result out = result();
-  for (const auto& more : {bus::not_offered(), at_the_end})
+  for (const auto& more : {registry_.not_offered(), at_the_end})
     out.warnings.insert(out.warnings.end(), more.begin(), more.end());
   out.status = failure ? RunStatus::kFailed : status;
   out.reason = failure;

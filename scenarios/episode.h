@@ -62,6 +62,7 @@ struct EpisodeOptions {
   std::filesystem::path run_folder;
   RunSpec spec;
   std::vector<Seat> seats = {};       ///< agents that are programs, after those of the scenario
+  std::vector<PastAct> acts = {};     ///< what a former run's program did between ticks, which is done again
   cx::RunControl* control = nullptr;  ///< of a person, or of what is planned; may be none
   cx::LogSink* log = nullptr;         ///< lines of environments and nodes; may be none
   WallMeters meters;
@@ -96,6 +97,11 @@ class Episode {
   Status tick();
   /// Plays the ticks up to that time, one at it included. In steps an episode is byte for byte the one in ticks.
   Expected<StepReport> step(SimTime until);
+  /// A seat that joins now, between two ticks: as one that was there from the start, but later.
+  Status join(const Seat& seat);
+  /// Does something in an environment between two ticks: the value of an evaluation, the fact ("f-12"), or nothing. It
+  /// is an input from outside, which the log has. What it changes counts when the rules run next.
+  Expected<std::string> act(cx::Environment& environment, cx::ControlAct::Verb verb, const std::string& text);
   /// Whether the duration has passed, the referee has ended the game, or rules asked for the end.
   bool over() const;
   /// Whether it has ended by itself: duration or game.
@@ -140,6 +146,7 @@ class Episode {
   Status open_sockets();
   Status build_agents();
   Status build_seats();
+  Status seat_agent(const Seat& seat);
   Status check_stimuli();
   std::vector<std::string> manager_names() const;
   cx::ManagerOptions manager_options(std::size_t agent);
@@ -149,6 +156,8 @@ class Episode {
   void write_scene(SimTime next);
   /// What has entered goes to the log; whether all files could be written so far.
   Status write_out();
+  /// Does what the program of the recorded run did after the last tick.
+  Status repeat_acts();
 
   Scenario scenario_;
   EpisodeOptions options_;
@@ -167,6 +176,7 @@ class Episode {
   std::unique_ptr<ScratchFolder> rules_folder_;  ///< what rules write where the run has no folder
   std::vector<std::unique_ptr<cx::EnvironmentManager>> agents_;
   std::vector<std::unique_ptr<Agent>> seats_;
+  std::size_t next_seat_ = 0, next_act_ = 0;      ///< of those of a former run, in order of their time
   std::vector<std::unique_ptr<Agent>> measured_;  ///< around the agents, where they are measured
   std::optional<Loop> loop_;
 };

@@ -109,7 +109,6 @@ Status Episode::open_files() {
 
 Status Episode::build_bus() {
   if (is_folder(options_.interfaces)) bus::set_own_definitions(options_.interfaces);
-  bus::forget_not_offered();
   const bool replays = options_.replay.has_value();
   const fs::path interfaces = replays ? interfaces_below(options_.replay->copies) : options_.interfaces;
   if (!replays || is_folder(interfaces))
@@ -269,7 +268,7 @@ cx::ManagerOptions Episode::manager_options(std::size_t agent) {
   manager.outside = inputs_->outside("agent/" + std::to_string(agent));
   manager.feed = inputs_->feed();
   manager.control = control_;
-  if (control_ || options_.replay) manager.control_log = inputs_->control_log();
+  manager.control_log = inputs_->control_log();
   manager.on_read = [this, agent, config = manager.config](const std::string&, const fs::path& file) {
     return files_->keep_for_agent(agent, config, file);
   };
@@ -320,11 +319,16 @@ Status Episode::build_agents() {
 }
 
 Status Episode::build_seats() {
-  for (const Seat& seat : options_.seats) {
-    auto agent = seated_agent(seat, *bus_, journal_, *inputs_);
-    if (!agent) return agent.error();
-    seats_.push_back(*std::move(agent));
-  }
+  for (const Seat& seat : options_.seats)
+    if (!seat.joins_after)
+      if (Status s = seat_agent(seat); !s) return s;
+  return {};
+}
+
+Status Episode::seat_agent(const Seat& seat) {
+  auto agent = seated_agent(seat, *bus_, journal_, *inputs_);
+  if (!agent) return agent.error();
+  seats_.push_back(*std::move(agent));
   return {};
 }
 

@@ -118,8 +118,8 @@ class RecordedInputs final : public Inputs, private cx::ControlLog {
   void watch(bus::ParticipantId participant) override { tap_.watch(participant); }
   LookOutside* outside(const std::string& stream) override { return &outside_.emplace_back(bus_, log_, stream); }
   cx::ControlLog* control_log() override { return this; }
-  void add_seat(const std::string& stream, const std::string& bytes) override {
-    log_.add(LoggedResult{bus_.now(), stream, kSeatKey, bytes});
+  void add_seat(const std::string& stream, SimTime t, const std::string& bytes) override {
+    log_.add(LoggedResult{t, stream, kSeatKey, bytes});
   }
   bool writes_at(SimTime t) const override { return log_.writes_at(t); }
   Status ticked(SimTime t, const std::string& world) override {
@@ -190,6 +190,20 @@ std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
   act.text = in.raw(in.left());
   if (!in.ok() || act.verb > cx::ControlAct::Verb::kSettle) return {};
   return act;
+}
+
+Expected<std::vector<PastAct>> recorded_acts(const std::filesystem::path& inputs) {
+  auto log = InputLogReader::open(inputs);
+  if (!log) return log.error();
+  std::vector<PastAct> acts;
+  while (const auto entry = log->next()) {
+    const auto* logged = std::get_if<LoggedResult>(&*entry);
+    if (!logged || logged->key != kControlKey) continue;
+    auto act = read_act(logged->t, logged->bytes);
+    if (!act) return input_error("what was done in an environment is damaged in the input log", inputs.string());
+    acts.push_back({std::string(logged->environment), *std::move(act)});
+  }
+  return acts;
 }
 
 Expected<std::unique_ptr<Inputs>> record_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"
@@ -29,7 +30,7 @@ class Inputs {
   /// What a person does in environments; none: nobody does.
   virtual cx::ControlLog* control_log() { return nullptr; }
   /// What the seat of that stream sends at this tick, as bytes of its own.
-  virtual void add_seat(const std::string& /*stream*/, const std::string& /*bytes*/) {}
+  virtual void add_seat(const std::string& /*stream*/, SimTime /*t*/, const std::string& /*bytes*/) {}
   /// Whether `ticked` writes into the log's file at that time.
   virtual bool writes_at(SimTime /*t*/) const { return false; }
   /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.
@@ -45,6 +46,14 @@ class Inputs {
 
 /// What was done in an environment, from its entry in the log; none where the entry is damaged.
 std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes);
+
+/// Something that was done in an environment of a recorded run.
+struct PastAct {
+  std::string environment;  ///< as `Environment::unique_name`
+  cx::ControlAct act;
+};
+/// All that was done in environments, in order.
+Expected<std::vector<PastAct>> recorded_acts(const std::filesystem::path& inputs);
 
 /// Writes a new log. Bus and journal outlive it.
 Expected<std::unique_ptr<Inputs>> record_inputs(const std::filesystem::path& log, bus::Bus& bus, Journal& journal);

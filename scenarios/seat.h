@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -73,14 +74,18 @@ class SeatBus {
 struct Seat {
   std::string name;  ///< of its node; letters, digits and '_', no other node has it
   std::function<Expected<std::unique_ptr<Agent>>(SeatBus& bus)> make;
+  /// Of a seat that joined between two ticks: the time of the tick before, less than 0 before the first.
+  std::optional<SimTime> joins_after = {};
 };
 
 /// A seat whose agent is made from the bus and copies of these: `seat_of<Pilot>("pilot", speed)`.
 template <class A, class... Args>
 Seat seat_of(std::string name, Args... args) {
-  return {std::move(name), [args...](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {
+  return {std::move(name),
+          [args...](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {
             return std::unique_ptr<Agent>(std::make_unique<A>(bus, args...));
-          }};
+          },
+          {}};
 }
 
 }  // namespace cxlab

@@ -27,7 +27,7 @@ struct SeatAct {
 };
 
 /// Where in a tick a seat does it.
-enum class SeatTurn : std::uint8_t { kMade, kPerceive, kDecide, kAct };
+enum class SeatTurn : std::uint8_t { kMade, kPerceive, kDecide, kAct, kJoined };
 
 /// What a seat does in one turn.
 struct SeatActs {
@@ -57,7 +57,7 @@ struct SeatActs {
       const bool known = (kind >= ErrorKind::kNo && kind <= ErrorKind::kResource) || kind == ErrorKind::kBug;
       if (act.verb > SeatAct::Verb::kFail || (act.verb == SeatAct::Verb::kFail && !known)) in.refuse();
     }
-    if (!in.ok() || in.left() > 0 || out.turn > SeatTurn::kAct) return {};
+    if (!in.ok() || in.left() > 0 || out.turn > SeatTurn::kJoined) return {};
     return out;
   }
 };
@@ -92,7 +92,9 @@ class SeatedAgent final : public Agent, private SeatBus {
     if (!agent) return self->named(agent.error());
     if (!*agent) return self->named(usage_error("found no agent, expected `make` to give one"));
     self->agent_ = *std::move(agent);
-    if (Status s = self->send(SeatTurn::kMade); !s) return s.error();
+    const Status sent =
+        seat.joins_after ? self->send(SeatTurn::kJoined, *seat.joins_after) : self->send(SeatTurn::kMade);
+    if (!sent) return sent.error();
     return std::unique_ptr<Agent>(std::move(self));
   }
   ~SeatedAgent() override { bus_.leave(self_); }
@@ -228,15 +230,16 @@ class SeatedAgent final : public Agent, private SeatBus {
     const Error& error = done.error();
     SeatActs last{bus_.now(), turn, {}};
     last.acts.push_back({SeatAct::Verb::kFail, error.message, error.code, {}, static_cast<std::uint32_t>(error.kind)});
-    inputs_.add_seat(stream_, last.bytes());
+    inputs_.add_seat(stream_, last.t, last.bytes());
     failed_ = named(error);
   }
-  Status send(SeatTurn turn) {
-    SeatActs sent{bus_.now(), turn, {}};
+  Status send(SeatTurn turn) { return send(turn, bus_.now()); }
+  Status send(SeatTurn turn, SimTime t) {
+    SeatActs sent{t, turn, {}};
     std::vector<Waiting> items;
     items.swap(waiting_);
     for (const Waiting& item : items) sent.acts.push_back(item.act);
-    inputs_.add_seat(stream_, sent.bytes());
+    inputs_.add_seat(stream_, t, sent.bytes());
     for (Waiting& item : items)
       if (Status s = post(std::move(item)); !s) return named(s.error());
     return {};
@@ -335,7 +338,8 @@ class RecordedSeat final : public Agent {
  public:
   static Expected<std::unique_ptr<Agent>> create(SeatBus& bus, std::deque<SeatActs> acts) {
     std::unique_ptr<RecordedSeat> seat(new RecordedSeat(bus, std::move(acts)));
-    if (Status s = seat->repeat(SeatTurn::kMade); !s) return s.error();
+    for (const SeatTurn turn : {SeatTurn::kMade, SeatTurn::kJoined})
+      if (Status s = seat->repeat(turn); !s) return s.error();
     return std::unique_ptr<Agent>(std::move(seat));
   }
   Status perceive() override { return repeat(SeatTurn::kPerceive); }
@@ -397,8 +401,12 @@ Expected<std::vector<Seat>> recorded_seats(const std::filesystem::path& inputs) 
     seat->second.push_back(*std::move(acts));
   }
   std::vector<Seat> out;
-  for (auto& [name, acts] : seats)
-    out.push_back({name, [acts = std::move(acts)](SeatBus& bus) { return RecordedSeat::create(bus, acts); }});
+  for (auto& [name, acts] : seats) {
+    const bool joined = acts.front().turn == SeatTurn::kJoined;
+    const SimTime t = acts.front().t;
+    out.push_back({name, [acts = std::move(acts)](SeatBus& bus) { return RecordedSeat::create(bus, acts); },
+                   joined ? std::optional(t) : std::nullopt});
+  }
   return out;
 }
 

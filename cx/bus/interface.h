@@ -147,11 +147,17 @@ class Registry {
   Expected<const ServiceType*> service(const std::string& name);  ///< "pkg/srv/T"
   Expected<const ActionType*> action(const std::string& name);    ///< "pkg/action/T"
 
+  /// One sentence for each thing that a node could not offer (`can_offer` of cx/bus/needed.h), in order.
+  const std::vector<std::string>& not_offered() const { return not_offered_; }
+  /// Notes it, once.
+  void note_not_offered(const std::string& text);
+
  private:
   struct State;
   Status read(const std::string& package, const std::string& folder, const std::string& name);
   Status compile(MessageType& type, const Section& section, const std::string& package, const std::string& file);
   std::unique_ptr<State> state_;
+  std::vector<std::string> not_offered_;
 };
 
 }  // namespace cxlab::bus

@@ -15,7 +15,6 @@ struct Own {
   std::mutex mutex;
   std::filesystem::path folder;
   std::unique_ptr<Registry> types;
-  std::vector<std::string> not_offered;
 };
 
 Own& own() {
@@ -72,6 +71,10 @@ Expected<Type> unless_refused(Registry& registry, const std::string& name, Expec
 
 }  // namespace
 
+void Registry::note_not_offered(const std::string& text) {
+  if (std::ranges::find(not_offered_, text) == not_offered_.end()) not_offered_.push_back(text);
+}
+
 void set_own_definitions(const std::filesystem::path& folder) {
   const std::scoped_lock lock(own().mutex);
   if (own().folder == folder) return;
@@ -99,20 +102,8 @@ Status check_needed(Registry& registry, const std::string& name) {
 bool can_offer(Registry& registry, const std::string& what, const std::string& type) {
   const Status fits = check_needed(registry, type);
   if (fits) return true;
-  const std::string text = what + " is not offered: " + fits.error().text();
-  const std::scoped_lock lock(own().mutex);
-  if (std::ranges::find(own().not_offered, text) == own().not_offered.end()) own().not_offered.push_back(text);
+  registry.note_not_offered(what + " is not offered: " + fits.error().text());
   return false;
-}
-
-std::vector<std::string> not_offered() {
-  const std::scoped_lock lock(own().mutex);
-  return own().not_offered;
-}
-
-void forget_not_offered() {
-  const std::scoped_lock lock(own().mutex);
-  own().not_offered.clear();
 }
 
 Expected<const MessageType*> needed_message(Registry& registry, const std::string& name) {

@@ -18,11 +18,8 @@ void set_own_definitions(const std::filesystem::path& folder);
 /// type. A field with a default may be lacking. A type that cxlab does not have is never refused.
 Status check_needed(Registry& registry, const std::string& name);
 
-/// Whether a node can offer `what` ("service /n/get") of that type. If not, it is noted for `not_offered`.
+/// Whether a node can offer `what` ("service /n/get") of that type. If not, the registry notes it.
 bool can_offer(Registry& registry, const std::string& what, const std::string& type);
-/// One sentence for each thing that was not offered since they were forgotten, in order.
-std::vector<std::string> not_offered();
-void forget_not_offered();
 
 // As the functions of `Registry`, but for types that were refused.
 Expected<const MessageType*> needed_message(Registry& registry, const std::string& name);

@@ -89,7 +89,7 @@ void Environment::begin_again() {
 }
 
 Status Environment::take_inputs() {
-  thread_ = std::this_thread::get_id();
+  move_to_this_thread();
   engine_->begin_tick();
   for (const auto& gate : gates_) gate->hand_over();
   if (Status s = options_.run->feed->feed(participant_); !s) return s;
@@ -217,6 +217,21 @@ Status Environment::stop_at(ControlPlace place) {
   return check_errors();
 }
 
+Expected<std::string> Environment::act_after_tick(SimTime tick, ControlAct::Verb verb, const std::string& text) {
+  move_to_this_thread();
+  place_ = {tick, place_.run, ControlPlace::after_tick(tick).fired};
+  return act(verb, text);
+}
+
+void Environment::repeat_acts_after_tick(SimTime tick) {
+  while (true) {
+    const auto recorded = next_act();
+    if (!recorded || recorded->place != ControlPlace::after_tick(tick)) return;
+    options_.run->control_log->take(options_.unique_name);
+    (void)act_after_tick(tick, recorded->verb, recorded->text);
+  }
+}
+
 Expected<std::int64_t> Environment::run_stopping(std::int64_t rule_limit) {
   const std::int64_t most = options_.run->max_firings;
   ControlPlace place{now(), place_.run + 1, 0};
@@ -239,12 +254,16 @@ Expected<std::int64_t> Environment::run_stopping(std::int64_t rule_limit) {
 }
 
 Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string& text, const std::string& name) {
-  was_controlled_ = was_controlled_ || !is_planned(verb);
-  if (options_.run->control && options_.run->control_log)
-    options_.run->control_log->add(options_.unique_name, {place_, verb, text, name});
+  const bool between_ticks = place_.is_between_ticks();
+  was_controlled_ = was_controlled_ || between_ticks || !is_planned(verb);
+  if (options_.run->control_log) {
+    const ControlPlace place = between_ticks ? ControlPlace::after_tick(place_.t) : place_;
+    options_.run->control_log->add(options_.unique_name, {place, verb, text, name});
+  }
   constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail", "retract", "settle"};
   data_.begin().field("what", kWords[static_cast<std::size_t>(verb)]);
   if (!name.empty()) data_.field("name", name);
+  if (between_ticks) data_.field("by", "program");
   data_.field("text", text);
   engine_->set_cause(journal_->write(engine_->stream(), now(), RecordKind::kControl, data_));
   auto done = carry_out(verb, text, name);

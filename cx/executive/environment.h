@@ -103,7 +103,13 @@ class Environment {
   /// Does something at the place where the environment has stopped: the value of an evaluation, printed, or nothing.
   /// Lines that are printed meanwhile go to the log as ever. `name`: see `ControlAct`.
   Expected<std::string> act(ControlAct::Verb verb, const std::string& text, const std::string& name = {});
-  /// Whether a person has done anything.
+  /// The same between the tick at that time (less than 0: before the first) and the next one.
+  Expected<std::string> act_after_tick(SimTime tick, ControlAct::Verb verb, const std::string& text);
+  /// In a replay: does what was done there.
+  void repeat_acts_after_tick(SimTime tick);
+  /// From here on the caller's thread is the one that plays the episode.
+  void move_to_this_thread() { thread_ = std::this_thread::get_id(); }
+  /// Whether a person or the program that plays the run has done anything.
   bool was_controlled() const { return was_controlled_; }
   /// Notes all errors since the last call. With `stop_on_rule_error` it returns the first one.
   Status check_errors();
@@ -162,7 +168,7 @@ class Environment {
   /// The same rule by rule, or up to where a person did something in the recorded run.
   Expected<std::int64_t> run_stopping(std::int64_t rule_limit);
   Error loop_error(const LoopReport& report) const;
-  bool stops() const { return options_.run->control != nullptr || options_.run->control_log != nullptr; }
+  bool stops() const { return options_.run->control != nullptr || next_act().has_value(); }
   std::optional<ControlAct> next_act() const;
   Status stop_at(ControlPlace place);
   Expected<std::string> carry_out(ControlAct::Verb verb, const std::string& text, const std::string& name);

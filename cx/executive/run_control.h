@@ -1,7 +1,7 @@
 #pragma once
 // Control of a run: environments stop at ticks and before they fire a rule, and there a person evaluates and builds, or
-// what was planned is done (lab/what_if.h). All that was done is in the input log with its place, so that the run
-// replays.
+// what was planned is done (lab/what_if.h). Between ticks the program that plays the run may act (Episode::act). All
+// that was done is in the input log with its place, so that the run replays.
 
 #include <cstdint>
 #include <optional>
@@ -21,6 +21,10 @@ struct ControlPlace {
   std::int64_t run = 0;     ///< how many times its rules have been run, this one included
   std::int64_t fired = -1;  ///< in this run so far; -1: at a tick, before its plugins act
   bool operator==(const ControlPlace&) const = default;
+
+  /// After the tick at `t`, which is less than 0 before the first tick, and before the next one.
+  static ControlPlace after_tick(SimTime t) { return {t, 0, -2}; }
+  bool is_between_ticks() const { return fired == -2; }
 };
 
 /// What was done in an environment.
@@ -41,6 +45,7 @@ struct ControlAct {
   std::string name = {};
 };
 /// A planned act belongs to what the run is played with: the run stays deterministic, and an error in it ends the run.
+/// Between ticks none is planned.
 inline bool is_planned(ControlAct::Verb verb) { return verb >= ControlAct::Verb::kLoad; }
 
 /// Decides where environments stop, and does there what it is told.

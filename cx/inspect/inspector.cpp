@@ -34,6 +34,8 @@ std::string text_of_act(const JournalRecord& act) {
   return act.data.text("what") == "set" ? name + " = " + std::string(act.data.text("text")) : name;
 }
 
+bool is_by_program(const JournalRecord& act) { return !act.data.text("by").empty(); }
+
 bool is_template(const RuleEngine& engine, const std::string& name) {
   return engine.has("deftemplate", name) || !engine.facts(name).empty();
 }
@@ -46,6 +48,7 @@ std::string Doer::text() const {
     case Kind::kInput: return name;
     case Kind::kPerson: return "a person: " + name;
     case Kind::kWhatIf: return "what if: " + name;
+    case Kind::kProgram: return "the program: " + name;
     case Kind::kStart: return "the start of the environment";
     case Kind::kOutside: break;
   }
@@ -66,6 +69,8 @@ Doer Inspector::doer_of(std::uint64_t n) const {
       }
       case RecordKind::kControl: {
         const JournalRecord act = timeline_->read(cause.n);
+        if (is_by_program(act))
+          return {Doer::Kind::kProgram, std::string(act.data.text("what")) + ' ' + text_of_act(act), cause.n};
         return {is_planned(act) ? Doer::Kind::kWhatIf : Doer::Kind::kPerson, text_of_act(act), cause.n};
       }
       default: break;
@@ -421,6 +426,7 @@ Derivation Inspector::why(std::uint64_t record) const {
     } else {
       const JournalRecord cause = timeline_->read(n);
       step.planned = is_planned(cause);
+      step.by_program = is_by_program(cause);
       step.text = step.kind == RecordKind::kControl
                       ? text_of_act(cause)
                       : std::string(cause.data.text("what")) + ' ' + std::string(cause.data.text("name"));

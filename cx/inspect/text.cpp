@@ -238,7 +238,10 @@ std::string line_of(const Derivation::Step& step) {
       if (const std::string values = values_text(step.values); !values.empty()) text += "  " + values;
       break;
     case RecordKind::kControl:
-      text = (step.planned ? "what if, at " : "a person at ") + seconds_text(step.t) + ": " + step.text;
+      text = (step.by_program ? "the program at "
+              : step.planned  ? "what if, at "
+                              : "a person at ") +
+             seconds_text(step.t) + ": " + step.text;
       break;
     default: text = "from outside: " + step.text + " at " + seconds_text(step.t);
   }

@@ -36,6 +36,9 @@ class Loop {
   /// The first tick is at this time, and no time passes before it.
   void set_begin(SimTime begin) { begin_ = begin; }
 
+  /// One more agent, after the others. It outlives the loop.
+  void add(Agent& agent) { parts_.agents.push_back(&agent); }
+
   /// The first tick is at 0, or where the loop begins. After that the first at which something is due, wherever
   /// messages wait the following one.
   SimTime next_tick() const;

@@ -110,7 +110,7 @@ AGENTS = [
           ["facts '(job (purpose CLEAR))' --at 1:30", "why '(job (purpose CLEAR))' --at 1:30", "firings payment-of-bare-base"],
           r"(?s)56.400 s  payment-of-bare-base .*\?name = \"C-CS1\".*\n +56.400 s  payment-of-bare-base .*\?name = \"C-CS1\""),
     # No order is begun.
-    Agent("a salience that is too low", 200, "agent/clips/orders.clp", [('have the best order made."\n', 'have the best order made."\n  (declare (salience -10000))\n')],
+    Agent("a salience that is too low", 200, "agent/clips/choose-orders.clp", [('have the best order made."\n', 'have the best order made."\n  (declare (salience -10000))\n')],
           ["orders", "rules", "why-not order-choose"],
           r"(?s)order-choose.*was on the agenda up to 200.000 s, until rule time-retract took it off"),
     # Machines stand while another one works.
@@ -134,7 +134,7 @@ AGENTS = [
           ["orders", "why-not '(product (order 1))' --at 4:00", "globals"],
           r"DELIVERY-LEAD\* = -300"),
     # No order is begun after the first second.
-    Agent("a wrong unit", 200, "agent/clips/orders.clp", [("(assert (next-choice (+ ?now 1.0)))", "(assert (next-choice (+ ?now 1000.0)))")],
+    Agent("a wrong unit", 200, "agent/clips/choose-orders.clp", [("(assert (next-choice (+ ?now 1.0)))", "(assert (next-choice (+ ?now 1000.0)))")],
           ["orders", "why-not '(order (id 1) (state STARTED))'", "why-not '(chosen ?)'"],
           r"order-choose \(.*\) asserts it through .*\n +lacks now condition 4: .*1000"),
     # The second product stays in the robot's gripper.

@@ -92,23 +92,21 @@ TEST_F(NeededTest, TypesThatCxlabDoesNotHaveAreNeverRefused) {
 }
 
 TEST_F(NeededTest, WhatIsNotOfferedIsNotedOnce) {
-  forget_not_offered();
   TempPackages packages;
   const std::string file = packages.write("pkg/srv/Ask", "int32 asked\n---\nint32 answer\n").string();
   packages.write("pkg/action/Go", "int32 to\n---\nint32 at\n---\nint32 left\n");
   Registry registry;
   ASSERT_TRUE(registry.add_packages_in(packages.folder()).ok());
   EXPECT_TRUE(can_offer(registry, "action /n/go", "pkg/action/Go"));
-  EXPECT_THAT(not_offered(), IsEmpty());
+  EXPECT_THAT(registry.not_offered(), IsEmpty());
   EXPECT_FALSE(can_offer(registry, "service /n/ask", "pkg/srv/Ask"));
   EXPECT_FALSE(can_offer(registry, "service /n/ask", "pkg/srv/Ask"));
   EXPECT_FALSE(can_offer(registry, "service /m/ask", "pkg/srv/Ask"));
-  EXPECT_THAT(not_offered(), ElementsAre(AllOf(HasSubstr("service /n/ask is not offered: "), HasSubstr(file)),
-                                         HasSubstr("service /m/ask")));
+  EXPECT_THAT(registry.not_offered(), ElementsAre(AllOf(HasSubstr("service /n/ask is not offered: "), HasSubstr(file)),
+                                                  HasSubstr("service /m/ask")));
   EXPECT_FALSE(needed_service(registry, "pkg/srv/Ask").ok());
   EXPECT_TRUE(needed_action(registry, "pkg/action/Go").ok());
-  forget_not_offered();
-  EXPECT_THAT(not_offered(), IsEmpty());
+  EXPECT_THAT(Registry().not_offered(), IsEmpty());
 }
 
 }  // namespace

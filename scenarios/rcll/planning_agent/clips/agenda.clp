@@ -131,10 +131,6 @@
 
 ; --- Robots that would stand idle drive to where the next piece comes out
 
-(deffunction source-of (?action ?params)
-  "Where a robot fetches the piece of a step."
-  (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
-
 (deffunction makes-piece-of (?made ?action ?params)
   "Whether the step of a machine with these parameters makes the piece that a robot fetches for that step."
   (and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made)))

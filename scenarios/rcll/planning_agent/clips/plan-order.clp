@@ -71,6 +71,10 @@
 
 ; --- Why a step may not begin yet
 
+(deffunction source-of (?action ?params)
+  "Where a robot fetches the piece of a step."
+  (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
+
 (deffunction step-text (?step)
   (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))))
 

@@ -21,17 +21,18 @@
 (deffunction dispatch-file ()
   (if (groups-ahead (ros-param-get-value "strategy.dispatch" "partial-order"))
    then groups
-   else (sym-cat (one-of "strategy.dispatch" "partial-order" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"))))
+   else (sym-cat (one-of "strategy.dispatch" "partial-order" "external" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"))))
 
 (deffunction load-strategy (?file)
   (if (eq ?file greedy)
    then
-    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration payments shelves cap-stations worth orders products
-                             shared-machines trouble recovery maintenance repairs)
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots choose-jobs exploration payments shelves cap-stations worth orders
+                             choose-orders products shared-machines trouble recovery maintenance repairs)
     (load-files "rcll_planning_agent" settings dispatch/greedy)
    else
-    (load-files "rcll_agent" facts skills pauses refbox jobs robots exploration shelves worth shared-machines trouble maintenance
-                             repairs)
+    (if (eq ?file external) then (load-files "cxlab_choices" choices))
+    (load-files "rcll_agent" facts skills pauses refbox jobs robots choose-jobs exploration shelves worth shared-machines trouble
+                             maintenance repairs)
     (load-files "rcll_planning_agent" settings planning-facts durations risk foresight problem alternatives execution copy plan-order (sym-cat dispatch/ ?file)
                                       plans refinement agenda finish failures exchange)))
 

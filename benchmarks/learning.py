@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""How fast games are played whose choices are made from Python: decisions and games a second, and the time of a reset.
+
+    PYTHONPATH=build/release/python benchmarks/learning.py [--games 40] [--processes 2]
+
+`games` plays them one after the other in each process (cxlab.learn.play_all), which is how train_dispatcher.py trains; `vector` is
+gymnasium.vector.AsyncVectorEnv with an environment a process (only where Gymnasium is installed). Both take the option that the rules
+prefer, and no journal is kept. Each game is a whole one of the timed tier.
+"""
+
+import argparse
+import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+from cxlab.learn import play
+from cxlab.learn.games import Games, shown_options
+
+
+class Counting:
+    """The rules' choices, counted."""
+
+    def __init__(self):
+        self.decisions = 0
+
+    def __call__(self, choice):
+        self.decisions += 1
+        return choice.preferred
+
+
+def play_one(seed):
+    policy = Counting()
+    begun = time.process_time()
+    play(policy, seed)
+    return policy.decisions, time.process_time() - begun
+
+
+def action_of(games):
+    return int(np.flatnonzero(shown_options(games.choice) == games.choice.preferred)[0])
+
+
+def reset_times(games):
+    """Of environments whose next game is made ready while one is played, ms."""
+    env = Games("rcll/external", team="CYAN", ahead=True, tier="timed", journal="none")
+    times = []
+    for seed in range(1, games + 2):
+        begun = time.perf_counter()
+        env.begin(seed, seed + 1 if seed <= games else None)
+        times.append(1e3 * (time.perf_counter() - begun))
+        while env.choice is not None:
+            env.answer(action_of(env))
+        env.result()
+    env.close()
+    return times[0], np.array(times[1:])
+
+
+def vector(processes, games):
+    import gymnasium
+    from cxlab.learn.registration import register
+
+    register()
+    make = lambda: gymnasium.make("cxlab/RCLLDispatch-v0", journal="none")  # noqa: E731
+    env = gymnasium.vector.AsyncVectorEnv([make] * processes, shared_memory=True)
+    _, info = env.reset(seed=list(range(1, processes + 1)))
+    done, steps, begun = 0, 0, time.perf_counter()
+    while done < games:
+        preferred = info.get("preferred", np.zeros(processes, dtype=int))
+        _, _, terminated, truncated, info = env.step(preferred)
+        done += int((terminated | truncated).sum())
+        steps += processes
+    seconds = time.perf_counter() - begun
+    env.close()
+    return steps / seconds, done / seconds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--games", type=int, default=40)
+    parser.add_argument("--processes", type=int, default=2)
+    arguments = parser.parse_args()
+    with ProcessPoolExecutor(arguments.processes, get_context("forkserver")) as pool:
+        list(pool.map(play_one, range(arguments.processes)))  # the processes are there
+        begun = time.perf_counter()
+        played = list(pool.map(play_one, range(1, arguments.games + 1)))
+        seconds = time.perf_counter() - begun
+    decisions = sum(one for one, _ in played)
+    print(f"games    {decisions / seconds:8.0f} decisions/s {arguments.games / seconds:6.2f} games/s in {arguments.processes} processes; "
+          f"{decisions / arguments.games:.0f} decisions and {1e3 * np.mean([cpu for _, cpu in played]):.0f} ms of the processor a game")
+    first, others = reset_times(min(arguments.games, 20))
+    print(f"reset    {np.median(others):8.2f} ms median, {others.max():.2f} ms at most; {first:.0f} ms for the first game")
+    try:
+        rate, games = vector(arguments.processes, arguments.games)
+    except ImportError:
+        print("vector   Gymnasium is not installed")
+        return
+    print(f"vector   {rate:8.0f} decisions/s {games:6.2f} games/s with AsyncVectorEnv of {arguments.processes}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+#include "lab/choices.h"
+
+#include <utility>
+
+namespace cxlab::lab {
+
+namespace {
+
+Choice read_choice(const bus::MessageView& message) {
+  Choice choice;
+  choice.id = message.integer("id");
+  choice.kind = message.text("kind");
+  choice.who = message.text("who");
+  choice.preferred = message.integer("preferred");
+  const bus::MessageType& type = message.type();
+  const auto each = [&](std::string_view name, auto& values, auto read) {
+    const bus::Field& field = *type.find(name);
+    values.reserve(message.size(field));
+    for (std::size_t i = 0; i < message.size(field); ++i) values.push_back(read(field, i));
+  };
+  const auto real = [&](const bus::Field& field, std::size_t i) { return message.real(field, i); };
+  each("options", choice.options, [&](const bus::Field& field, std::size_t i) { return message.text(field, i); });
+  each("allowed", choice.allowed, [&](const bus::Field& field, std::size_t i) { return message.integer(field, i) != 0; });
+  each("situation", choice.situation, real);
+  each("features", choice.features, real);
+  return choice;
+}
+
+}  // namespace
+
+/// Keeps the choices that are open, and sends the answers.
+class ChoiceEpisode::Chooser final : public Agent {
+ public:
+  Chooser(SeatBus& bus, const ChoiceTopic& topic) : bus_(bus), made_(topic.name + "/made") {
+    reads_ = bus_.read(topic.name, "cxlab_msgs/msg/Choice",
+                       [this](const bus::MessageView& message) { open_.push_back(read_choice(message)); });
+  }
+
+  Status perceive() override { return reads_; }
+  Status decide(SimTime) override { return {}; }
+  Status act() override { return {}; }
+  SimTime next_due() const override { return kNever; }
+
+  const Choice* first() const { return open_.empty() ? nullptr : &open_.front(); }
+
+  Status answer(std::int64_t option) {
+    auto made = bus_.make("cxlab_msgs/msg/ChoiceMade");
+    if (!made) return made.error();
+    made->view().set("id", open_.front().id).set("option", option);
+    open_.pop_front();
+    return bus_.publish(made_, "cxlab_msgs/msg/ChoiceMade", *std::move(made));
+  }
+
+ private:
+  SeatBus& bus_;
+  std::string made_;
+  Status reads_;
+  std::deque<Choice> open_;
+};
+
+Expected<std::unique_ptr<ChoiceEpisode>> ChoiceEpisode::load(PlayOptions options, Scenario scenario, ChoiceTopic topic,
+                                                             const Host& host) {
+  std::unique_ptr<ChoiceEpisode> episode(new ChoiceEpisode);
+  options.seats.push_back({topic.seat, [&](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {
+                             auto chooser = std::make_unique<Chooser>(bus, topic);
+                             episode->chooser_ = chooser.get();
+                             return std::unique_ptr<Agent>(std::move(chooser));
+                           }});
+  auto session = Session::load(options, std::move(scenario), host);
+  if (!session) return session.error();
+  episode->session_ = *std::move(session);
+  return episode;
+}
+
+Expected<const Choice*> ChoiceEpisode::next_choice() {
+  while (!chooser_->first()) {
+    const auto step = session_->step(session_->episode().next_tick());
+    if (!step) return step.error();
+    if (step->over) break;
+  }
+  return chooser_->first();
+}
+
+Status ChoiceEpisode::choose(std::int64_t option) {
+  const Choice* choice = chooser_->first();
+  if (!choice) return usage_error("found no open choice; call next_choice() first");
+  const auto size = static_cast<std::int64_t>(choice->allowed.size());
+  if (option < 0 || option >= size || !choice->allowed[static_cast<std::size_t>(option)])
+    return usage_error("option " + std::to_string(option) + " of choice " + std::to_string(choice->id) + " (" + choice->kind +
+                       ") may not be chosen; expected one that the mask allows, of " + std::to_string(size));
+  return chooser_->answer(option);
+}
+
+}  // namespace cxlab::lab

@@ -1,0 +1,127 @@
+"""What the environments share: games one after the other, the next one made ready while one is played, and observations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cxlab.learn.choices import Choice, ChoiceGame
+from cxlab.learn.features import KINDS, OPTION, SITUATION
+
+OPTIONS = 16
+WIDTH = max(len(names) for names in OPTION.values())
+SIZE = len(KINDS) + len(SITUATION) + OPTIONS * WIDTH
+
+SEEDS = 2**31 - 1
+
+
+def shown_options(choice: Choice) -> NDArray[np.int64]:
+    """Which options the actions 0, 1, ... stand for: all, or the first ones with the preferred one and the last one."""
+    count = len(choice.options)
+    if count <= OPTIONS:
+        return np.arange(count)
+    shown = [*range(OPTIONS - 1), count - 1]
+    if choice.preferred not in shown:
+        shown[-2] = choice.preferred
+    return np.array(sorted(shown))
+
+
+def mask_of(choice: Choice | None) -> NDArray[np.bool_]:
+    """Shape (16,): which actions may be chosen. After the end only action 0, which changes nothing."""
+    mask = np.zeros(OPTIONS, dtype=bool)
+    if choice is None:
+        mask[0] = True
+    else:
+        allowed = choice.allowed[shown_options(choice)]
+        mask[: len(allowed)] = allowed
+    return mask
+
+
+def observation_of(choice: Choice | None) -> NDArray[np.float32]:
+    """Shape (346,), each between -1 and 1: the kind of choice (2), the situation (8), then 16 options with 21 features each."""
+    out = np.zeros(SIZE, dtype=np.float32)
+    if choice is None:
+        return out
+    if choice.kind not in KINDS:
+        raise ValueError(f"found a choice of kind {choice.kind!r}, expected one of {', '.join(KINDS)}")
+    out[KINDS.index(choice.kind)] = 1.0
+    out[len(KINDS) : len(KINDS) + len(SITUATION)] = choice.situation
+    features = choice.features[shown_options(choice)]
+    options = out[len(KINDS) + len(SITUATION) :].reshape(OPTIONS, WIDTH)
+    options[: features.shape[0], : features.shape[1]] = features
+    return out
+
+
+class Games:
+    """Games one after the other. While one is played, a thread makes the next one ready up to its first choice, if its seed is
+    known; which game is played never depends on that."""
+
+    def __init__(self, scenario: str, *, team: str, ahead: bool, **more: Any) -> None:
+        self.team = team
+        self._scenario, self._more = scenario, more
+        self._pool = ThreadPoolExecutor(1, "cxlab-next-game") if ahead else None
+        self._next: tuple[int, Future[tuple[ChoiceGame, Choice | None]]] | None = None
+        self.game: ChoiceGame | None = None
+        self.choice: Choice | None = None
+        self._points = 0
+
+    def _load(self, seed: int) -> tuple[ChoiceGame, Choice | None]:
+        game = ChoiceGame(self._scenario, seed=seed, **self._more)
+        return game, game.next()
+
+    def begin(self, seed: int, following: int | None) -> None:
+        """Begin the game of a seed; `following` is the seed of the next one."""
+        self._end_game()
+        ready, self._next = self._next, None
+        if ready is not None and ready[0] == seed:
+            self.game, self.choice = ready[1].result()
+        else:
+            if ready is not None:
+                ready[1].add_done_callback(_drop)
+            self.game, self.choice = self._load(seed)
+        self._points = 0
+        if self._pool is not None and following is not None:
+            self._next = (following, self._pool.submit(self._load, following))
+
+    def answer(self, action: int) -> bool:
+        """Answer the choice, and play on to the next one. False: the mask forbids the action, and the rules' option was taken."""
+        game, choice = self.game, self.choice
+        if game is None or choice is None:
+            raise RuntimeError("the game is over; call reset()")
+        good = 0 <= action < OPTIONS and bool(mask_of(choice)[action])
+        game.choose(int(shown_options(choice)[action]) if good else choice.preferred)
+        self.choice = game.next()
+        return good
+
+    def points(self) -> int:
+        """Points since the last call, or since the game began."""
+        total = int(self.game.result_at(f"teams.{self.team}.points") or 0) if self.game is not None else 0
+        gained, self._points = total - self._points, total
+        return gained
+
+    def result(self) -> Mapping[str, Any]:
+        """Ends the game; its result."""
+        return self.game.close() if self.game is not None else {}
+
+    def _end_game(self) -> None:
+        if self.game is not None:
+            self.game.close()
+        self.game = self.choice = None
+
+    def close(self) -> None:
+        self._end_game()
+        if self._next is not None:
+            self._next[1].add_done_callback(_drop)
+            self._next = None
+        if self._pool is not None:
+            self._pool.shutdown(wait=True)
+            self._pool = None
+
+
+def _drop(ready: Future[tuple[ChoiceGame, Choice | None]]) -> None:
+    if not ready.cancelled() and ready.exception() is None:
+        ready.result()[0].close()

@@ -1,0 +1,16 @@
+"""Registers the environments with Gymnasium (entry point `gymnasium.envs`)."""
+
+from __future__ import annotations
+
+
+def register() -> None:
+    """Called by Gymnasium when it is imported."""
+    from gymnasium.envs.registration import register as add
+    from gymnasium.envs.registration import registry
+
+    for name, entry in (
+        ("RCLLDispatch-v0", "cxlab.learn.dispatch:RCLLDispatchEnv"),
+        ("Turtlesim-v0", "cxlab.learn.turtle:TurtlesimEnv"),
+    ):
+        if f"cxlab/{name}" not in registry:
+            add(id=f"cxlab/{name}", entry_point=entry)

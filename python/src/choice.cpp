@@ -1,0 +1,143 @@
+// Episodes that stop where rules leave a choice to Python (lab/choices.h).
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+#include "lab/choices.h"
+#include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
+
+namespace cxlab::python {
+
+namespace {
+
+using Reals = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+
+/// A copy, which Python owns.
+Reals array_of(const std::vector<double>& values) {
+  auto* data = new double[values.size() + 1];
+  std::copy(values.begin(), values.end(), data);
+  const nb::capsule owner(data, [](void* memory) noexcept { delete[] static_cast<double*>(memory); });
+  return Reals(data, {values.size()}, owner);
+}
+
+class ChoicesAtPlay {
+ public:
+  ChoicesAtPlay(const std::string& scenario, const std::vector<std::pair<std::string, std::string>>& assignments,
+                std::optional<double> until, const std::string& journal, const std::string& out, bool force,
+                const std::string& topic) {
+    const auto file = value_or_raise(find_scenario(scenario));
+    std::vector<Override> overrides;
+    for (const auto& [assignment, option] : assignments) overrides.emplace_back(assignment, option);
+    lab::PlayOptions options;
+    options.spec.until = until;
+    auto level = named(options.spec.journal, kJournalLevels);
+    if (!level.set(journal))
+      raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
+    options.out = out.empty() ? "none" : out;
+    options.force = force;
+    options.command = {"python"};
+    Expected<std::unique_ptr<lab::ChoiceEpisode>> episode = usage_error("");
+    {
+      const nb::gil_scoped_release others_may_run;
+      auto loaded = Scenario::load(file, shipped(), overrides);
+      if (loaded)
+        episode = lab::ChoiceEpisode::load(options, *std::move(loaded), {.name = topic});
+      else
+        episode = loaded.error();
+    }
+    episode_ = value_or_raise(std::move(episode));
+  }
+
+  /// Plays on to the next choice; whether there is one.
+  bool next() {
+    Expected<const lab::Choice*> open = usage_error("");
+    {
+      const nb::gil_scoped_release others_may_run;
+      open = played().next_choice();
+    }
+    choice_ = value_or_raise(std::move(open));
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    return choice_ != nullptr;
+  }
+
+  void choose(std::int64_t option) {
+    check(played().choose(option));
+    choice_ = nullptr;
+  }
+
+  const lab::Choice& choice() const {
+    if (!choice_) raise(usage_error("no choice is open; call next() first"));
+    return *choice_;
+  }
+
+  lab::Session& session() { return played().session(); }
+
+  /// What the result has so far at that path, as JSON; empty: nothing.
+  std::string result_at(const std::string& path) { return session().episode().result().at(path); }
+
+  nb::object render(int width, int height, const std::string& camera, bool caption) {
+    return renderer_.draw(session().episode(), width, height, camera, caption);
+  }
+
+  nb::object close() {
+    choice_ = nullptr;
+    renderer_ = {};
+    lab::Played ended;
+    {
+      const nb::gil_scoped_release others_may_run;
+      ended = session().close();
+    }
+    episode_.reset();
+    if (ended.failure) raise(*ended.failure);
+    return from_json(ended.result.to_json());
+  }
+
+ private:
+  lab::ChoiceEpisode& played() {
+    if (!episode_) raise(usage_error("the episode is closed"));
+    return *episode_;
+  }
+
+  std::unique_ptr<lab::ChoiceEpisode> episode_;  // none: closed
+  const lab::Choice* choice_ = nullptr;          // none is open
+  Renderer renderer_;
+};
+
+}  // namespace
+
+void bind_choice(nb::module_& module) {
+  nb::class_<ChoicesAtPlay>(module, "ChoiceEpisode")
+      .def(nb::init<const std::string&, const std::vector<std::pair<std::string, std::string>>&, std::optional<double>,
+                    const std::string&, const std::string&, bool, const std::string&>(),
+           nb::kw_only(), nb::arg("scenario"), nb::arg("assignments"), nb::arg("until").none(), nb::arg("journal"),
+           nb::arg("out"), nb::arg("force"), nb::arg("topic"))
+      .def("next", &ChoicesAtPlay::next)
+      .def("choose", &ChoicesAtPlay::choose, nb::arg("option"))
+      .def("result_at", &ChoicesAtPlay::result_at, nb::arg("path"))
+      .def("render", &ChoicesAtPlay::render, nb::arg("width"), nb::arg("height"), nb::arg("camera"), nb::arg("caption"))
+      .def("close", &ChoicesAtPlay::close)
+      .def_prop_ro("now", [](ChoicesAtPlay& self) { return to_seconds(self.session().episode().now()); })
+      .def_prop_ro("kind", [](const ChoicesAtPlay& self) { return self.choice().kind; })
+      .def_prop_ro("who", [](const ChoicesAtPlay& self) { return self.choice().who; })
+      .def_prop_ro("options", [](const ChoicesAtPlay& self) { return self.choice().options; })
+      .def_prop_ro("allowed", [](const ChoicesAtPlay& self) { return self.choice().allowed; })
+      .def_prop_ro("preferred", [](const ChoicesAtPlay& self) { return self.choice().preferred; })
+      .def_prop_ro("situation", [](const ChoicesAtPlay& self) { return array_of(self.choice().situation); },
+                   nb::rv_policy::move)
+      .def_prop_ro("features", [](const ChoicesAtPlay& self) { return array_of(self.choice().features); },
+                   nb::rv_policy::move);
+}
+
+}  // namespace cxlab::python

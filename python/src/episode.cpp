@@ -1,0 +1,436 @@
+// Episodes: a session of lab/session.h that Python plays.
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings.h"
+#include "cx/explain/names.h"
+#include "cx/explain/pattern.h"
+#include "lab/report.h"
+#include "lab/session.h"
+#include "outside.h"
+#include "scenarios/share.h"
+#include "scenarios/shipped/catalogue.h"
+
+namespace cxlab::python {
+
+using namespace nb::literals;
+
+namespace {
+
+/// PATH=VALUE, and the argument that errors in it name.
+using Assignments = std::vector<std::pair<std::string, std::string>>;
+
+/// Time of the last tick (s), ticks played, whether the run is over.
+using StepTuple = std::tuple<double, std::int64_t, bool>;
+
+/// How long a step keeps the interpreter's lock away, at most: then it looks for Ctrl-C.
+constexpr auto kStretch = std::chrono::milliseconds(50);
+
+/// Lines of the log wait here until Python can take them, in its logging.
+class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
+ public:
+  /// The levels of Python's logging that are wanted now.
+  void listen() { least_ = nb::cast<int>(logger().attr("getEffectiveLevel")()); }
+  void line(const cx::LogLine& line) override {
+    constexpr int kLevels[] = {10, 20, 30, 40};
+    const int level = kLevels[static_cast<std::size_t>(line.level)];
+    if (level < least_) return;
+    char time[32];
+    std::snprintf(time, sizeof time, "%.3f ", to_seconds(line.t));
+    lines_.emplace_back(level, time + std::string(line.logger) + ": " + std::string(line.text));
+  }
+  void progress(double, double) override {}
+  void note(std::string_view text) override {
+    if (least_ <= 20) lines_.emplace_back(20, text);
+  }
+  void hand_over() {
+    if (lines_.empty()) return;
+    const auto lines = std::exchange(lines_, {});
+    const nb::object log = logger().attr("log");
+    for (const auto& [level, line] : lines) log(level, "%s", text(line));
+  }
+
+ private:
+  static nb::object logger() { return nb::module_::import_("logging").attr("getLogger")("cxlab"); }
+  int least_ = 30;
+  std::vector<std::pair<int, std::string>> lines_;
+};
+
+class PlayedEpisode {
+ public:
+  struct Asked {
+    std::string scenario;
+    Assignments assignments;
+    std::optional<double> until;
+    std::string journal;
+    std::string out;
+    bool force = false;
+    nb::list seats;
+    std::vector<std::string> packages;
+  };
+
+  explicit PlayedEpisode(const Asked& asked) {
+    const auto file = value_or_raise(find_scenario(asked.scenario));
+    const std::vector<Override> overrides = [&] {
+      std::vector<Override> all;
+      for (const auto& [assignment, option] : asked.assignments) all.emplace_back(assignment, option);
+      return all;
+    }();
+    lab::PlayOptions options;
+    options.spec.until = asked.until;
+    if (auto journal = named(options.spec.journal, kJournalLevels); !journal.set(asked.journal))
+      raise(usage_error("found '" + asked.journal + "', expected none, decisions or full", "journal"));
+    options.spec.prefixes = asked.packages;
+    options.out = asked.out.empty() ? "none" : asked.out;
+    options.force = asked.force;
+    options.command = {"python"};
+    for (const nb::handle seat : asked.seats) options.seats.push_back(seat_of_object(nb::borrow(seat), play_));
+    lines_.listen();
+    Expected<std::unique_ptr<lab::Session>> session = usage_error("");
+    (void)play_->begin();
+    {
+      const nb::gil_scoped_release others_may_run;
+      auto scenario = Scenario::load(file, shipped(), overrides);
+      if (scenario)
+        session = lab::Session::load(options, *std::move(scenario), {.log = &lines_, .progress = &lines_});
+      else
+        session = scenario.error();
+    }
+    play_->end();
+    lines_.hand_over();
+    play_->raise_again();
+    session_ = value_or_raise(std::move(session));
+    note_state();
+  }
+
+  ~PlayedEpisode() { let_go(); }
+  PlayedEpisode(const PlayedEpisode&) = delete;
+  PlayedEpisode& operator=(const PlayedEpisode&) = delete;
+
+  StepTuple step(std::optional<double> until, std::optional<std::int64_t> ticks) {
+    const Use use(*this);
+    if (until && std::isnan(*until)) raise(usage_error("found nan, expected a time, s", "until"));
+    const SimTime end = until && *until < 1e9 ? from_seconds(*until) : kNever;
+    std::int64_t played = 0;
+    while (true) {
+      Expected<StepReport> report = usage_error("");
+      lines_.listen();
+      {
+        const nb::gil_scoped_release others_may_run;
+        report = stretch(end, ticks ? std::optional(*ticks - played) : std::nullopt);
+      }
+      note_state();
+      lines_.hand_over();
+      play_->raise_again();
+      const StepReport done = value_or_raise(std::move(report));
+      played += done.ticks;
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      if (!paused_ || over_) return {now_, played, over_};
+    }
+  }
+
+  /// result.json of the run, which is over now.
+  nb::object close() {
+    const Use use(*this);
+    lines_.listen();
+    {
+      const nb::gil_scoped_release others_may_run;
+      lab::Played played = session_->close();
+      now_ = to_seconds(played.result.sim_time);
+      result_ = played.result.to_json();
+      folder_ = played.folder.string();
+      page_ = lab::write_report(played);
+      failure_ = played.failure;
+    }
+    let_go();
+    over_ = true;
+    lines_.hand_over();
+    play_->raise_again();
+    check(page_);
+    return from_json(result_);
+  }
+
+  bool closed() const { return !session_; }
+  bool over() const { return over_; }
+  double now() const { return now_; }
+  const std::string& folder() const { return folder_; }
+  /// What ended the run early; None if nothing did.
+  nb::object failure() const {
+    if (!failure_) return nb::none();
+    try {
+      raise(*failure_);
+    } catch (nb::python_error& error) {
+      return nb::borrow(error.value());
+    }
+  }
+
+  nb::object result() {
+    if (!session_) return from_json(result_);
+    const Use use(*this);
+    nb::object result = from_json(episode().result().to_json());
+    result["status"] = "running";
+    return result;
+  }
+
+  // --- Environments
+
+  std::vector<std::string> environments() {
+    const Use use(*this);
+    std::vector<std::string> names;
+    for (const cx::Environment* one : episode().environments()) names.push_back(one->unique_name());
+    return names;
+  }
+
+  /// (index, template, {slot: value}) of the facts that match.
+  nb::list facts(const std::string& pattern, const std::optional<std::string>& env) {
+    const Use use(*this);
+    const cx::Environment& environment = environment_of(env);
+    std::optional<explain::Pattern> wanted;
+    std::string name;
+    if (pattern.starts_with('(')) {
+      auto parsed = explain::Pattern::parse_plain(pattern, "pattern", 0);
+      if (!parsed) raise(parsed.error());
+      check_pattern(*parsed, environment);
+      name = parsed->template_name();
+      wanted = *std::move(parsed);
+    } else if (!pattern.empty()) {
+      auto parsed = explain::Pattern::parse_plain('(' + pattern + ')', "pattern", 0);
+      if (!parsed) raise(parsed.error());
+      check_pattern(*parsed, environment);
+      name = parsed->template_name();
+    }
+    nb::list found;
+    for (const FactCopy& fact : environment.engine().facts(name)) {
+      if (wanted && !wanted->matches(fact)) continue;
+      nb::dict slots;
+      for (const auto& [slot, value] : fact.slots) slots[text(slot)] = to_python(value);
+      found.append(nb::make_tuple(fact.index, text(fact.template_name), slots));
+    }
+    return found;
+  }
+
+  std::int64_t assert_fact(const std::string& fact, const std::optional<std::string>& env) {
+    const Use use(*this);
+    const std::string index = act(env, cx::ControlAct::Verb::kAssert, fact);
+    return std::stoll(index.substr(2));
+  }
+  void retract(std::int64_t index, const std::optional<std::string>& env) {
+    const Use use(*this);
+    (void)act(env, cx::ControlAct::Verb::kRetract, std::to_string(index));
+  }
+  nb::str eval(const std::string& expression, const std::optional<std::string>& env) {
+    const Use use(*this);
+    return text(act(env, cx::ControlAct::Verb::kEval, expression));
+  }
+  void build(const std::string& construct, const std::optional<std::string>& env) {
+    const Use use(*this);
+    (void)act(env, cx::ControlAct::Verb::kBuild, construct);
+  }
+
+  // --- The bus
+
+  /// {name: (type, providers, users)} of topics, services or actions.
+  nb::dict endpoints(const std::string& kind) {
+    const Use use(*this);
+    const bus::Bus& bus = episode().bus();
+    nb::dict all;
+    for (const bus::Bus::Info& info : kind == "topics"     ? bus.topics()
+                                      : kind == "services" ? bus.services()
+                                                           : bus.actions())
+      all[text(info.name)] = nb::make_tuple(text(info.type), info.providers, info.users);
+    return all;
+  }
+  void publish(const std::string& topic, const std::string& type, const std::string& yaml) {
+    const Use use(*this);
+    outside().publish(topic, type, yaml);
+  }
+  nb::list read(const std::string& topic, const std::string& type) {
+    const Use use(*this);
+    return outside().read(topic, type);
+  }
+  std::size_t call(const std::string& service, const std::string& type, const std::string& yaml) {
+    const Use use(*this);
+    return outside().call(service, type, yaml);
+  }
+  nb::object response(std::size_t number) { return heard().response(number); }
+  std::size_t send_goal(const std::string& action, const std::string& type, const std::string& yaml) {
+    const Use use(*this);
+    return outside().send_goal(action, type, yaml);
+  }
+  void cancel(std::size_t goal) {
+    const Use use(*this);
+    outside().cancel(goal);
+  }
+  nb::object goal(std::size_t number) { return heard().goal(number); }
+
+  // --- What there is to see
+
+  nb::dict scene() {
+    const Use use(*this);
+    return to_python(episode().scene());
+  }
+  nb::object render(int width, int height, const std::string& camera, bool caption) {
+    const Use use(*this);
+    return renderer_.draw(episode(), width, height, camera, caption);
+  }
+
+ private:
+  /// For the length of a call: the episode is open, and nobody else uses it.
+  class Use {
+   public:
+    explicit Use(const PlayedEpisode& episode) : play_(*episode.play_) {
+      if (!play_.begin())
+        raise(usage_error("the episode is in use: by another thread, or by a seat that calls it from its turn"));
+      if (episode.session_) return;
+      play_.end();
+      raise(usage_error("the episode is closed").with_code("closed"));
+    }
+    ~Use() { play_.end(); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    Play& play_;
+  };
+
+  Episode& episode() { return session_->episode(); }
+  /// What refers to the session goes before it.
+  void let_go() {
+    renderer_ = {};
+    if (session_ && outside_) outside_->finish();
+    session_.reset();
+  }
+  void note_state() {
+    now_ = to_seconds(episode().now());
+    over_ = session_->over();
+  }
+
+  /// Plays on until the end or the number of ticks, or for so long that Python should look for signals (`paused_`).
+  Expected<StepReport> stretch(SimTime end, std::optional<std::int64_t> ticks) {
+    using Clock = std::chrono::steady_clock;
+    paused_ = false;
+    if (ticks && *ticks <= 0) return StepReport{episode().now(), 0, session_->over()};
+    std::int64_t played = 0;
+    if (ticks == 1) return session_->step(end, [] { return true; });
+    const auto look = Clock::now() + kStretch;
+    return session_->step(end, [&] {
+      if (++played == ticks || play_->has_raised()) return true;
+      return paused_ = Clock::now() >= look;
+    });
+  }
+
+  cx::Environment& environment_of(const std::optional<std::string>& name) {
+    const std::vector<cx::Environment*> all = episode().environments();
+    std::vector<std::string> names;
+    for (cx::Environment* one : all) {
+      names.push_back(one->unique_name());
+      if (name && (one->unique_name() == *name || one->name() == *name)) return *one;
+    }
+    if (!name && all.size() == 1) return *all.front();
+    if (names.empty()) raise(usage_error("the episode has no environment of rules", "env"));
+    const std::string known = "of " + some_of(names, names.size());
+    if (!name) raise(usage_error("found none, expected one " + known, "env"));
+    raise(usage_error("found '" + *name + "', expected one " + known + did_you_mean(*name, names), "env"));
+  }
+
+  static void check_pattern(const explain::Pattern& pattern, const cx::Environment& environment) {
+    if (const Status s = explain::check_names(pattern, environment.engine()); !s) {
+      Error error = s.error();
+      error.file = "pattern";
+      error.line = 0;
+      raise(error);
+    }
+  }
+
+  std::string act(const std::optional<std::string>& env, cx::ControlAct::Verb verb, const std::string& text) {
+    if (text.find('\0') != text.npos) raise(usage_error("found a text with the character U+0000"));
+    cx::Environment& environment = environment_of(env);
+    lines_.listen();
+    Expected<std::string> done = usage_error("");
+    {
+      const nb::gil_scoped_release others_may_run;
+      done = episode().act(environment, verb, text);
+    }
+    lines_.hand_over();
+    return value_or_raise(std::move(done));
+  }
+
+  Outside& outside() {
+    if (outside_) return *outside_;
+    auto made = std::make_unique<Outside>();
+    check(session_->join(made->seat()));
+    outside_ = std::move(made);
+    return *outside_;
+  }
+
+  /// What has come so far; of a closed episode, too.
+  const Outside& heard() const {
+    if (!outside_) raise(usage_error("nothing was sent"));
+    if (play_->is_elsewhere()) raise(usage_error("the episode is in use by another thread"));
+    return *outside_;
+  }
+
+  std::shared_ptr<Play> play_ = std::make_shared<Play>();
+  LinesForPython lines_;
+  std::unique_ptr<Outside> outside_;       // outlives the session, as do the others above
+  std::unique_ptr<lab::Session> session_;  // none: closed
+  Renderer renderer_;
+  double now_ = -1;
+  bool over_ = false, paused_ = false;
+  // Of a closed one
+  std::string result_, folder_;
+  Status page_;
+  std::optional<Error> failure_;
+};
+
+}  // namespace
+
+void bind_episode(nb::module_& module) {
+  nb::class_<PlayedEpisode>(module, "Episode")
+      .def(
+          "__init__",
+          [](PlayedEpisode* self, std::string scenario, Assignments assignments, std::optional<double> until,
+             std::string journal, std::string out, bool force, nb::list seats, std::vector<std::string> packages) {
+            new (self) PlayedEpisode({std::move(scenario), std::move(assignments), until, std::move(journal),
+                                      std::move(out), force, std::move(seats), std::move(packages)});
+          },
+          nb::kw_only(), "scenario"_a, "assignments"_a, "until"_a.none(), "journal"_a, "out"_a, "force"_a, "seats"_a,
+          "packages"_a)
+      .def("step", &PlayedEpisode::step, "until"_a.none(), "ticks"_a.none())
+      .def("close", &PlayedEpisode::close)
+      .def_prop_ro("closed", &PlayedEpisode::closed)
+      .def_prop_ro("over", &PlayedEpisode::over)
+      .def_prop_ro("now", &PlayedEpisode::now)
+      .def_prop_ro("folder", &PlayedEpisode::folder)
+      .def_prop_ro("failure", &PlayedEpisode::failure)
+      .def_prop_ro("result", &PlayedEpisode::result)
+      .def_prop_ro("environments", &PlayedEpisode::environments)
+      .def("facts", &PlayedEpisode::facts, "pattern"_a, "env"_a.none())
+      .def("assert_fact", &PlayedEpisode::assert_fact, "fact"_a, "env"_a.none())
+      .def("retract", &PlayedEpisode::retract, "index"_a, "env"_a.none())
+      .def("eval", &PlayedEpisode::eval, "expression"_a, "env"_a.none())
+      .def("build", &PlayedEpisode::build, "construct"_a, "env"_a.none())
+      .def("endpoints", &PlayedEpisode::endpoints, "kind"_a)
+      .def("publish", &PlayedEpisode::publish, "topic"_a, "type"_a, "yaml"_a)
+      .def("read", &PlayedEpisode::read, "topic"_a, "type"_a)
+      .def("call", &PlayedEpisode::call, "service"_a, "type"_a, "yaml"_a)
+      .def("response", &PlayedEpisode::response, "call"_a)
+      .def("send_goal", &PlayedEpisode::send_goal, "action"_a, "type"_a, "yaml"_a)
+      .def("cancel", &PlayedEpisode::cancel, "goal"_a)
+      .def("goal", &PlayedEpisode::goal, "goal"_a)
+      .def("scene", &PlayedEpisode::scene)
+      .def("render", &PlayedEpisode::render, "width"_a, "height"_a, "camera"_a, "caption"_a);
+}
+
+}  // namespace cxlab::python

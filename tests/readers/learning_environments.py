@@ -1,0 +1,224 @@
+"""The environments of cxlab.learn, checked by Gymnasium and PettingZoo. ./dev readers"""
+
+import subprocess
+import sys
+import unittest
+import warnings
+
+import gymnasium
+import numpy as np
+from cxlab.learn import RCLLDispatchEnv, RCLLRobotsEnv, RCLLRobotsParallelEnv, play
+from cxlab.learn.policy import preferred
+from cxlab.learn.registration import register
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
+
+register()
+SHORT = {"until": 120.0, "journal": "decisions"}
+
+
+def random_game(env, seed, actions):
+    """Actions at random of those that are allowed; observations, rewards, and the hash of the run."""
+    random = np.random.default_rng(actions)
+    seen, info = env.reset(seed=seed)
+    out = [seen]
+    while True:
+        seen, reward, terminated, truncated, info = env.step(random.choice(np.flatnonzero(info["action_mask"])))
+        out += [seen, reward]
+        if terminated or truncated:
+            return out, info
+
+
+class Dispatch(unittest.TestCase):
+    def test_gymnasium_finds_nothing_wrong(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT).unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        env.close()
+
+    def test_the_same_seed_and_actions_are_the_same_run_and_others_another_one(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
+        one, two, three = (random_game(env, 5, actions) for actions in (1, 1, 2))
+        env.close()
+        self.assertEqual(one[1]["journal_hash"], two[1]["journal_hash"])
+        self.assertNotEqual(one[1]["journal_hash"], three[1]["journal_hash"])
+        for a, b in zip(one[0], two[0], strict=True):
+            np.testing.assert_array_equal(a, b)
+
+    def test_a_game_that_is_cut_off_is_truncated_and_a_whole_one_terminates_with_all_its_points(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
+        _, info = env.reset(seed=1)
+        while True:
+            *_, terminated, truncated, info = env.step(info["preferred"])
+            if terminated or truncated:
+                break
+        env.close()
+        self.assertEqual((terminated, truncated), (False, True))
+        env = gymnasium.make("cxlab/RCLLDispatch-v0")
+        _, info = env.reset(seed=1)
+        total = 0.0
+        while True:
+            _, reward, terminated, truncated, info = env.step(info["preferred"])
+            total += reward
+            if terminated or truncated:
+                break
+        env.close()
+        self.assertEqual((terminated, truncated), (True, False))
+        self.assertEqual(total, info["points"])
+        self.assertEqual(total, play(preferred, 1)["teams"]["CYAN"]["points"])
+
+    def test_seeds_after_the_first_follow_from_it(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
+        rows = []
+        for _ in range(2):
+            row = [env.reset(seed=9)[1]["seed"], *(env.reset()[1]["seed"] for _ in range(3))]
+            rows.append(row)
+        env.close()
+        self.assertEqual(rows[0], rows[1])
+        self.assertEqual(rows[0][0], 9)
+        self.assertEqual(len(set(rows[0])), 4)
+
+    def test_the_mask_is_that_of_the_information_and_a_forbidden_action_is_told(self):
+        env = RCLLDispatchEnv(**SHORT)
+        _, info = env.reset(seed=2)
+        mask = env.action_masks()
+        np.testing.assert_array_equal(mask, info["action_mask"])
+        self.assertEqual((mask.dtype, mask.shape), (np.bool_, (16,)))
+        *_, info = env.step(np.int64(np.flatnonzero(~mask)[0]))
+        self.assertIs(info["invalid"], True)
+        *_, info = env.step(np.int64(info["preferred"]))
+        self.assertNotIn("invalid", info)
+        env.close()
+
+    def test_a_picture_is_drawn_at_the_open_choice(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", render_mode="rgb_array", **SHORT)
+        env.reset(seed=1)
+        picture = env.render()
+        env.close()
+        self.assertEqual((picture.shape[2], picture.dtype), (3, np.uint8))
+        self.assertGreater(picture.std(), 10)
+
+    def test_a_vector_of_processes_plays_the_games_that_one_environment_plays(self):
+        def make():
+            return gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
+
+        vector = gymnasium.vector.AsyncVectorEnv([make, make])
+        _, info = vector.reset(seed=[3, 4])
+        hashes = {}
+        while len(hashes) < 2:
+            *_, terminated, truncated, info = vector.step(info.get("preferred", np.zeros(2, dtype=int)))
+            for number in np.flatnonzero(terminated | truncated):
+                hashes.setdefault(number, info["journal_hash"][number])
+        vector.close()
+        env = make()
+        for number, seed in ((0, 3), (1, 4)):
+            _, info = env.reset(seed=seed)
+            over = False
+            while not over:
+                *_, terminated, truncated, info = env.step(info["preferred"])
+                over = terminated or truncated
+            self.assertEqual(hashes[number], info["journal_hash"])
+        env.close()
+
+
+class Robots(unittest.TestCase):
+    def test_pettingzoo_finds_nothing_wrong(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of observations that are zeros, and of names of agents
+            env = RCLLRobotsEnv(**SHORT)
+            api_test(env, num_cycles=50)
+            env.close()
+            env = RCLLRobotsParallelEnv(**SHORT)
+            parallel_api_test(env, num_cycles=50)
+            env.close()
+
+    def test_seeds_are_kept(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            seed_test(lambda: RCLLRobotsEnv(**SHORT), num_cycles=20)
+            parallel_seed_test(lambda: RCLLRobotsParallelEnv(**SHORT), num_cycles=20)
+
+    def test_all_get_the_points_of_the_team_and_only_who_chooses_sees(self):
+        env = RCLLRobotsEnv()
+        env.reset(seed=1)
+        total = dict.fromkeys(env.possible_agents, 0.0)
+        for agent in env.agent_iter():
+            seen, reward, terminated, truncated, _ = env.last()
+            total[agent] += reward
+            for other in env.agents:
+                if other != agent and not terminated:
+                    self.assertFalse(env.observe(other)["observation"].any())
+            env.step(None if terminated or truncated else int(np.argmax(seen["observation"][10:].reshape(16, -1)[:, 0])))
+        env.close()
+        self.assertEqual(set(total.values()), {float(play(preferred, 1)["teams"]["CYAN"]["points"])})
+
+    def test_the_parallel_form_is_the_same_game(self):
+        env = RCLLRobotsParallelEnv()
+        seen, _ = env.reset(seed=1)
+        total = 0.0
+        while env.agents:
+            actions = {agent: int(np.argmax(one["observation"][10:].reshape(16, -1)[:, 0])) for agent, one in seen.items()}
+            seen, rewards, *_ = env.step(actions)
+            total += rewards["robot1"]
+        env.close()
+        self.assertEqual(total, play(preferred, 1)["teams"]["CYAN"]["points"])
+
+
+class Turtles(unittest.TestCase):
+    def drive(self, seed, policy, steps=200, **more):
+        """Rewards, and the last answer of the environment."""
+        env = gymnasium.make("cxlab/Turtlesim-v0", journal="decisions", steps=steps, **more)
+        seen, _ = env.reset(seed=seed)
+        rewards, first = [], seen
+        while True:
+            seen, reward, terminated, truncated, info = env.step(policy(seen))
+            rewards.append(reward)
+            if terminated or truncated:
+                env.close()
+                return first, seen, rewards, (terminated, truncated), info
+
+    @staticmethod
+    def to_goal(seen):
+        _, _, ahead, left, _, _ = seen
+        turn = np.arctan2(left, ahead)
+        return np.array([np.cos(turn) if ahead > 0 else 0.0, turn], dtype=np.float32)
+
+    def test_gymnasium_finds_nothing_wrong(self):
+        env = gymnasium.make("cxlab/Turtlesim-v0").unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        env.close()
+
+    def test_who_drives_to_the_goal_gets_there_and_gains_the_way(self):
+        for seed in range(5):
+            first, last, rewards, ended, _ = self.drive(seed, self.to_goal)
+            self.assertEqual(ended, (True, False))
+            side = 11.0889
+            self.assertLess(np.hypot(*last[:2]) * side, 0.3)
+            self.assertAlmostEqual(sum(rewards), (np.hypot(*first[:2]) - np.hypot(*last[:2])) * side, places=3)
+
+    def test_who_stands_still_is_cut_off(self):
+        *_, rewards, ended, _ = self.drive(1, lambda _: np.zeros(2, np.float32), steps=30)
+        self.assertEqual((len(rewards), ended, sum(rewards)), (30, (False, True), 0.0))
+
+    def test_full_speed_is_two_metres_a_second(self):
+        first, last, *_ = self.drive(3, lambda _: np.array([1, 0], np.float32), steps=10)
+        self.assertAlmostEqual(np.hypot(*(last - first)[:2]) * 11.0889, 2.0, delta=0.1)
+
+    def test_the_same_seed_and_actions_are_the_same_run(self):
+        runs = [self.drive(seed, self.to_goal)[-1]["journal_hash"] for seed in (7, 7, 8)]
+        self.assertEqual(runs[0], runs[1])
+        self.assertNotEqual(runs[0], runs[2])
+
+
+class Registered(unittest.TestCase):
+    def test_importing_cxlab_learn_and_gymnasium_is_enough(self):
+        code = "import gymnasium, cxlab.learn; env = gymnasium.make('cxlab/RCLLDispatch-v0', until=30.0); env.close()"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
