@@ -393,7 +393,8 @@ Error syntax_error(const YAML::Exception& thrown, const std::string& text, const
                        file, thrown.mark.line + 1);
   const bool is_yaml = dynamic_cast<const YAML::RepresentationException*>(&thrown) != nullptr;
   std::string what = thrown.msg;
-  while (what.ends_with(':') || what.ends_with(' ')) what.pop_back();  // a name that yaml-cpp leaves out
+  what.resize(what.find_last_not_of(std::string_view(": \n\0", 4)) +
+              1);  // yaml-cpp may end with a character that is not seen
   return input_error((is_yaml ? "" : "not YAML: ") + what, file, thrown.mark.line + 1);
 }
 

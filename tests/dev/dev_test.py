@@ -74,8 +74,12 @@ class Dev(unittest.TestCase):
         for arguments in ((), ("help",), ("--help",)):
             done = dev(*arguments)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
-            for command in ("run", "test", "cxlab", "sanitize", "format", "fuzz", "readers", "path", "help", "--no-install", "--long", "--check"):
+            for command in ("run", "test", "cxlab", "sanitize", "format", "fuzz", "readers", "docs", "path", "help", "--no-install", "--long", "--check"):
                 self.assertIn(command, done.stdout)
+
+    def test_docs_has_one_option(self):
+        done = dev("docs", "--open")
+        self.assertEqual((done.returncode, done.stderr), (2, "./dev: docs has one option: --serve\n"))
 
     def test_path_is_where_the_program_is_built(self):
         self.assertEqual(dev("path").stdout, f"{ROOT}/build/release/cxlab\n")

@@ -35,7 +35,7 @@ class Site(Browser):
         self.browser.get((SITE / "index.html").as_uri())
         field = self.browser.find_element("css selector", "input.md-search__input")
         field.click()
-        field.send_keys("why-not")
+        field.send_keys("determinism")
         self.until(lambda: self.js("document.querySelectorAll('.md-search-result__item').length") > 3)
         self.clean()
 
