@@ -160,7 +160,6 @@ class Run:
         self._trust_programs = trust_programs
         self._asking = Asking(Path(folder).absolute(), trust_programs)
         self._known: dict[str, tuple[str, str]] | None = None
-        self._names: list[str] | None = None
         self.folder = Path(folder)
 
     # --- The same run, with other frames
@@ -320,10 +319,11 @@ class Run:
 
     @property
     def environments(self) -> list[str]:
-        """The names of the environments in which rules ran."""
-        if self._names is None:
-            self._names = [one["environment"] for one in self._asked("envs", None)["environments"]]
-        return self._names
+        """The names of the environments in which rules ran, at the end of the run."""
+        return self._environments_at(None)
+
+    def _environments_at(self, t: float | None) -> list[str]:
+        return [one["environment"] for one in self._asked("envs", t)["environments"]]
 
     def facts(self, at: Time | None = None, what: str = "", *, env: str | None = None) -> Any:
         """The facts at a time: env, fact, template, asserted_s, asserted_by, changed_s, changed_by, and their slots.
@@ -485,7 +485,7 @@ class Run:
         """The answers of all environments that know what is asked about, or of one."""
         t = seconds_of(at)
         found, refused = [], None
-        for environment in [env] if env is not None else self.environments:
+        for environment in [env] if env is not None else self._environments_at(t):
             try:
                 found.append((environment, self._asked(name, t, env=environment, **fields)))
             except InputError as error:
