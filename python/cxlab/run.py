@@ -226,10 +226,7 @@ class Run:
             fields: columns for the fields of `data` instead of JSON. A field that is called as a column of the record
                 is `data_NAME`.
         """
-        kinds = [kind] if isinstance(kind, str) else list(kind or [])
-        table = tables.read(
-            self._recorded.records(kinds, stream or "", seconds_of(start, "start"), seconds_of(end, "end"))
-        )
+        table = tables.read(self._records(kind, stream, start, end))
         if not fields:
             return tables.frame(table, self._frames)
         own = [name for name in table.column_names if name != "data"]
@@ -241,6 +238,24 @@ class Run:
         for name in data.column_names:
             table = table.append_column(name, data.column(name))
         return tables.frame(table, self._frames)
+
+    def record_batches(
+        self,
+        kind: str | Sequence[str] | None = None,
+        *,
+        stream: str | None = None,
+        start: Time | None = None,
+        end: Time | None = None,
+    ) -> Any:
+        """The same as a `pyarrow.RecordBatchReader`, which reads some MB at a time: for journals larger than memory."""
+        reader = tables.library("pyarrow").RecordBatchReader
+        return reader.from_stream(self._records(kind, stream, start, end))
+
+    def _records(
+        self, kind: str | Sequence[str] | None, stream: str | None, start: Time | None, end: Time | None
+    ) -> Any:
+        kinds = [kind] if isinstance(kind, str) else list(kind or [])
+        return self._recorded.records(kinds, stream or "", seconds_of(start, "start"), seconds_of(end, "end"))
 
     @property
     def skills(self) -> Any:

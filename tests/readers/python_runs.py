@@ -88,6 +88,12 @@ class Records(WithGame):
                 self.assertGreater(chosen.sum(), 0)
                 pandas.testing.assert_frame_equal(self.run_.records(**options), every[chosen].reset_index(drop=True))
 
+    def test_batches_are_read_one_by_one(self):
+        every = self.run_.arrow.records("assert")
+        batches = list(self.run_.record_batches("assert"))
+        self.assertEqual(pyarrow.Table.from_batches(batches), every)
+        self.assertLess(max(batch.nbytes for batch in self.run_.record_batches()), 3 * 2**22)
+
     def test_fields_are_columns(self):
         skills = self.run_.records("skill", fields=True)
         plain = self.run_.records("skill")
@@ -264,11 +270,14 @@ class Frames(WithGame):
         hostile = self.scratch / "hostile"
         shutil.copytree(self.folder, hostile)
         text = (hostile / "journal.jsonl").read_text().replace("robot1", "<script>alert(1)<\\/script>").replace('"CYAN"', '"<img src=x onerror=y>"')
+        text = text.replace('"skill":"transport"', '"skill":"<i>"')
         (hostile / "journal.jsonl").write_text(text)
         html = cxlab.Run(hostile)._repr_html_()
         self.assertIn("<svg", html)
         self.assertIn("&lt;script&gt;", html)
         self.assertIn("&lt;img", html)
+        self.assertIn("&lt;i&gt;", html)
+        self.assertNotIn("<i>", html)
         self.assertNotIn("<script", html)
         self.assertNotIn("<img", html)
         self.assertIn("<svg", self.run_._repr_html_())
