@@ -189,6 +189,8 @@ class Rules(WithGame):
                 self.assertEqual(row["asserted_by"], "rule " + first["by"]["name"])
                 if last is not first:
                     self.assertEqual((row["changed_s"], row["changed_by"]), (last["t_s"], "rule " + last["by"]["name"]))
+                else:
+                    self.assertTrue(pandas.isna(row["changed_s"]) and pandas.isna(row["changed_by"]))
         every = self.run_.facts(300)
         self.assertEqual(len(every), len(self.environment("facts", self.folder, "--at", 300)["facts"]))
         self.assertIn("(order (id 1)", " ".join(every.text))
@@ -317,6 +319,15 @@ class Sweeps(unittest.TestCase):
         for row in self.sweep.scores.itertuples():
             self.assertAlmostEqual(row.mean, by_hand[row.strategy], places=9)
         self.assertEqual(self.sweep.polars.rows.height, 12)
+
+    def test_a_file_with_an_empty_cell(self):
+        file = self.folder.with_name("some.csv")
+        file.write_text("scenario,strategy,game,seed,status,exit,points\ngame,None,,1,completed,0,1.5\ngame,NA,,2,crashed,70,\n")
+        rows = cxlab.read_sweep(file).rows
+        self.assertEqual(list(rows.strategy), ["None", "NA"])
+        self.assertEqual(list(rows.game), ["", ""])
+        self.assertEqual(list(rows.points.isna()), [False, True])
+        self.assertEqual(str(rows.points.dtype), "float64")
 
     def test_two_sweeps(self):
         compared = cxlab.read_sweep(self.folder).compare(self.sweep)
