@@ -136,7 +136,7 @@ def _end_view(process: subprocess.Popen[str]) -> None:
 
 
 class Run:
-    """The folder of a run: one that is over, was stopped, failed or was killed.
+    """The folder of a run: one that is over, was stopped, failed or was killed, or that is played with --control.
 
         >>> run = cxlab.Run("runs/game-1")
         >>> run.orders                                    # what the world answers: orders, waits, machines, pieces
@@ -156,11 +156,11 @@ class Run:
         self, folder: str | os.PathLike[str], *, frames: tables.Frames = "pandas", trust_programs: bool = False
     ) -> None:
         self._frames = tables.check_frames(frames)
-        self._recorded = RecordedRun(os.fspath(folder))
+        self.folder = Path(folder).absolute()
+        self._recorded = RecordedRun(str(self.folder))
         self._trust_programs = trust_programs
-        self._asking = Asking(Path(folder).absolute(), trust_programs)
+        self._asking = Asking(self.folder, trust_programs)
         self._known: dict[str, tuple[str, str]] | None = None
-        self.folder = Path(folder)
 
     # --- The same run, with other frames
 
@@ -510,9 +510,14 @@ class Run:
         return found
 
     def _asked(self, name: str, t: float | None, **fields: Any) -> dict[str, Any]:
-        if t is None:
-            t = self._recorded.end_s if self._recorded.finished else _AFTER_EACH_END_S
-        answer: dict[str, Any] = self._asking.ask({"ask": name, "t": t, **fields})["answer"]
+        question = {"ask": name, **fields}
+        if t is None and self._recorded.finished:
+            t = self._recorded.end_s
+        if t is None and not (self.folder / "control.sock").exists():  # else it is being played: now
+            t = _AFTER_EACH_END_S
+        if t is not None:
+            question["t"] = t
+        answer: dict[str, Any] = self._asking.ask(question)["answer"]
         return answer
 
     def _frame(self, rows: list[dict[str, Any]], columns: Sequence[str]) -> Any:

@@ -295,6 +295,36 @@ class RunThatWasKilled(unittest.TestCase):
                 self.assertIn("unfinished", str(run.result))
 
 
+class RunInProgress(unittest.TestCase):
+    def test_it_is_asked_about_now(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "live"
+            command = [
+                CXLAB,
+                "run",
+                "rcll/game",
+                "--tier",
+                "timed",
+                "--realtime",
+                "--control",
+                "--quiet",
+                "--out",
+                folder,
+            ]
+            game = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.addCleanup(game.wait)
+            self.addCleanup(game.terminate)
+            while not (folder / "control.sock").exists():
+                self.assertIsNone(game.poll())
+                time.sleep(0.05)
+            with cxlab.Run(folder) as run:
+                self.assertEqual(run.environments, ["agent"])
+                self.assertEqual(run.globals()["GAME"], 1200.0)
+                with self.assertRaisesRegex(cxlab.InputError, "being played"):
+                    run.globals(at=1)
+            self.assertIsNone(game.poll())
+
+
 class Notebook(WithGame):
     def test_texts_of_a_run_are_escaped(self):
         with tempfile.TemporaryDirectory() as scratch:
