@@ -202,7 +202,9 @@ class WrongQuestions(WithGame):
             lambda: self.run_.scene(at=500),
         ):
             self.refuses((cxlab.UsageError, cxlab.InputError), "130", call)
-        self.refuses(cxlab.UsageError, "start is after end", lambda: self.run_.records(start=20, end=10))
+        for call in (self.run_.records, lambda **stretch: self.run_.ask("orders", **stretch)):
+            self.refuses(cxlab.UsageError, "start is after end", lambda call=call: call(start=20, end=10))
+        self.refuses(cxlab.UsageError, "start is after the end", lambda: self.run_.ask("orders", start=500))
 
     def test_after_an_error_the_next_question_is_answered(self):
         self.refuses(cxlab.InputError, "no-such-rule", lambda: self.run_.why_not("no-such-rule"))
