@@ -136,7 +136,7 @@ def _end_view(process: subprocess.Popen[str]) -> None:
 
 
 class Run:
-    """The folder of a run: one that is over, was stopped, failed or was killed.
+    """The folder of a run: one that is over, was stopped, failed or was killed, or that is played with --control.
 
         >>> run = cxlab.Run("runs/game-1")
         >>> run.orders                                    # what the world answers: orders, waits, machines, pieces
@@ -156,12 +156,11 @@ class Run:
         self, folder: str | os.PathLike[str], *, frames: tables.Frames = "pandas", trust_programs: bool = False
     ) -> None:
         self._frames = tables.check_frames(frames)
-        self._recorded = RecordedRun(os.fspath(folder))
+        self.folder = Path(folder).absolute()
+        self._recorded = RecordedRun(str(self.folder))
         self._trust_programs = trust_programs
-        self._asking = Asking(Path(folder).absolute(), trust_programs)
+        self._asking = Asking(self.folder, trust_programs)
         self._known: dict[str, tuple[str, str]] | None = None
-        self._names: list[str] | None = None
-        self.folder = Path(folder)
 
     # --- The same run, with other frames
 
@@ -227,10 +226,7 @@ class Run:
             fields: columns for the fields of `data` instead of JSON. A field that is called as a column of the record
                 is `data_NAME`.
         """
-        kinds = [kind] if isinstance(kind, str) else list(kind or [])
-        table = tables.read(
-            self._recorded.records(kinds, stream or "", seconds_of(start, "start"), seconds_of(end, "end"))
-        )
+        table = tables.read(self._records(kind, stream, start, end))
         if not fields:
             return tables.frame(table, self._frames)
         own = [name for name in table.column_names if name != "data"]
@@ -242,6 +238,24 @@ class Run:
         for name in data.column_names:
             table = table.append_column(name, data.column(name))
         return tables.frame(table, self._frames)
+
+    def record_batches(
+        self,
+        kind: str | Sequence[str] | None = None,
+        *,
+        stream: str | None = None,
+        start: Time | None = None,
+        end: Time | None = None,
+    ) -> Any:
+        """The same as a `pyarrow.RecordBatchReader`, which reads some MB at a time: for journals larger than memory."""
+        reader = tables.library("pyarrow").RecordBatchReader
+        return reader.from_stream(self._records(kind, stream, start, end))
+
+    def _records(
+        self, kind: str | Sequence[str] | None, stream: str | None, start: Time | None, end: Time | None
+    ) -> Any:
+        kinds = [kind] if isinstance(kind, str) else list(kind or [])
+        return self._recorded.records(kinds, stream or "", seconds_of(start, "start"), seconds_of(end, "end"))
 
     @property
     def skills(self) -> Any:
@@ -320,10 +334,11 @@ class Run:
 
     @property
     def environments(self) -> list[str]:
-        """The names of the environments in which rules ran."""
-        if self._names is None:
-            self._names = [one["environment"] for one in self._asked("envs", None)["environments"]]
-        return self._names
+        """The names of the environments in which rules ran, at the end of the run."""
+        return self._environments_at(None)
+
+    def _environments_at(self, t: float | None) -> list[str]:
+        return [one["environment"] for one in self._asked("envs", t)["environments"]]
 
     def facts(self, at: Time | None = None, what: str = "", *, env: str | None = None) -> Any:
         """The facts at a time: env, fact, template, asserted_s, asserted_by, changed_s, changed_by, and their slots.
@@ -485,7 +500,7 @@ class Run:
         """The answers of all environments that know what is asked about, or of one."""
         t = seconds_of(at)
         found, refused = [], None
-        for environment in [env] if env is not None else self.environments:
+        for environment in [env] if env is not None else self._environments_at(t):
             try:
                 found.append((environment, self._asked(name, t, env=environment, **fields)))
             except InputError as error:
@@ -495,9 +510,14 @@ class Run:
         return found
 
     def _asked(self, name: str, t: float | None, **fields: Any) -> dict[str, Any]:
-        if t is None:
-            t = self._recorded.end_s if self._recorded.finished else _AFTER_EACH_END_S
-        answer: dict[str, Any] = self._asking.ask({"ask": name, "t": t, **fields})["answer"]
+        question = {"ask": name, **fields}
+        if t is None and self._recorded.finished:
+            t = self._recorded.end_s
+        if t is None and not (self.folder / "control.sock").exists():  # else it is being played: now
+            t = _AFTER_EACH_END_S
+        if t is not None:
+            question["t"] = t
+        answer: dict[str, Any] = self._asking.ask(question)["answer"]
         return answer
 
     def _frame(self, rows: list[dict[str, Any]], columns: Sequence[str]) -> Any:

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,15 @@ using Seconds = std::optional<double>;
 
 std::optional<SimTime> time_of(const Seconds& seconds) {
   return seconds ? std::optional(from_seconds(*seconds)) : std::nullopt;
+}
+
+/// The same error, with the names that the options of the program have here.
+Error with_arguments(Error error) {
+  for (const auto& [option, argument] :
+       {std::pair<std::string_view, std::string_view>{"--at", "at"}, {"--from", "start"}, {"--to", "end"}})
+    for (auto at = error.message.find(option); at != std::string::npos; at = error.message.find(option))
+      error.message.replace(at, option.size(), argument);
+  return error;
 }
 
 /// A table for `__arrow_c_stream__`, and why reading it failed.
@@ -113,7 +123,8 @@ class RecordedRun {
       const nb::gil_scoped_release unlocked;
       return lab::ask_world(*run_, {question, about, time_of(at), time_of(from), time_of(to)});
     }();
-    const lab::WorldAnswered answered = value_or_raise(std::move(asked));
+    if (!asked) raise(with_arguments(asked.error()));
+    const lab::WorldAnswered& answered = *asked;
     nb::dict out;
     out["at_s"] = to_seconds(answered.to);
     out["from_s"] = to_seconds(answered.from);

@@ -202,7 +202,9 @@ class WrongQuestions(WithGame):
             lambda: self.run_.scene(at=500),
         ):
             self.refuses((cxlab.UsageError, cxlab.InputError), "130", call)
-        self.refuses(cxlab.UsageError, "start is after end", lambda: self.run_.records(start=20, end=10))
+        for call in (self.run_.records, lambda **stretch: self.run_.ask("orders", **stretch)):
+            self.refuses(cxlab.UsageError, "start is after end", lambda call=call: call(start=20, end=10))
+        self.refuses(cxlab.UsageError, "start is after the end", lambda: self.run_.ask("orders", start=500))
 
     def test_after_an_error_the_next_question_is_answered(self):
         self.refuses(cxlab.InputError, "no-such-rule", lambda: self.run_.why_not("no-such-rule"))
@@ -293,6 +295,36 @@ class RunThatWasKilled(unittest.TestCase):
                 )
                 self.assertLess(run.globals(at=10)["last-id"], run.globals()["last-id"])
                 self.assertIn("unfinished", str(run.result))
+
+
+class RunInProgress(unittest.TestCase):
+    def test_it_is_asked_about_now(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "live"
+            command = [
+                CXLAB,
+                "run",
+                "rcll/game",
+                "--tier",
+                "timed",
+                "--realtime",
+                "--control",
+                "--quiet",
+                "--out",
+                folder,
+            ]
+            game = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.addCleanup(game.wait)
+            self.addCleanup(game.terminate)
+            while not (folder / "control.sock").exists():
+                self.assertIsNone(game.poll())
+                time.sleep(0.05)
+            with cxlab.Run(folder) as run:
+                self.assertEqual(run.environments, ["agent"])
+                self.assertEqual(run.globals()["GAME"], 1200.0)
+                with self.assertRaisesRegex(cxlab.InputError, "being played"):
+                    run.globals(at=1)
+            self.assertIsNone(game.poll())
 
 
 class Notebook(WithGame):

@@ -88,6 +88,12 @@ class Records(WithGame):
                 self.assertGreater(chosen.sum(), 0)
                 pandas.testing.assert_frame_equal(self.run_.records(**options), every[chosen].reset_index(drop=True))
 
+    def test_batches_are_read_one_by_one(self):
+        every = self.run_.arrow.records("assert")
+        batches = list(self.run_.record_batches("assert"))
+        self.assertEqual(pyarrow.Table.from_batches(batches), every)
+        self.assertLess(max(batch.nbytes for batch in self.run_.record_batches()), 3 * 2**22)
+
     def test_fields_are_columns(self):
         skills = self.run_.records("skill", fields=True)
         plain = self.run_.records("skill")
@@ -183,6 +189,8 @@ class Rules(WithGame):
                 self.assertEqual(row["asserted_by"], "rule " + first["by"]["name"])
                 if last is not first:
                     self.assertEqual((row["changed_s"], row["changed_by"]), (last["t_s"], "rule " + last["by"]["name"]))
+                else:
+                    self.assertTrue(pandas.isna(row["changed_s"]) and pandas.isna(row["changed_by"]))
         every = self.run_.facts(300)
         self.assertEqual(len(every), len(self.environment("facts", self.folder, "--at", 300)["facts"]))
         self.assertIn("(order (id 1)", " ".join(every.text))
@@ -264,11 +272,14 @@ class Frames(WithGame):
         hostile = self.scratch / "hostile"
         shutil.copytree(self.folder, hostile)
         text = (hostile / "journal.jsonl").read_text().replace("robot1", "<script>alert(1)<\\/script>").replace('"CYAN"', '"<img src=x onerror=y>"')
+        text = text.replace('"skill":"transport"', '"skill":"<i>"')
         (hostile / "journal.jsonl").write_text(text)
         html = cxlab.Run(hostile)._repr_html_()
         self.assertIn("<svg", html)
         self.assertIn("&lt;script&gt;", html)
         self.assertIn("&lt;img", html)
+        self.assertIn("&lt;i&gt;", html)
+        self.assertNotIn("<i>", html)
         self.assertNotIn("<script", html)
         self.assertNotIn("<img", html)
         self.assertIn("<svg", self.run_._repr_html_())
@@ -308,6 +319,15 @@ class Sweeps(unittest.TestCase):
         for row in self.sweep.scores.itertuples():
             self.assertAlmostEqual(row.mean, by_hand[row.strategy], places=9)
         self.assertEqual(self.sweep.polars.rows.height, 12)
+
+    def test_a_file_with_an_empty_cell(self):
+        file = self.folder.with_name("some.csv")
+        file.write_text("scenario,strategy,game,seed,status,exit,points\ngame,None,,1,completed,0,1.5\ngame,NA,,2,crashed,70,\n")
+        rows = cxlab.read_sweep(file).rows
+        self.assertEqual(list(rows.strategy), ["None", "NA"])
+        self.assertEqual(list(rows.game), ["", ""])
+        self.assertEqual(list(rows.points.isna()), [False, True])
+        self.assertEqual(str(rows.points.dtype), "float64")
 
     def test_two_sweeps(self):
         compared = cxlab.read_sweep(self.folder).compare(self.sweep)
