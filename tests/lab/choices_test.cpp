@@ -96,7 +96,7 @@ TEST_F(ChoicesTest, TheRunReplaysWithoutTheCallerAndDependsOnWhatWasChosen) {
     ASSERT_TRUE(replayed) << replayed.error().text();
     EXPECT_TRUE(replayed->agrees()) << replayed->first_difference;
     journals.push_back(read(std::string(out) + "/journal.jsonl"));
-    EXPECT_THAT(journals.back(), HasSubstr(option == 0 ? "(door left)" : "(door right)"));
+    EXPECT_THAT(journals.back(), HasSubstr(option == 0 ? R"("door":"left")" : R"("door":"right")"));
   }
   EXPECT_NE(journals[0], journals[1]);
   EXPECT_EQ(journals[1], journals[2]);

@@ -91,7 +91,7 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     def render(self) -> NDArray[np.uint8] | None:
         """The field at the open choice: uint8, shape (400, 640, 3); None without `render_mode="rgb_array"`, or after the end."""
         game = self._games.game
-        return game.render() if self.render_mode == "rgb_array" and game is not None and self._games.choice is not None else None
+        return game.render(camera="field") if self.render_mode == "rgb_array" and game is not None and self._games.choice is not None else None
 
     def close(self) -> None:
         self._games.close()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cxlab.episode import Episode
 
 SIDE = 11.0889  # m
+AREA = (2.4, 8.6)  # m: starts and goals; rules bring the turtle home beyond 2 and 9
 NEAR = 0.3  # m from the goal
 PERIOD = 0.1  # s of a step
 
@@ -45,7 +46,7 @@ class TurtlesimEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin an episode; start, heading and goal follow from the seed."""
         super().reset(seed=seed)
-        x, y, goal_x, goal_y = self.np_random.uniform(1.0, SIDE - 1.0, 4).tolist()
+        x, y, goal_x, goal_y = self.np_random.uniform(*AREA, 4).tolist()
         theta = float(self.np_random.uniform(-np.pi, np.pi))
         self.close()
         self._goal = np.array([goal_x, goal_y])
