@@ -7,6 +7,7 @@ import sys
 from collections import defaultdict
 
 import numpy as np
+
 from cxlab.rl import CXEnv
 
 

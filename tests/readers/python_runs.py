@@ -384,6 +384,15 @@ class Notebooks(unittest.TestCase):
         self.assertIn("undecided", str(outputs))
 
 
+    def test_planning(self):
+        outputs = self.execute("planning.ipynb")
+        said = " ".join(output.get("text", "") for output in outputs)
+        self.assertIn("up_time_triggered_validator VALID", said)
+        self.assertIn("cxlab VALID", said)
+        self.assertRegex(said, r"34\.\d+ s; no plan is shorter than 34\.000 s")
+        self.assertEqual(sum("image/svg+xml" in output.get("data", {}) for output in outputs), 1)
+
+
 class Examples(WithGame):
     def say(self, name, *arguments):
         import sys
