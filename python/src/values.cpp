@@ -142,8 +142,10 @@ nb::object Renderer::draw(Episode& episode, int width, int height, const std::st
       else
         drawn = made.error();
     }
-    const std::vector<std::string> cameras = camera.empty() ? std::vector<std::string>() : std::vector{camera};
-    if (frames) drawn = frames->draw(cameras, std::max(episode.now(), SimTime::zero()));
+    if (frames) {
+      const std::vector<std::string> cameras{camera.empty() ? frames->cameras().front() : camera};
+      drawn = frames->draw(cameras, std::max(episode.now(), SimTime::zero()));
+    }
   }
   const sim::Picture& picture = *value_or_raise(std::move(drawn));
   return array_of(picture.rgb,
