@@ -37,7 +37,7 @@ int answer_lines(const LineQuestions& options) {
       reply.body = json_text(error);
     }
     std::printf("%s\n", reply.body.c_str());
-    if (std::fflush(stdout) != 0) break;  // who asked has gone
+    if (std::fflush(stdout) != 0) break;  // nobody reads the answers any more
   }
   return interrupted("nothing was written");
 }
@@ -52,8 +52,8 @@ void add_ask(CLI::App& app, Action& action) {
   command->add_option("run", options->run, "Folder of the run")->required();
   add_trust_programs(*command, options->trust_programs);
   command->footer(
-      "It reads questions from standard input until that ends, and stays where the last one was, so that the next one\n"
-      "about a later time goes on from there. docs/reference/questions.md lists them.\n"
+      "It reads questions from standard input until that ends. It stays at the time of the last question, and goes on\n"
+      "from there for the next one. docs/reference/questions.md lists the questions.\n"
       "Examples:\n  echo '{\"ask\": \"why_not\", \"what\": \"order-begin\", \"t\": 312}' | cxlab ask runs/game-1");
   command->callback([options, &action] { action = [options] { return answer_lines(*options); }; });
 }

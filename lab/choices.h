@@ -7,7 +7,7 @@
 //     (*episode)->choose((*open)->preferred);
 //   lab::Played played = (*episode)->session().close();
 //
-// What is chosen goes over the bus as what a seat sends (scenarios/seat.h): the run replays without the caller.
+// Each choice goes over the bus like a message of a seat (scenarios/seat.h), so the run replays without the caller.
 
 #include <cstdint>
 #include <deque>
@@ -46,7 +46,7 @@ class ChoiceEpisode {
 
   /// Plays on until rules ask, and returns the choice that was asked for first and not answered; none: the run is over.
   Expected<const Choice*> next_choice();
-  /// The answer to that choice. An option that there is not, or that may not be chosen, is a usage error.
+  /// The answer to that choice. A usage error if that option does not exist or may not be chosen.
   Status choose(std::int64_t option);
   Session& session() { return *session_; }
 

@@ -74,7 +74,7 @@ class SeatBus {
 struct Seat {
   std::string name;  ///< of its node; letters, digits and '_', no other node has it
   std::function<Expected<std::unique_ptr<Agent>>(SeatBus& bus)> make;
-  /// Of a seat that joined between two ticks: the time of the tick before, less than 0 before the first.
+  /// The time of the tick before, for a seat that joined between two ticks; less than 0 before the first.
   std::optional<SimTime> joins_after = {};
 };
 

@@ -13,7 +13,7 @@
 
 namespace cxlab::lab {
 
-/// Of the table of records: data as JSON, causes as "a:1 b:2".
+/// Columns of the table of records: data as JSON, causes as "a:1 b:2".
 std::vector<TableColumn> record_columns();
 
 /// Makes the file of a table.

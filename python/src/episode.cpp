@@ -374,7 +374,7 @@ class PlayedEpisode {
     return *outside_;
   }
 
-  /// What has come so far; of a closed episode, too.
+  /// Everything received so far, also by a closed episode.
   const Outside& heard() const {
     if (!outside_) raise(usage_error("nothing was sent"));
     if (play_->is_elsewhere()) raise(usage_error("the episode is in use by another thread"));
@@ -388,7 +388,7 @@ class PlayedEpisode {
   Renderer renderer_;
   double now_ = -1;
   bool over_ = false, paused_ = false;
-  // Of a closed one
+  // What a closed episode keeps
   std::string result_, folder_;
   Status page_;
   std::optional<Error> failure_;

@@ -1,5 +1,5 @@
-; strategy.dispatch: external. Of the steps of robots that partial-order lets begin, somebody outside chooses which one is looked at
-; next (package cxlab_choices; docs/reference/learning.md). Without an answer the step of the smallest rank is looked at, as ever.
+; strategy.dispatch: external. Somebody outside chooses which step is looked at next, among the steps of robots that partial-order
+; lets begin (package cxlab_choices; docs/reference/learning.md). Without an answer the step of the smallest rank is looked at, as ever.
 
 (defrule dispatch-free
   "No step before it, that uses its product or machine, has yet to begin."
@@ -34,7 +34,7 @@
 ; --- The choice
 
 (deffunction way-of-nearest (?spot)
-  "Of the idle robots, m."
+  "The distance of the nearest idle robot, m."
   (bind ?least 14.0)
   (do-for-fact ((?m machine)) (eq ?m:name ?spot)
     (do-for-all-facts ((?r robot)) (eq ?r:state IDLE) (bind ?least (min ?least (distance ?r:x ?r:y ?m:x ?m:y)))))
