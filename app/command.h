@@ -16,6 +16,7 @@ using Action = std::function<int()>;
 
 void add_run(CLI::App& app, Action& action);
 void add_attach(CLI::App& app, Action& action);
+void add_ask(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);

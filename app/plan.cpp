@@ -33,7 +33,7 @@ struct PlanCommand {
   std::optional<double> timeout_s;
   std::int64_t budget = planner::PlanOptions{}.budget;
   std::optional<std::int64_t> patience;
-  bool anytime = false, json = false;
+  bool anytime = false, json = false, stream = false;
 };
 
 const char* word(PlanStatus status) {
@@ -101,6 +101,18 @@ Json to_json(const planner::PlanAnswer& answer, const planner::Task& task, bool 
     out["orderings"].push_back(std::move(edge));
   }
   return out;
+}
+
+/// A plan of --stream that is not the last line: bounds are not known yet.
+void print_found(const planner::TimedPlan& plan, std::int64_t units, const planner::Task& task) {
+  planner::PlanAnswer so_far;
+  so_far.plan = plan;
+  so_far.units = units;
+  Json line = to_json(so_far, task, false);
+  line["status"] = "found";
+  for (const char* unknown : {"reason", "lower_bound_s", "lower_bound_assumes_order"}) line.erase(unknown);
+  std::printf("%s\n", json_text(line).c_str());
+  std::fflush(stdout);
 }
 
 /// While it lives, SIGINT and SIGTERM end the process at once, wherever the planner is, after a report of the best plan
@@ -185,14 +197,16 @@ int report(const planner::PlanAnswer& answer, const planner::Task& task, const P
     const std::string text = planner::to_text(answer.plan->steps, task.domain, task.problem);
     if (!command.out.empty())
       code = std::max(code, write(command.out, text));
-    else if (!command.json)
+    else if (!command.json && !command.stream)
       std::fputs(text.c_str(), stdout);
     if (!command.svg.empty()) {
       const auto picture = lab::render_page("plan.svg", json_text(to_json(answer, task, false)));
       code = std::max(code, picture ? write(command.svg, *picture) : fail(picture.error()));
     }
   }
-  if (command.json) std::printf("%s\n", json_text(to_json(answer, task, command.timeout_s.has_value()), 1).c_str());
+  if (command.json || command.stream)
+    std::printf("%s\n",
+                json_text(to_json(answer, task, command.timeout_s.has_value()), command.stream ? -1 : 1).c_str());
   return code;
 }
 
@@ -228,6 +242,7 @@ int run(const PlanCommand& command) {
                                    : "";
     std::fprintf(stderr, "plan: %zu steps, makespan %.3f s%s, after %lld units\n", plan.steps.size(), plan.makespan_s,
                  metric.c_str(), static_cast<long long>(units));
+    if (command.stream) print_found(plan, units, *task);
   };
   const Expected<planner::PlanAnswer> answer = planner::find_plan(*task, options);
   interruption.reset();
@@ -256,6 +271,8 @@ void add_plan(CLI::App& app, Action& action) {
   plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
   plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
   plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");
+  plan->add_flag("--stream", options->stream,
+                 "print each better plan as one line of JSON when it is found; the last line is the answer");
   plan->footer(
       "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; "
       "31 bad\n"

@@ -127,6 +127,7 @@ int run(int argc, char** argv) {
   Action action;
   add_run(app, action);
   add_attach(app, action);
+  add_ask(app, action);
   add_view(app, action);
   add_replay(app, action);
   add_rerun(app, action);

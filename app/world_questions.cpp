@@ -11,13 +11,14 @@
 #include "cx/base/json.h"
 #include "lab/run.h"
 #include "lab/table_text.h"
+#include "lab/world_answer.h"
 #include "scenarios/question.h"
 
 namespace cxlab::app {
 
 namespace {
 
-struct WorldAsk {
+struct AskedWorld {
   std::string name;  ///< of the question
   std::string run, about, sort;
   std::optional<double> at, from, to;
@@ -33,52 +34,28 @@ std::vector<std::string> worlds_with(const std::string& question) {
   return out;
 }
 
-const WorldQuestion* find_question(const WorldKind& world, const std::string& name) {
-  for (const WorldQuestion& one : world.questions)
-    if (one.name == name) return &one;
-  return nullptr;
-}
-
-int answer(const WorldAsk& ask) {
-  if (ask.from && ask.to && *ask.from > *ask.to) return fail(usage_error("--from is after --to"));
-  auto run = open_run(ask.run);
+int answer(const AskedWorld& ask) {
+  const auto run = open_run(ask.run);
   if (!run) return fail(run.error());
-  const auto scenario = run->scenario();
-  if (!scenario) return fail(scenario.error());
-  const WorldQuestion* question = find_question(*scenario->world.kind, ask.name);
-  if (!question) {
-    const std::vector<std::string> worlds = worlds_with(ask.name);
-    return fail(input_error("the world of this run, " + std::string(scenario->world.kind->name) +
-                                ", has no question '" + ask.name + "'; it is one of " + some_of(worlds, worlds.size()),
-                            ask.run));
-  }
-  const std::optional<double> end = ask.at ? ask.at : ask.to;
-  const auto recorded =
-      run->records_up_to(end ? std::optional(from_seconds(*end)) : std::nullopt, {.kinds = kRecordsOfQuestions});
-  if (!recorded) return fail(lab::about_option(recorded.error(), ask.at ? "--at" : "--to"));
-  const SimTime from = ask.from ? from_seconds(*ask.from) : SimTime{};
-  if (from > recorded->t)
-    return fail(usage_error(std::string("--from is after the end of ") +
-                            (recorded->cut_off ? "the journal, " : "the run, ") + time_text(recorded->t)));
-  auto given =
-      question->ask({run->folder, *scenario, recorded->records, from, recorded->t, recorded->ended, ask.about});
-  if (!given) return fail(given.error());
-  if (!ask.sort.empty() && !given->tables.empty())
-    if (Status s = lab::sort_table(given->tables.front(), ask.sort); !s) return fail(s.error());
+  const auto time = [](const std::optional<double>& t) { return t ? std::optional(from_seconds(*t)) : std::nullopt; };
+  auto answered = lab::ask_world(*run, {ask.name, ask.about, time(ask.at), time(ask.from), time(ask.to)});
+  if (!answered) return fail(answered.error());
+  auto& [given, from, to, cut_off] = *answered;
+  if (!ask.sort.empty() && !given.tables.empty())
+    if (Status s = lab::sort_table(given.tables.front(), ask.sort); !s) return fail(s.error());
   if (ask.json) {
-    Json json{{"at_s", to_seconds(recorded->t)}};
+    Json json{{"at_s", to_seconds(to)}};
     if (from > SimTime{}) json["from_s"] = to_seconds(from);
-    if (recorded->cut_off) json["cut_off"] = true;
-    for (const Table& table : given->tables) json[table.key] = lab::table_json(table);
-    json["notes"] = given->notes;
+    if (cut_off) json["cut_off"] = true;
+    for (const Table& table : given.tables) json[table.key] = lab::table_json(table);
+    json["notes"] = given.notes;
     std::printf("%s\n", json_text(json, 2).c_str());
     return 0;
   }
-  std::printf("up to %s%s:\n", time_text(recorded->t).c_str(),
-              recorded->cut_off ? run->cut_off_text("journal").c_str() : "");
-  for (std::size_t i = 0; i < given->tables.size(); ++i)
-    std::printf("%s%s", i ? "\n" : "", lab::table_text(given->tables[i], line_width()).c_str());
-  for (std::size_t i = 0; i < given->notes.size(); ++i) std::printf("%s%s\n", i ? "" : "\n", given->notes[i].c_str());
+  std::printf("up to %s%s:\n", time_text(to).c_str(), cut_off ? run->cut_off_text("journal").c_str() : "");
+  for (std::size_t i = 0; i < given.tables.size(); ++i)
+    std::printf("%s%s", i ? "\n" : "", lab::table_text(given.tables[i], line_width()).c_str());
+  for (std::size_t i = 0; i < given.notes.size(); ++i) std::printf("%s%s\n", i ? "" : "\n", given.notes[i].c_str());
   return 0;
 }
 
@@ -95,7 +72,7 @@ Status add_world_questions(CLI::App& app, Action& action) {
         return bug_error("the world " + std::string(world->name) + " declares a question '" + name +
                          "', which is a command of cxlab");
       added.push_back(name);
-      auto ask = std::make_shared<WorldAsk>();
+      auto ask = std::make_shared<AskedWorld>();
       ask->name = name;
       CLI::App* command = app.add_subcommand(name, std::string(question.what));
       command->add_option("run", ask->run, "Folder of the run")->required();

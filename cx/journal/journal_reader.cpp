@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
@@ -61,13 +62,6 @@ struct Converter {
   Json operator()(const auto& scalar) const { return scalar; }
 };
 
-std::optional<RecordKind> kind_of(std::string_view word) {
-  for (int i = 0; i <= static_cast<int>(RecordKind::kError); ++i) {
-    if (word == to_string(static_cast<RecordKind>(i))) return static_cast<RecordKind>(i);
-  }
-  return std::nullopt;
-}
-
 std::optional<JournalRecord::Cause> parse_cause(const std::string& text) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return std::nullopt;
@@ -82,10 +76,79 @@ std::optional<RecordKind> kind_in_head(std::string_view line) {
   const auto key = head.find(kKey);
   if (key == std::string_view::npos) return std::nullopt;
   const std::string_view rest = head.substr(key + kKey.size());
-  return kind_of(rest.substr(0, rest.find('"')));
+  return record_kind(rest.substr(0, rest.find('"')));
+}
+
+/// Takes a text from the front of another one.
+bool take(std::string_view& rest, std::string_view wanted) {
+  if (!rest.starts_with(wanted)) return false;
+  rest.remove_prefix(wanted.size());
+  return true;
+}
+
+template <class T>
+bool take_number(std::string_view& rest, T& out) {
+  if (rest.starts_with('0') && rest.size() > 1 && rest[1] >= '0' && rest[1] <= '9') return false;  // no JSON
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), out);
+  if (error != std::errc()) return false;
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return true;
+}
+
+/// Takes what stands before a quote, of ASCII without escapes: of any other text the parser says whether it is one.
+bool take_plain_text(std::string_view& rest, std::string_view& out) {
+  const auto end = rest.find('"');
+  if (end == rest.npos) return false;
+  out = rest.substr(0, end);
+  rest.remove_prefix(end + 1);
+  return std::ranges::all_of(out, [](char c) { return c >= ' ' && c <= '~' && c != '\\'; });
+}
+
+/// "a:1","b:2", or nothing.
+bool are_plain_causes(std::string_view causes) {
+  for (bool first = true; !causes.empty(); first = false) {
+    std::string_view cause;
+    if ((!first && !take(causes, ",")) || !take(causes, "\"") || !take_plain_text(causes, cause)) return false;
+    const auto colon = cause.rfind(':');
+    std::uint64_t n = 0;
+    if (colon == cause.npos) return false;
+    cause.remove_prefix(colon + 1);
+    if (!take_number(cause, n) || !cause.empty()) return false;
+  }
+  return true;
 }
 
 }  // namespace
+
+std::optional<RecordKind> record_kind(std::string_view word) {
+  for (int i = 0; i <= static_cast<int>(RecordKind::kError); ++i) {
+    if (word == to_string(static_cast<RecordKind>(i))) return static_cast<RecordKind>(i);
+  }
+  return std::nullopt;
+}
+
+std::optional<JournalLine> split_journal_line(std::string_view line) {
+  JournalLine out;
+  std::string_view kind;
+  std::int64_t t = 0;
+  if (!take(line, "{\"stream\":\"") || !take_plain_text(line, out.stream) || !take(line, ",\"n\":") ||
+      !take_number(line, out.n) || !take(line, ",\"t\":") || !take_number(line, t) || !take(line, ",\"kind\":\"") ||
+      !take_plain_text(line, kind) || !take(line, ",\"data\":{"))
+    return std::nullopt;
+  // Quotes within texts are escaped, so that the last one of these is no part of a text.
+  static constexpr std::string_view kCause = ",\"cause\":[";
+  const auto cause = line.rfind(kCause);
+  if (cause == line.npos || !line.ends_with("]}")) return std::nullopt;
+  out.data = std::string_view(line.data() - 1, cause + 1);
+  line.remove_prefix(cause + kCause.size());
+  if (line.size() < 2) return std::nullopt;
+  out.causes = line.substr(0, line.size() - 2);
+  const auto known = record_kind(kind);
+  if (!known || !are_plain_causes(out.causes) || !Json::accept(out.data)) return std::nullopt;
+  out.t = SimTime{t};
+  out.kind = *known;
+  return out;
+}
 
 bool operator==(const RecordValue& a, const RecordValue& b) { return a.value == b.value; }
 
@@ -139,7 +202,7 @@ Expected<JournalRecord> parse_journal_line(std::string_view line) {
   if (!kind.is_string()) return input_error("expected \"kind\", a text");
   if (!data.is_object()) return input_error("expected \"data\", an object");
   if (!causes.is_array()) return input_error("expected \"cause\", a list of stream:n");
-  const auto known = kind_of(kind.get<std::string>());
+  const auto known = record_kind(kind.get<std::string>());
   if (!known) return input_error("'" + kind.get<std::string>() + "' is no kind of record");
 
   JournalRecord record{stream, n, SimTime{t.get<std::int64_t>()}, *known, {}, {}};
@@ -158,8 +221,8 @@ bool RecordFilter::takes(RecordKind kind) const {
   return kinds.empty() || std::ranges::find(kinds, kind) != kinds.end();
 }
 
-bool RecordFilter::takes(const JournalRecord& record) const {
-  return takes(record.kind) && (stream.empty() || record.stream == stream) && record.t >= from && record.t <= to;
+bool RecordFilter::takes(RecordKind kind, std::string_view name, SimTime t) const {
+  return takes(kind) && (stream.empty() || name == stream) && t >= from && t <= to;
 }
 
 Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
@@ -172,9 +235,13 @@ Expected<JournalReader> JournalReader::open(const std::filesystem::path& path) {
   return JournalReader(path, std::move(file));
 }
 
-bool JournalReader::next_line() {
-  ++number_;
-  return static_cast<bool>(std::getline(file_, line_)) && !file_.eof();
+bool JournalReader::next_line(const RecordFilter& filter) {
+  while (true) {
+    ++number_;
+    if (!std::getline(file_, line_) || file_.eof()) return false;
+    const auto kind = filter.kinds.empty() ? std::nullopt : kind_in_head(line_);
+    if (!kind || filter.takes(*kind)) return true;
+  }
 }
 
 Expected<JournalRecord> JournalReader::record() const {
@@ -184,8 +251,7 @@ Expected<JournalRecord> JournalReader::record() const {
 }
 
 Expected<std::optional<JournalRecord>> JournalReader::next(const RecordFilter& filter) {
-  while (next_line()) {
-    if (const auto kind = kind_in_head(line_); kind && !filter.takes(*kind)) continue;
+  while (next_line(filter)) {
     auto read = record();
     if (!read) return read.error();
     if (filter.takes(*read)) return std::optional(*std::move(read));

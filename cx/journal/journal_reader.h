@@ -17,6 +17,19 @@ namespace cxlab {
 /// One line of the export. Errors say what is missing or wrong, without a line number.
 Expected<JournalRecord> parse_journal_line(std::string_view line);
 
+/// A line of the export, split but not decoded: views into the line.
+struct JournalLine {
+  std::string_view stream;
+  std::uint64_t n = 0;
+  SimTime t{};
+  RecordKind kind{};
+  std::string_view data;    ///< JSON, an object
+  std::string_view causes;  ///< "a:1","b:2"
+};
+/// Splits a line that looks as the journal writes it, at a tenth of the cost of `parse_journal_line`; none for any
+/// other line, whether it is a record or not.
+std::optional<JournalLine> split_journal_line(std::string_view line);
+
 /// Which records of a journal are read; what is empty takes all.
 struct RecordFilter {
   std::vector<RecordKind> kinds{};
@@ -24,7 +37,8 @@ struct RecordFilter {
   SimTime from = SimTime::min(), to = SimTime::max();
 
   bool takes(RecordKind kind) const;
-  bool takes(const JournalRecord& record) const;
+  bool takes(const JournalRecord& record) const { return takes(record.kind, record.stream, record.t); }
+  bool takes(RecordKind kind, std::string_view stream, SimTime t) const;
 };
 
 /// The records of a file, one after the other in order of writing. A last line that was cut off, because the process
@@ -33,8 +47,8 @@ class JournalReader {
  public:
   static Expected<JournalReader> open(const std::filesystem::path& path);
 
-  /// Goes to the next line; false at the end.
-  bool next_line();
+  /// Goes to the next line; false at the end. Lines of other kinds than those of the filter are mostly passed over.
+  bool next_line(const RecordFilter& filter = {});
   const std::string& line() const { return line_; }
   /// The record of the line; the error has file and line.
   Expected<JournalRecord> record() const;
@@ -59,6 +73,9 @@ Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& p
 
 /// What the slots of a record of a fact hold, in their order: texts without their quotes.
 std::vector<std::string> slot_texts(const RecordValue& fact);
+
+/// The kind of that name; none if there is none.
+std::optional<RecordKind> record_kind(std::string_view word);
 
 /// The data of a record as it stands in a line of the export.
 std::string to_json(const RecordValue& value);

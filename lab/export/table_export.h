@@ -8,9 +8,13 @@
 #include <vector>
 
 #include "lab/export/run_pass.h"
+#include "lab/export/story_tables.h"
 #include "lab/export/table_file.h"
 
 namespace cxlab::lab {
+
+/// Of the table of records: data as JSON, causes as "a:1 b:2".
+std::vector<TableColumn> record_columns();
 
 /// Makes the file of a table.
 using CreateTable =
@@ -29,8 +33,7 @@ class TableExport final : public PassListener {
 
  private:
   TableExport(const Run& run, const Stretch& stretch, CreateTable create)
-      : run_(run), stretch_(stretch), create_(std::move(create)) {}
-  void hear_skill(const JournalRecord& record);
+      : run_(run), stretch_(stretch), create_(std::move(create)), story_(stretch) {}
   Status put_world_tables();
   Status put_table(const std::string& name, const PlainTable& table);
 
@@ -38,8 +41,7 @@ class TableExport final : public PassListener {
   Stretch stretch_;
   CreateTable create_;
   std::unique_ptr<TableFile> records_;
-  PlainTable skills_, points_;
-  std::map<std::string, std::size_t> open_;  ///< row of the skill that each stream plays
+  StoryTables story_;
   std::map<std::string, std::uint64_t> rows_;
 };
 

@@ -16,14 +16,21 @@ from cxlab.program import program
 from cxlab.seat import Bus, Call, Goal, Seat
 
 if TYPE_CHECKING:
+    from cxlab._rerun import rerun
     from cxlab.planning import PddlError, Plan, plan, plans, validate
+    from cxlab.run import Run
+    from cxlab.sweep import bench, read_sweep
 
 # Parts that are imported when they are first asked for: they may need packages that are not always there.
 _LATER = {
     "PddlError": "cxlab.planning",
     "Plan": "cxlab.planning",
+    "Run": "cxlab.run",
+    "bench": "cxlab.sweep",
     "plan": "cxlab.planning",
     "plans": "cxlab.planning",
+    "read_sweep": "cxlab.sweep",
+    "rerun": "cxlab._rerun",
     "validate": "cxlab.planning",
 }
 
@@ -40,14 +47,18 @@ __all__ = [
     "NegativeError",
     "PddlError",
     "Plan",
+    "Run",
     "RunError",
     "Seat",
     "Step",
     "UsageError",
     "__version__",
+    "bench",
     "plan",
     "plans",
     "program",
+    "read_sweep",
+    "rerun",
     "validate",
 ]
 
@@ -56,3 +67,7 @@ def __getattr__(name: str) -> Any:
     if name not in _LATER:
         raise AttributeError(f"module 'cxlab' has no attribute '{name}'")
     return getattr(import_module(_LATER[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LATER})

@@ -33,6 +33,8 @@ namespace nb = nanobind;
 
 void bind_choice(nb::module_& module);
 void bind_episode(nb::module_& module);
+void bind_training(nb::module_& module);
+void bind_run(nb::module_& module);
 void bind_seats(nb::module_& module);
 
 /// Throws the exception of the error's kind (cxlab/errors.py).

@@ -22,10 +22,12 @@ struct Config {
     keys("namespace", options.node.name_space);
     keys("remap", options.node.remaps);
     keys.word("rl_mode", rl_mode, {"TRAINING", "EXECUTION"});
-    keys.word("policy", policy, {"q_table", "random"});
+    keys.word("policy", policy, {"q_table", "random", "external"});
     keys("model", model);
     keys("max_episodes", options.max_episodes);
     keys("max_steps", options.max_steps);
+    keys("robots", options.robots);
+    keys("no_op", options.no_op);
     keys("learning_rate", options.rates.learning_rate);
     keys("gamma", options.rates.gamma);
     keys("exploration", options.rates.exploration);
@@ -41,6 +43,11 @@ Status validate(const Config& config) {
   if (Status s = bus::check_node(config.options.node.name_space, config.options.node.remaps); !s) return s;
   if (config.options.max_episodes < 1) return input_error("max_episodes: must be 1 or more");
   if (config.options.max_steps < 1) return input_error("max_steps: must be 1 or more");
+  if (config.options.robots < 1) return input_error("robots: must be 1 or more");
+  if (config.options.no_op && config.policy != "external")
+    return input_error("no_op: only the policy external can leave a robot idle");
+  if (config.policy == "external" && config.rl_mode != "TRAINING")
+    return input_error("policy: external chooses in rl_mode TRAINING only");
   if (Status s = share("learning_rate", config.options.rates.learning_rate); !s) return s;
   if (Status s = share("gamma", config.options.rates.gamma); !s) return s;
   if (Status s = share("exploration", config.options.rates.exploration); !s) return s;
@@ -52,6 +59,7 @@ Status add_trainer(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   TrainerOptions options = config.options;
   options.training = config.rl_mode == "TRAINING";
   options.chance_only = config.policy == "random";
+  options.external = config.policy == "external";
   options.seed = setup.scenario.seed;
   options.log = setup.log;
   if (!config.model.empty()) {

@@ -96,6 +96,25 @@ class Plan(Lab):
         self.assertEqual(json.loads(judged[1])["metric"], answer["metric"])
         self.assertIn(f"metric {text}", self.plan(problem=problem).stderr)
 
+    def test_a_stream_has_each_better_plan_and_the_answer_on_lines_of_their_own(self):
+        places = "abcdef"
+        far = " ".join(f"(= (far {a} {b}) {1 + 7 * i % 5 + 3 * j % 7})" for i, a in enumerate(places) for j, b in enumerate(places) if a != b)
+        domain = DOMAIN.replace("(:durative-action", "(:functions (far ?a ?b - place)) (:durative-action").replace("(= ?duration 5)", "(= ?duration (far ?a ?b))").replace("(over all (road ?a ?b))", "")
+        goal = " ".join(f"(seen {p})" for p in places)
+        problem = f"(define (problem p) (:domain d) (:objects {' '.join(places)} - place) (:init (at a) {far}) (:goal (and {goal})))"
+        arguments = ("--anytime", "--budget", "200000")
+        lines = [json.loads(line) for line in self.plan("--stream", *arguments, domain=domain, problem=problem).stdout.splitlines()]
+        *found, last = lines
+        self.assertGreater(len(found), 1)
+        self.assertEqual({line["status"] for line in found}, {"found"})
+        self.assertNotIn("lower_bound_s", found[0])
+        makespans = [line["makespan_s"] for line in found]
+        self.assertEqual(makespans, sorted(set(makespans), reverse=True))
+        self.assertEqual(last, json.loads(self.plan("--json", *arguments, domain=domain, problem=problem).stdout))
+        self.assertEqual(last["steps"], found[-1]["steps"])
+        unsolvable = self.plan("--stream", problem=PROBLEM.replace("(road b c)", "")).stdout.splitlines()
+        self.assertEqual([json.loads(line)["status"] for line in unsolvable], ["unsolvable"])
+
     def test_same_budget_same_answer(self):
         arguments = ("--json", "--anytime", "--budget", "50000")
         first, second = (self.plan(*arguments) for _ in range(2))

@@ -218,6 +218,34 @@ class Questions(Lab):
             self.assertEqual(self.cxlab(*question).stdout, self.cxlab(*question).stdout)
 
 
+class LinesOfAProgram(Lab):
+    """cxlab ask: a line of JSON each way."""
+
+    def lines(self, run, *questions, expect=0):
+        text = "".join((q if isinstance(q, str) else json.dumps(q)) + "\n" for q in questions)
+        done = subprocess.run([CXLAB, "ask", run], input=text, capture_output=True, text=True, cwd=self.folder, timeout=120)
+        self.assertEqual(done.returncode, expect, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def test_each_line_has_its_answer_at_any_time(self):
+        run = self.agent()
+        times = (2, 1, 6, 0.5, 1)
+        said = self.lines(run, *({"ask": "facts", "what": "job", "t": t} for t in times), {"ask": "facts", "what": "job"})
+        for t, one in zip((*times, 1), said, strict=True):
+            self.assertEqual(one["place"]["t"], t)
+            self.assertEqual(one["answer"]["facts"], self.answer("facts", run, "job", "--at", t)["facts"])
+
+    def test_a_question_that_is_wrong_does_not_end_the_others(self):
+        said = self.lines(self.agent(), "no JSON", "", '{"ask": "facst"}', {"ask": "why", "what": "begn"}, {"ask": "envs", "t": 7}, {"ask": "envs"})
+        self.assertEqual([one.get("status") for one in said], [400, 400, 400, 400, 400, None])
+        for one, part in zip(said, ("expected", "expected", "there is no question 'facst'", "begn", "ends at 6 s"), strict=False):
+            self.assertIn(part, one["error"])
+        self.assertEqual(said[-1]["answer"]["environments"][0]["environment"], "main")
+
+    def test_a_folder_that_is_no_run(self):
+        self.assertEqual(self.lines(self.folder, {"ask": "envs"}, expect=3), [])
+
+
 class WhyNot(Lab):
     """why-not goes on to the rules that could bring about what is missing."""
 

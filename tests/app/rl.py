@@ -83,6 +83,17 @@ class Training(Lab):
         self.assertEqual([(d["steps"], d["reward"], d["end"]) for d in decisions], episodes)
         self.assertIs(json.loads((self.out / "result.json").read_text())["deterministic"], True)
 
+    def test_short_the_spaces_are_written(self):
+        self.assertNotIn("nobody serves", self.train("max_episodes=1"))
+        spaces = json.loads((self.out / "spaces.json").read_text())
+        self.assertEqual((len(spaces["observables"]), len(spaces["actions"])), (3 * 4, 3 * 4 + 1))
+        self.assertEqual(spaces["actions"][:2], ["no-op", "move(a#a)"])
+
+    def test_short_a_choice_that_nobody_makes_is_a_warning(self):
+        self.train("max_episodes=1", "policy=external")
+        warning = "/cx_rl_node: nobody answered decision 1; with the policy external a program at a seat chooses"
+        self.assertEqual(json.loads((self.out / "result.json").read_text())["warnings"], [warning])
+
     def test_short_by_chance_it_does_not(self):
         self.train("max_episodes=60", "policy=random")
         self.assertGreater(sum(steps for steps, _, _ in self.episodes()[-20:]), 100)
@@ -127,6 +138,7 @@ class Training(Lab):
                                 ("max_steps=-1", "max_steps: must be 1 or more"), ("rl_mode=TRAIN", "TRAINING"),
                                 ("policy=deep", "q_table"), ("model=bad.json", "not a table of values"),
                                 ("model=nothing.json", "nothing.json"), ("learning_rate=x", "learning_rate"),
+                                ("robots=0", "robots: must be 1 or more"), ("no_op=true", "no_op: only the policy external"),
                                 ("epsilon=1", "epsilon")]:
             with self.subTest(parameter):
                 self.assertIn(text, self.train(parameter, out=parameter.replace("=", "-"), code=3))

@@ -34,6 +34,29 @@
   (and (any-factp ((?o on)) (and (eq ?o:block a) (eq ?o:place b)))
        (any-factp ((?o on)) (and (eq ?o:block b) (eq ?o:place c)))))
 
+; --- What there is at all: the trainer asks once, before it trains
+
+(deffunction cx-rl-interfaces-get-predefined-observables-service-callback (?service ?request ?response))
+
+(deffunction cx-rl-interfaces-get-predefined-actions-service-callback (?service ?request ?response))
+
+(deffunction cx-rl-interfaces-get-observable-predicates-service-callback (?service ?request ?response)
+  (cx-rl-interfaces-get-observable-predicates-response-set-field ?response "predicate_names" (create$ on))
+  (cx-rl-interfaces-get-observable-predicates-response-set-field ?response "param_counts" (create$ 2))
+  (cx-rl-interfaces-get-observable-predicates-response-set-field ?response "param_names" (create$ block place))
+  (cx-rl-interfaces-get-observable-predicates-response-set-field ?response "param_types" (create$ block place)))
+
+(deffunction cx-rl-interfaces-get-observable-actions-service-callback (?service ?request ?response)
+  (cx-rl-interfaces-get-observable-actions-response-set-field ?response "action_names" (create$ move))
+  (cx-rl-interfaces-get-observable-actions-response-set-field ?response "param_counts" (create$ 2))
+  (cx-rl-interfaces-get-observable-actions-response-set-field ?response "param_names" (create$ block place))
+  (cx-rl-interfaces-get-observable-actions-response-set-field ?response "param_types" (create$ block place)))
+
+(deffunction cx-rl-interfaces-get-observable-objects-service-callback (?service ?request ?response)
+  (bind ?type (cx-rl-interfaces-get-observable-objects-request-get-field ?request "type"))
+  (cx-rl-interfaces-get-observable-objects-response-set-field ?response "objects"
+    (if (eq ?type "place") then (create$ a b c table) else (create$ a b c))))
+
 ; --- What the trainer asks
 
 (deffunction cx-rl-interfaces-get-observations-service-callback (?service ?request ?response)
@@ -84,6 +107,11 @@
   (cx-rl-interfaces-get-action-list-robot-create-service (service get_action_list_executable_for_robot))
   (cx-rl-interfaces-get-episode-end-create-service (service get_episode_end))
   (cx-rl-interfaces-end-training-create-service (service end_training))
+  (cx-rl-interfaces-get-predefined-observables-create-service (service get_predefined_observables))
+  (cx-rl-interfaces-get-observable-predicates-create-service (service get_observable_predicates))
+  (cx-rl-interfaces-get-predefined-actions-create-service (service get_predefined_actions))
+  (cx-rl-interfaces-get-observable-actions-create-service (service get_observable_actions))
+  (cx-rl-interfaces-get-observable-objects-create-service (service get_observable_objects))
   (cx-rl-interfaces-reset-env-create-server (service reset_env))
   (cx-rl-interfaces-get-free-robot-create-server (service get_free_robot))
   (cx-rl-interfaces-action-selection-create-server (service action_selection)))
@@ -163,6 +191,11 @@
   (cx-rl-interfaces-get-action-list-robot-destroy-service (service get_action_list_executable_for_robot))
   (cx-rl-interfaces-get-episode-end-destroy-service (service get_episode_end))
   (cx-rl-interfaces-end-training-destroy-service (service end_training))
+  (cx-rl-interfaces-get-predefined-observables-destroy-service (service get_predefined_observables))
+  (cx-rl-interfaces-get-observable-predicates-destroy-service (service get_observable_predicates))
+  (cx-rl-interfaces-get-predefined-actions-destroy-service (service get_predefined_actions))
+  (cx-rl-interfaces-get-observable-actions-destroy-service (service get_observable_actions))
+  (cx-rl-interfaces-get-observable-objects-destroy-service (service get_observable_objects))
   (cx-rl-interfaces-reset-env-destroy-server (service reset_env))
   (cx-rl-interfaces-get-free-robot-destroy-server (service get_free_robot))
   (cx-rl-interfaces-action-selection-destroy-server (service action_selection)))

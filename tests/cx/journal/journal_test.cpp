@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <sstream>
 
 #include "cx/journal/journal_reader.h"
 #include "tests/support/files.h"
@@ -582,6 +583,52 @@ TEST(JournalReader, DataBecomesTheTextThatItWasReadFrom) {
       parse_journal_line(R"({"stream":"s","n":0,"t":0,"kind":"fire","data":)" + data + R"(,"cause":[]})");
   ASSERT_TRUE(record.ok()) << record.error().text();
   EXPECT_EQ(to_json(record->data), data);
+}
+
+/// Of a line that can be split: what both readers of a line say of it.
+void expect_same_record(const std::string& line, const JournalLine& split) {
+  const auto record = parse_journal_line(line);
+  ASSERT_TRUE(record.ok()) << line << record.error().text();
+  std::string causes;
+  for (const JournalRecord::Cause& cause : record->causes)
+    causes += (causes.empty() ? "\"" : ",\"") + cause.stream + ':' + std::to_string(cause.n) + '"';
+  EXPECT_EQ(split.stream, record->stream);
+  EXPECT_EQ(split.n, record->n);
+  EXPECT_EQ(split.t, record->t);
+  EXPECT_EQ(split.kind, record->kind);
+  EXPECT_EQ(split.data, to_json(record->data));
+  EXPECT_EQ(split.causes, causes);
+}
+
+TEST(JournalReader, EachLineOfAJournalCanBeSplit) {
+  const std::string text = exported(JournalLevel::kFull, [](Journal& journal) {
+    tell(journal, journal.open_stream("env/a"), journal.open_stream("node/robot1"));
+    RecordData data;
+    data.begin().field("text", R"(a "b", {"cause":["c:1"]} \ d)").field("list", std::vector<double>{1, 2.5});
+    journal.write(journal.open_stream("s:t"), seconds(1), RecordKind::kBus, data);
+  });
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const auto split = split_journal_line(line);
+    ASSERT_TRUE(split) << line;
+    expect_same_record(line, *split);
+  }
+  EXPECT_EQ(count, 4);
+}
+
+TEST(JournalReader, OnlyARecordIsSplit) {
+  const std::string good = R"({"stream":"s","n":10,"t":-3,"kind":"fire","data":{"a":[1]},"cause":["b:2","c:d:3"]})";
+  ASSERT_TRUE(split_journal_line(good));
+  expect_same_record(good, *split_journal_line(good));
+  // One character less, or another one in its place: what is split is a record all the same.
+  for (std::size_t i = 0; i < good.size(); ++i)
+    for (const std::string& with : {std::string(), std::string("\""), std::string("0"), std::string("\\"),
+                                    std::string("]"), std::string(","), std::string("\xff")}) {
+      std::string line = good;
+      line.replace(i, 1, with);
+      if (const auto split = split_journal_line(line)) expect_same_record(line, *split);
+    }
 }
 
 TEST(JournalReader, NamesTheLineThatIsWrong) {

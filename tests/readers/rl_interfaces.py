@@ -1,0 +1,157 @@
+"""cxlab.rl.CXEnv: the agent of docs/examples/rl, in rules, is trained with Gymnasium. ./dev readers"""
+
+import subprocess
+import sys
+import unittest
+import warnings
+
+import numpy as np
+from cxlab.errors import InputError, RunError, UsageError
+from cxlab.rl import CXEnv
+from gymnasium.utils.env_checker import check_env
+from lab import CXLAB, SOURCE, Lab
+
+EXAMPLE = SOURCE / "docs/examples/rl"
+
+
+def blocks(**options):
+    return CXEnv(EXAMPLE / "example.yaml", packages={"example": EXAMPLE}, **options)
+
+
+def any_allowed(env, chance):
+    return int(chance.choice(env.action_masks().nonzero()[0]))
+
+
+class Interfaces(Lab):
+    def env(self, **options):
+        env = blocks(**options)
+        self.addCleanup(env.close)
+        return env
+
+    def play(self, env, seed, steps=60):
+        """What comes of actions by chance, episode after episode."""
+        chance = np.random.default_rng(seed)
+        seen = []
+        observation, info = env.reset(seed=seed)
+        for _ in range(steps):
+            action = any_allowed(env, chance)
+            observation, reward, terminated, truncated, info = env.step(action)
+            seen.append((observation.tobytes(), action, reward, terminated, truncated, info["robot"], info["outcome"], info["time"]))
+            if terminated or truncated:
+                observation, info = env.reset()
+        return seen
+
+    def test_gymnasium_finds_no_fault(self):
+        env = self.env()
+        env.action_space.sample = lambda mask=None, probability=None: any_allowed(env, np.random.default_rng(0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", message=".*not within the .* spec.*|.*render.*|.*spec is None.*")
+            check_env(env, skip_render_check=True)
+
+    def test_spaces_are_those_of_the_agent(self):
+        env = self.env()
+        self.assertEqual(env.actions[0], "no-op")
+        self.assertEqual(env.observables, sorted(env.observables))
+        self.assertEqual((len(env.observables), len(env.actions)), (3 * 4, 3 * 4 + 1))
+        observation, info = env.reset(seed=1)
+        true = {name for name, bit in zip(env.observables, observation) if bit}
+        self.assertEqual(true, {"on(c#a)", "on(a#table)", "on(b#table)"})
+        self.assertEqual({env.actions[i] for i in env.action_masks().nonzero()[0]}, {"move(c#b)", "move(c#table)", "move(b#c)"})
+        self.assertEqual(info["robot"], "robot1")
+
+    def test_a_step_does_what_it_says(self):
+        env = self.env()
+        env.reset(seed=1)
+        for move, reward in (("move(c#table)", -1), ("move(b#c)", -1), ("move(a#b)", 19)):
+            observation, got, terminated, truncated, info = env.step(env.actions.index(move))
+            self.assertEqual(got, reward)
+        self.assertEqual((terminated, truncated, info["outcome"], info["robot"]), (True, False, "end", ""))
+        self.assertEqual({name for name, bit in zip(env.observables, observation) if bit}, {"on(a#b)", "on(b#c)", "on(c#table)"})
+        self.assertFalse(env.action_masks().any())
+        with self.assertRaisesRegex(UsageError, "call reset"):
+            env.step(1)
+        observation, _ = env.reset()
+        self.assertTrue(observation[env.observables.index("on(c#a)")])
+
+    def test_the_same_seed_and_choices_give_the_same(self):
+        first, second = self.play(self.env(), 5), self.play(self.env(), 5)
+        self.assertEqual(first, second)
+        env = self.env()
+        self.play(env, 4)
+        self.assertEqual(self.play(env, 5), first)
+
+    def test_an_episode_may_be_given_up_or_cut(self):
+        env = self.env(max_steps=2)
+        env.reset(seed=1)
+        env.step(env.actions.index("move(c#table)"))
+        observation, _ = env.reset()
+        self.assertTrue(observation[env.observables.index("on(c#a)")])
+        env.step(env.actions.index("move(c#table)"))
+        _, _, terminated, truncated, info = env.step(env.actions.index("move(c#a)"))
+        self.assertEqual((terminated, truncated, info["outcome"]), (False, True, "max_steps"))
+
+    def test_what_the_mask_forbids_is_refused(self):
+        env = self.env()
+        env.reset(seed=1)
+        for wrong in (env.actions.index("move(a#b)"), 0, 99, -1):
+            with self.subTest(wrong), self.assertRaisesRegex(UsageError, "cannot be chosen now"):
+                env.step(wrong)
+        env.step(env.actions.index("move(c#b)"))  # the episode goes on
+
+    def test_no_op_leaves_the_robot_idle(self):
+        env = self.env(no_op=True)
+        before, info = env.reset(seed=1)
+        self.assertTrue(env.action_masks()[0])
+        after, reward, terminated, _, later = env.step(0)
+        self.assertEqual((before.tobytes(), 0, False), (after.tobytes(), reward, terminated))
+        self.assertGreaterEqual(later["time"], info["time"] + 1)
+
+    def test_the_example_learns_the_shortest_way(self):
+        script = SOURCE / "python/examples/blocks_q_learning.py"
+        done = subprocess.run([sys.executable, script, EXAMPLE], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lengths = [int(line.split()[2]) for line in done.stdout.splitlines()]
+        self.assertEqual(len(lengths), 60)
+        self.assertGreaterEqual(min(lengths), 3)
+        self.assertGreaterEqual(lengths[-20:].count(3), 15, lengths)
+
+    def test_a_training_is_a_run_that_replays(self):
+        env = self.env(out=self.folder / "run", journal="full")
+        self.play(env, 1, steps=20)
+        env.reset()
+        env.close()
+        for folder in ("run", "run-2"):  # reset(seed) begins anew
+            done = subprocess.run([CXLAB, "replay", self.folder / folder], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("given up", (self.folder / "run-2/training.csv").read_text())
+
+    def test_a_scenario_may_be_played(self):
+        file = self.write("training.yaml", "schema: 1\nseed: 1\nduration_s: 100000\nservers: [{node: cx_rl_node, policy: external, max_episodes: 1000}]\n"
+                          f"agents: [{{config: {EXAMPLE / 'example.yaml'}, packages: {{example: {EXAMPLE}}}}}]\n")
+        env = CXEnv(file, set={"servers[0].max_steps": 1})
+        self.addCleanup(env.close)
+        env.reset(seed=3)
+        self.assertEqual(env.step(env.actions.index("move(c#b)"))[3], True)
+        with self.assertRaisesRegex(UsageError, "packages and params are for configurations"):
+            CXEnv(file, packages={"a": "b"})
+
+    def test_what_goes_wrong_has_its_reason(self):
+        with self.assertRaisesRegex(InputError, "none.yaml"):
+            CXEnv("none.yaml")
+        with self.assertRaisesRegex((InputError, UsageError), "robots: must be 1 or more"):
+            self.env(robots=0)
+        with self.assertRaisesRegex(UsageError, "set is for scenarios"):
+            self.env(set={"a": 1})
+        text = (EXAMPLE / "blocks.clp").read_text()
+        self.write("example/blocks.clp", text.replace('"predicate_names" (create$ on)', '"predicate_names" (create$)').replace('"param_counts" (create$ 2)', '"param_counts" (create$)'))
+        with self.assertRaisesRegex(InputError, "offers no spaces"):
+            CXEnv(EXAMPLE / "example.yaml", packages={"example": self.folder / "example"})
+        self.write("example/blocks.clp", text.replace("(finish ?goal ?id))", "(cx-shutdown))"))
+        env = CXEnv(EXAMPLE / "example.yaml", packages={"example": self.folder / "example"})
+        with self.assertRaisesRegex(RunError, "the run ended in the middle of an episode"):
+            env.step(env.actions.index("move(c#b)")) if env.reset() else None
+
+
+if __name__ == "__main__":
+    unittest.main()
