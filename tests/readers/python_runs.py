@@ -383,6 +383,15 @@ class Notebooks(unittest.TestCase):
         self.assertEqual(sum("image/svg+xml" in output.get("data", {}) for output in outputs), 2)
         self.assertIn("undecided", str(outputs))
 
+    def test_training(self):
+        said = " ".join(output.get("text", "") for output in self.execute("training.ipynb"))
+        self.assertRegex(said, r"robot\d: \[.*'wait'\], preferred: ")
+        self.assertRegex(said, r"rules +\[627 ")
+
+    def test_python_agent(self):
+        said = " ".join(output.get("text", "") for output in self.execute("python_agent.ipynb"))
+        self.assertRegex(said, r"met 0 walls and was brought home [1-9]\d* times")
+        self.assertIn("goal reached: True", said)
 
     def test_planning(self):
         outputs = self.execute("planning.ipynb")
