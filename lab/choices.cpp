@@ -20,7 +20,8 @@ Choice read_choice(const bus::MessageView& message) {
   };
   const auto real = [&](const bus::Field& field, std::size_t i) { return message.real(field, i); };
   each("options", choice.options, [&](const bus::Field& field, std::size_t i) { return message.text(field, i); });
-  each("allowed", choice.allowed, [&](const bus::Field& field, std::size_t i) { return message.integer(field, i) != 0; });
+  each("allowed", choice.allowed,
+       [&](const bus::Field& field, std::size_t i) { return message.integer(field, i) != 0; });
   each("situation", choice.situation, real);
   each("features", choice.features, real);
   return choice;
@@ -86,8 +87,9 @@ Status ChoiceEpisode::choose(std::int64_t option) {
   if (!choice) return usage_error("found no open choice; call next_choice() first");
   const auto size = static_cast<std::int64_t>(choice->allowed.size());
   if (option < 0 || option >= size || !choice->allowed[static_cast<std::size_t>(option)])
-    return usage_error("option " + std::to_string(option) + " of choice " + std::to_string(choice->id) + " (" + choice->kind +
-                       ") may not be chosen; expected one that the mask allows, of " + std::to_string(size));
+    return usage_error("option " + std::to_string(option) + " of choice " + std::to_string(choice->id) + " (" +
+                       choice->kind + ") may not be chosen; expected one that the mask allows, of " +
+                       std::to_string(size));
   return chooser_->answer(option);
 }
 

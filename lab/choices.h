@@ -26,10 +26,10 @@ struct Choice {
   std::string kind;  ///< what is chosen
   std::string who;   ///< for whom; empty: the team
   std::vector<std::string> options;
-  std::vector<bool> allowed;       ///< of each option
-  std::int64_t preferred = 0;      ///< what the rules would choose
-  std::vector<double> situation;   ///< features of the situation
-  std::vector<double> features;    ///< of the options, one after the other
+  std::vector<bool> allowed;      ///< of each option
+  std::int64_t preferred = 0;     ///< what the rules would choose
+  std::vector<double> situation;  ///< features of the situation
+  std::vector<double> features;   ///< of the options, one after the other
 };
 
 struct ChoiceTopic {

@@ -43,8 +43,7 @@ class ChoicesAtPlay {
     lab::PlayOptions options;
     options.spec.until = until;
     auto level = named(options.spec.journal, kJournalLevels);
-    if (!level.set(journal))
-      raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
+    if (!level.set(journal)) raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
     options.out = out.empty() ? "none" : out;
     options.force = force;
     options.command = {"python"};
@@ -134,10 +133,10 @@ void bind_choice(nb::module_& module) {
       .def_prop_ro("options", [](const ChoicesAtPlay& self) { return self.choice().options; })
       .def_prop_ro("allowed", [](const ChoicesAtPlay& self) { return self.choice().allowed; })
       .def_prop_ro("preferred", [](const ChoicesAtPlay& self) { return self.choice().preferred; })
-      .def_prop_ro("situation", [](const ChoicesAtPlay& self) { return array_of(self.choice().situation); },
-                   nb::rv_policy::move)
-      .def_prop_ro("features", [](const ChoicesAtPlay& self) { return array_of(self.choice().features); },
-                   nb::rv_policy::move);
+      .def_prop_ro(
+          "situation", [](const ChoicesAtPlay& self) { return array_of(self.choice().situation); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "features", [](const ChoicesAtPlay& self) { return array_of(self.choice().features); }, nb::rv_policy::move);
 }
 
 }  // namespace cxlab::python
