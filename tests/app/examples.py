@@ -17,6 +17,9 @@ MORE = (
     "cxlab run scenarios/rcll/game.yaml --tier timed",
     "cxlab env scenarios/rcll/agent/params/agent.yaml --with rcll --param rcll.production_s=60 --until 200",
     "cxlab env scenarios/rcll/planning_agent/params/agent.yaml --with rcll --with pddl_manager --param rcll.production_s=60 --until 200",
+    "cxlab run scenarios/rcll/external.yaml --tier timed",
+    "cxlab env scenarios/rcll/agent/params/external.yaml --with rcll --param rcll.production_s=60 --until 200",
+    "cxlab run scenarios/turtlesim/goal.yaml",
     "cxlab run scenarios/turtlesim/hypotheses.yaml",
     "cxlab env scenarios/turtlesim/agents/params/figures.yaml --with turtlesim",
     "cxlab env scenarios/turtlesim/agents/params/hypotheses.yaml --with turtlesim",
@@ -29,7 +32,9 @@ MORE = (
 )
 # An example may be there to show a warning: its file, and what it warns of.
 OVERRIDES = "overrides.clp:2: deftemplate 'pddl-action' is defined already in "
-SHOWN = {"scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
+UNANSWERED = "on the topic choices/made: the rules choose by themselves"
+SHOWN = {"scenarios/rcll/external.yaml": UNANSWERED, "scenarios/rcll/agent/params/external.yaml": UNANSWERED,
+         "scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
          "docs/examples/blocksworld/params/helpers.yaml": OVERRIDES, "docs/examples/blocksworld/helpers.yaml": OVERRIDES}
 # Another planner's program has to be installed.
 NEEDS_MORE = r"pddl_manager\.(command|engine|python)"
