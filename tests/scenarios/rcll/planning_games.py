@@ -53,7 +53,7 @@ class PlanningGames(unittest.TestCase):
         self.assertEqual(hashes[0], hashes[1])
 
     def test_a_strategy_that_nobody_knows_ends_the_run(self):
-        for parameter, known in {"dispatch": '"greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
+        for parameter, known in {"dispatch": '"external" "greedy" "groups" "lookahead:N, N >= 0" "lookahead:unlimited" "partial-order" "stn"', "order": '"plan" "delivery" "slack"',
                                  "robot": '"nearest" "rested" "both"'}.items():
             said = self.said_with(f"clips_manager.strategy.{parameter}: other", 4)
             self.assertIn(f"gives up: strategy.{parameter}: found 'other', expected one of: {known}", said)
