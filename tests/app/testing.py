@@ -164,7 +164,7 @@ class Testing(unittest.TestCase):
 - story: "fails twice \\"<&>' \\u0001\\uffff\\n\\tin two lines"
   rules: a.clp
   given: [(start)]
-  expect: [{fact: '(t (s "b"))', within_s: 1}, {not_fires: go}]
+  expect: [{fact: '(t (s "b"))', within_s: 1}, {not_fires: go, within_s: 1}]
 """)
         done = cxlab("test", "--junit", "j.xml", cwd=self.folder)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -187,7 +187,7 @@ class Testing(unittest.TestCase):
         self.assertGreaterEqual(float(suite.get("time")), sum(float(c.get("time")) for c in cases) - 0.01)
 
     def test_a_failure_is_exit_1_with_line_also_in_processes(self):
-        self.story("not_fires: go")
+        self.story("not_fires: go, within_s: 1")
         for more in [], ["-j", "3"]:
             done = cxlab("test", *more, "--junit", "j.xml", cwd=self.folder)
             self.assertEqual(done.returncode, 1)
@@ -198,7 +198,7 @@ class Testing(unittest.TestCase):
         name = "".join(map(chr, [*range(1, 0xa1), 0xad, 0x200b, 0x202e, 0x2028, 0xfeff, 0xfffe, 0xffff, 0x10ffff, 0xe0041]))
         (self.folder / "a.clp").write_text("(defrule go (start) => (assert (gone)))\n")
         written = "".join(f"\\U{ord(c):08x}" for c in name)
-        (self.folder / "a.story.yaml").write_text(f'- {{story: "{written}", rules: a.clp, expect: [{{not_fires: go}}]}}\n')
+        (self.folder / "a.story.yaml").write_text(f'- {{story: "{written}", rules: a.clp, expect: [{{not_fires: go, within_s: 1}}]}}\n')
         done = cxlab("test", "--json", cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["stories"][0]["story"], name)
