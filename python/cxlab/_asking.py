@@ -6,6 +6,7 @@ a stranger runs (docs/reference/contracts.md, The second wall).
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -58,7 +59,8 @@ def _end(process: subprocess.Popen[bytes], said: IO[bytes]) -> None:
     """Ends it by the end of its input, after a while at once. A copy of the owner only lets go of it: it cannot wait."""
     for file in (process.stdin, process.stdout, said):
         if file:
-            file.close()
+            with contextlib.suppress(BrokenPipeError):  # a question is still in the pipe to a process that died
+                file.close()
     try:
         process.wait(_LONGEST_END_S)
     except subprocess.TimeoutExpired:
