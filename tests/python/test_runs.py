@@ -1,5 +1,6 @@
 """Questions about a run in Python, without any package: texts, JSON, errors, and the process that answers."""
 
+import contextlib
 import gc
 import json
 import os
@@ -299,7 +300,7 @@ class RunThatWasKilled(unittest.TestCase):
 
 class RunInProgress(unittest.TestCase):
     def test_it_is_asked_about_now(self):
-        with tempfile.TemporaryDirectory() as scratch:
+        with tempfile.TemporaryDirectory() as scratch, contextlib.ExitStack() as at_the_end:
             folder = Path(scratch) / "live"
             command = [
                 CXLAB,
@@ -314,8 +315,8 @@ class RunInProgress(unittest.TestCase):
                 folder,
             ]
             game = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            self.addCleanup(game.wait)
-            self.addCleanup(game.terminate)
+            at_the_end.callback(game.wait)
+            at_the_end.callback(game.terminate)
             while not (folder / "control.sock").exists():
                 self.assertIsNone(game.poll())
                 time.sleep(0.05)
