@@ -1,4 +1,4 @@
-"""Gymnasium for agents in rules: Python as the trainer of CX's reinforcement learning interfaces (docs/how-to/train-over-cx-rl.md).
+"""Gymnasium for agents in rules: Python trains them over the interfaces of CX (docs/how-to/train-over-cx-rl.md).
 
     >>> from cxlab.rl import CXEnv
     >>> env = CXEnv("docs/examples/rl/example.yaml", packages={"example": "docs/examples/rl"})
