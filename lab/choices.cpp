@@ -73,11 +73,11 @@ Expected<std::unique_ptr<ChoiceEpisode>> ChoiceEpisode::load(PlayOptions options
   return episode;
 }
 
-Expected<const Choice*> ChoiceEpisode::next_choice() {
+Expected<const Choice*> ChoiceEpisode::next_choice(const std::function<bool()>& pause) {
   while (!chooser_->first()) {
     const auto step = session_->step(session_->episode().next_tick());
     if (!step) return step.error();
-    if (step->over) break;
+    if (step->over || (pause && pause())) break;
   }
   return chooser_->first();
 }

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,8 +45,9 @@ class ChoiceEpisode {
   static Expected<std::unique_ptr<ChoiceEpisode>> load(PlayOptions options, Scenario scenario, ChoiceTopic topic = {},
                                                        const Host& host = {});
 
-  /// Plays on until rules ask, and returns the choice that was asked for first and not answered; none: the run is over.
-  Expected<const Choice*> next_choice();
+  /// Plays on until rules ask, and returns the choice that was asked for first and not answered; none: the run is over,
+  /// or `pause`, which is asked after each tick, said so.
+  Expected<const Choice*> next_choice(const std::function<bool()>& pause = {});
   /// The answer to that choice. A usage error if that option does not exist or may not be chosen.
   Status choose(std::int64_t option);
   Session& session() { return *session_; }

@@ -204,7 +204,8 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
         run.folder.string());
   if (Status s = no_hidden_packages(run, *scenario); !s && !copies && !given.trust_rules) return s.error();
   auto acts = recorded_acts(run.folder / "inputs.bin");
-  if (!acts) acts = std::vector<PastAct>();  // a run without a log is played again, and its hashes tell whether it differs
+  if (!acts)
+    acts = std::vector<PastAct>();  // a run without a log is played again, and its hashes tell whether it differs
   const char* took_part = run.manifest.spec.sockets                  ? "programs outside (--sockets)"
                           : std::ranges::any_of(*acts, is_of_person) ? "a person (cxlab attach)"
                                                                      : nullptr;

@@ -40,7 +40,7 @@ Status unpack_file(const fs::path& from, const fs::path& to) {
       left = ZSTD_decompressStream(stream.get(), &made, &taken);
       if (ZSTD_isError(left)) return zstd_error(ZSTD_getErrorName(left), from.string());
       out.write(plain.data(), static_cast<std::streamsize>(made.pos));
-      full = made.pos == made.size;
+      full = left != 0 && made.pos == made.size;
     }
   }
   if (left != 0) return zstd_error("it ends too early", from.string());

@@ -29,7 +29,7 @@ class Rerun(Run):
         self.same: bool = answer["same_before"] if "same_before" in answer else answer["same"]
 
     @property
-    def changes(self) -> Any:
+    def what_was_done(self) -> Any:
         """What was done at the time: t_s, env, what."""
         return self._frame(
             [{"t_s": one["t"], "env": one["env"], "what": one["what"]} for one in self.answer.get("changes", ())],

@@ -178,8 +178,10 @@ class Episode:
         core = getattr(self, "_core", None)
         if core is None or core.closed:
             return
-        warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self, stacklevel=2)
-        core.close()
+        try:
+            warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self, stacklevel=2)
+        finally:
+            core.close()
 
     def __repr__(self) -> str:
         state = "closed" if self.closed else "over" if self.over else "open"

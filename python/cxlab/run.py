@@ -177,7 +177,7 @@ class Run:
         return self._with("arrow")
 
     def _with(self, frames: tables.Frames) -> Run:
-        other = object.__new__(Run)
+        other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, _frames=frames)
         return other
 
@@ -538,6 +538,7 @@ class Run:
             stderr=subprocess.PIPE,
             env={**os.environ, "NO_COLOR": "1"},
             text=True,
+            start_new_session=True,  # Ctrl-C ends a question, not the server
         )
         assert process.stdout and process.stderr
         url = process.stdout.readline().strip()

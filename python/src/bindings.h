@@ -91,6 +91,21 @@ class Play {
   std::string who_;
 };
 
+/// Keeps other calls of the same episode out as long as it lives: it raises where one is at work.
+class InUse {
+ public:
+  explicit InUse(Play& play) : play_(play) {
+    if (!play_.begin())
+      raise(usage_error("the episode is in use: by another thread, or by a seat that calls it from its turn"));
+  }
+  ~InUse() { play_.end(); }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  Play& play_;
+};
+
 /// The seat of an object with the methods of cxlab.Seat; it gets its bus as attribute `bus`.
 Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play);
 

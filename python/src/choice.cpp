@@ -1,5 +1,6 @@
 // Episodes that stop where rules leave a choice to Python (lab/choices.h).
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -61,17 +62,27 @@ class ChoicesAtPlay {
 
   /// Plays on to the next choice; whether there is one.
   bool next() {
-    Expected<const lab::Choice*> open = usage_error("");
-    {
-      const nb::gil_scoped_release others_may_run;
-      open = played().next_choice();
+    using Clock = std::chrono::steady_clock;
+    const InUse in_use(play_);
+    lab::ChoiceEpisode& episode = played();
+    choice_ = nullptr;
+    bool paused = true;
+    while (paused && !choice_) {
+      Expected<const lab::Choice*> open = usage_error("");
+      {
+        const nb::gil_scoped_release others_may_run;
+        paused = false;
+        const auto until = Clock::now() + kStretch;
+        open = episode.next_choice([&] { return paused = Clock::now() >= until; });
+      }
+      choice_ = value_or_raise(std::move(open));
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
     }
-    choice_ = value_or_raise(std::move(open));
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
     return choice_ != nullptr;
   }
 
   void choose(std::int64_t option) {
+    const InUse in_use(play_);
     check(played().choose(option));
     choice_ = nullptr;
   }
@@ -81,22 +92,31 @@ class ChoicesAtPlay {
     return *choice_;
   }
 
-  lab::Session& session() { return played().session(); }
+  double now() {
+    const InUse in_use(play_);
+    return to_seconds(played().session().episode().now());
+  }
 
   /// What the result has so far at that path, as JSON; empty: nothing.
-  std::string result_at(const std::string& path) { return session().episode().result().at(path); }
+  std::string result_at(const std::string& path) {
+    const InUse in_use(play_);
+    return played().session().episode().result().at(path);
+  }
 
   nb::object render(int width, int height, const std::string& camera, bool caption) {
-    return renderer_.draw(session().episode(), width, height, camera, caption);
+    const InUse in_use(play_);
+    return renderer_.draw(played().session().episode(), width, height, camera, caption);
   }
 
   nb::object close() {
+    const InUse in_use(play_);
+    lab::Session& session = played().session();
     choice_ = nullptr;
     renderer_ = {};
     lab::Played ended;
     {
       const nb::gil_scoped_release others_may_run;
-      ended = session().close();
+      ended = session.close();
     }
     episode_.reset();
     if (ended.failure) raise(*ended.failure);
@@ -109,6 +129,10 @@ class ChoicesAtPlay {
     return *episode_;
   }
 
+  /// How long `next` keeps the interpreter's lock away, at most: then it looks for Ctrl-C.
+  static constexpr auto kStretch = std::chrono::milliseconds(50);
+
+  Play play_;
   std::unique_ptr<lab::ChoiceEpisode> episode_;  // none: closed
   const lab::Choice* choice_ = nullptr;          // none is open
   Renderer renderer_;
@@ -127,7 +151,7 @@ void bind_choice(nb::module_& module) {
       .def("result_at", &ChoicesAtPlay::result_at, nb::arg("path"))
       .def("render", &ChoicesAtPlay::render, nb::arg("width"), nb::arg("height"), nb::arg("camera"), nb::arg("caption"))
       .def("close", &ChoicesAtPlay::close)
-      .def_prop_ro("now", [](ChoicesAtPlay& self) { return to_seconds(self.session().episode().now()); })
+      .def_prop_ro("now", &ChoicesAtPlay::now)
       .def_prop_ro("kind", [](const ChoicesAtPlay& self) { return self.choice().kind; })
       .def_prop_ro("who", [](const ChoicesAtPlay& self) { return self.choice().who; })
       .def_prop_ro("options", [](const ChoicesAtPlay& self) { return self.choice().options; })

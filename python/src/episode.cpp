@@ -289,19 +289,12 @@ class PlayedEpisode {
   /// For the length of a call: the episode is open, and nobody else uses it.
   class Use {
    public:
-    explicit Use(const PlayedEpisode& episode) : play_(*episode.play_) {
-      if (!play_.begin())
-        raise(usage_error("the episode is in use: by another thread, or by a seat that calls it from its turn"));
-      if (episode.session_) return;
-      play_.end();
-      raise(usage_error("the episode is closed").with_code("closed"));
+    explicit Use(const PlayedEpisode& episode) : in_use_(*episode.play_) {
+      if (!episode.session_) raise(usage_error("the episode is closed").with_code("closed"));
     }
-    ~Use() { play_.end(); }
-    Use(const Use&) = delete;
-    Use& operator=(const Use&) = delete;
 
    private:
-    Play& play_;
+    InUse in_use_;
   };
 
   Episode& episode() { return session_->episode(); }

@@ -19,7 +19,11 @@ Status Play::keep(nb::python_error& error, const std::string& who) {
   const nb::object value = nb::borrow(error.value());
   std::string what = Py_TYPE(value.ptr()) ? nb::cast<std::string>(value.type().attr("__name__")) : "something";
   try {
-    if (const nb::str said(value); nb::len(said) > 0) what += std::string(": ") + said.c_str();
+    const nb::str said(value);
+    const auto utf8 =
+        nb::steal<nb::bytes>(PyUnicode_AsEncodedString(said.ptr(), "utf-8", "backslashreplace"));  // lone surrogates
+    if (!utf8.is_valid()) throw nb::python_error();
+    if (utf8.size() > 0) what += ": " + std::string(utf8.c_str(), utf8.size());
   } catch (nb::python_error&) {  // it cannot be printed
   }
   if (raised_) return error_of(who);

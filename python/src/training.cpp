@@ -131,6 +131,7 @@ class TrainingAtPlay {
 
   /// Plays on to the next decision; none: the run is over.
   std::optional<DecisionTuple> next() {
+    const InUse in_use(play_);
     Expected<StepReport> report = usage_error("");
     while (!seat().last()) {
       {
@@ -155,14 +156,19 @@ class TrainingAtPlay {
   }
 
   void choose(std::int64_t action) {
+    const InUse in_use(play_);
     if (!seat().last()) raise(usage_error("found no open decision; call next() first"));
     check(seat_->answer(action));
   }
 
   /// Names of what can be observed, and of what can be done.
-  std::pair<std::vector<std::string>, std::vector<std::string>> spaces() { return seat().spaces(); }
+  std::pair<std::vector<std::string>, std::vector<std::string>> spaces() {
+    const InUse in_use(play_);
+    return seat().spaces();
+  }
 
   nb::object close() {
+    const InUse in_use(play_);
     seat();
     lab::Played ended;
     {
@@ -195,6 +201,7 @@ class TrainingAtPlay {
     return *seat_;
   }
 
+  Play play_;
   std::unique_ptr<lab::Session> session_;  // none: closed
   TrainerSeat* seat_ = nullptr;            // owned by the session
 };

@@ -461,7 +461,8 @@ void Trainer::publish_decision(const std::string& outcome) {
   fill("observation", spaces_.observation(truths_, &unknown));
   if (!decision_.robot.empty()) {
     std::vector<std::uint8_t> mask(spaces_.actions().size());
-    mask[0] = options_.no_op || !at_work_.empty();
+    decision_.may_rest = options_.no_op || !at_work_.empty();
+    mask[0] = decision_.may_rest;
     for (const Action& action : decision_.actions)
       if (const std::size_t place = spaces_.place_of(action.text))
         mask[place] = 1;
@@ -485,7 +486,7 @@ void Trainer::decided(bus::MessageView made) {
   if (decision.robot.empty()) return go_on();
   if (place == kGiveUp) return end_episode("given up");
   const auto& actions = spaces_.actions();
-  if (place == 0 && (options_.no_op || !at_work_.empty())) return rest();
+  if (place == 0 && decision.may_rest) return rest();
   for (const Action& action : decision.actions)
     if (place > 0 && place < std::ssize(actions) && actions[static_cast<std::size_t>(place)] == action.text)
       return select(action);

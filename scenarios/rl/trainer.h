@@ -82,6 +82,7 @@ class Trainer final : public Server {
     std::string robot;    ///< empty: the episode has ended
     std::vector<Action> actions;
     SimTime asked{};
+    bool may_rest = false;  ///< no-op was offered
   };
 
   void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }

@@ -30,8 +30,12 @@ class CanvasView final : public View {
 };
 
 /// The canvas as the largest square in the picture.
-std::unique_ptr<View> view_of_canvas(const sim::TurtleWorld& world, int width, int height) {
-  return std::make_unique<CanvasView>(world, std::min(width, height));
+Expected<std::unique_ptr<View>> view_of_canvas(const sim::TurtleWorld& world, int width, int height) {
+  constexpr int kLeast = 16, kMost = 4096;
+  if (std::min(width, height) < kLeast || std::max(width, height) > kMost)
+    return usage_error("found a size of " + std::to_string(width) + " x " + std::to_string(height) +
+                       ": expected 16 x 16 to 4096 x 4096");
+  return std::unique_ptr<View>(std::make_unique<CanvasView>(world, std::min(width, height)));
 }
 
 class CanvasReplay final : public WorldReplay {

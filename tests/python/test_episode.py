@@ -264,6 +264,23 @@ class Seats(EpisodeTest):
         self.assertIn("seat pilot raised LookupError: no way", result["reason"]["message"])
         self.assertLess(result["sim_time_s"], 1.2)
 
+    def test_what_a_seat_raises_may_have_any_text(self):
+        def fail(seat):
+            raise ValueError("bad \udc80")
+
+        episode = cxlab.Episode(**TURTLES, seats=[Pilot(at_one=fail)])
+        with self.assertRaisesRegex(ValueError, "bad"):
+            episode.step(until=10)
+        self.assertIn(r"ValueError: bad \udc80", episode.close()["reason"]["message"])
+
+    def test_a_picture_of_a_canvas_has_a_least_size(self):
+        with cxlab.Episode("turtlesim/figures") as episode:
+            episode.step()
+            for size in ((0, 0), (15, 15), (300, 3), (-1, 100), (5000, 5000)):
+                with self.subTest(size), self.assertRaisesRegex(cxlab.UsageError, "expected 16 x 16 to 4096 x 4096"):
+                    episode.render(*size)
+            self.assertEqual(episode.render(16, 16).shape, (16, 16, 3))
+
     def test_a_reader_that_raises_ends_the_run(self):
         class Deaf(Pilot):
             def begin(self):

@@ -4,9 +4,11 @@ import json
 import os
 import subprocess
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 
+import cxlab
 import numpy as np
 from cxlab import UsageError
 from cxlab.learn import ChoiceGame, LinearPolicy, play, play_all, shipped_policy
@@ -81,6 +83,29 @@ class OnDisk(unittest.TestCase):
 
 
 class Wrong(unittest.TestCase):
+    def test_a_game_that_is_closed_or_has_failed_says_so(self):
+        game = ChoiceGame("rcll/external", until=1.0)
+        game.close()
+        with self.assertRaisesRegex(cxlab.UsageError, "closed"):
+            game.next()
+        with self.assertRaises(cxlab.CxlabError) as caught, ChoiceGame("turtlesim/boundary", tier="physics", until=1.0) as failing:
+            failing.close()
+        self.assertNotIn("closed", str(caught.exception))
+
+    def test_another_thread_has_to_wait(self):
+        game = ChoiceGame("rcll/game", tier="timed", topic="/nobody", until=300.0)
+        playing = threading.Thread(target=game.next)
+        playing.start()
+        seen = []
+        while playing.is_alive() and not seen:
+            try:
+                game.now  # noqa: B018 - it raises while the other one plays
+            except cxlab.UsageError as error:
+                seen.append(str(error))
+        playing.join()
+        self.assertTrue(seen and "in use" in seen[0], seen)
+        game.close()
+
     def test_an_option_that_is_not_there_names_how_many_there_are(self):
         with ChoiceGame(seed=1, tier="timed", until=SHORT) as game:
             choice = game.next()

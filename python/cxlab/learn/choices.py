@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping
 from types import TracebackType
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from cxlab import _cxlab
 from cxlab._yaml import yaml_text
+from cxlab.errors import CxlabError
 
 
 class Choice(NamedTuple):
@@ -119,4 +121,5 @@ class ChoiceGame:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
+        with contextlib.suppress(CxlabError) if error else contextlib.nullcontext():
+            self.close()

@@ -46,8 +46,6 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
         self.action_space = gymnasium.spaces.Discrete(OPTIONS)
         self.render_mode = render_mode
         self._until = until
-        if more.get("out") is not None:
-            more["force"], ahead = True, False
         self._games = Games(scenario, team=team, ahead=ahead, tier=tier, until=until, **more)
         self._following: int | None = None
 

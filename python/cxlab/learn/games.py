@@ -62,6 +62,8 @@ class Games:
 
     def __init__(self, scenario: str, *, team: str, ahead: bool, **more: Any) -> None:
         self.team = team
+        if more.get("out") is not None:  # one folder, for one game at a time
+            more["force"], ahead = True, False
         self._scenario, self._more = scenario, more
         self._pool = ThreadPoolExecutor(1, "cxlab-next-game") if ahead else None
         self._next: tuple[int, Future[tuple[ChoiceGame, Choice | None]]] | None = None

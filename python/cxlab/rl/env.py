@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
-from cxlab.errors import InputError, RunError, UsageError
+from cxlab.errors import CxlabError, InputError, RunError, UsageError
 
 _GIVE_UP = -1
 _SEEDS = 2**63
@@ -141,6 +142,8 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         super().reset(seed=seed)
         if seed is not None:
             self._begin(seed % _SEEDS)
+        elif self._training is None:
+            raise UsageError("the training has ended; reset(seed=...) begins another one")
         elif self._begun and not self._over:
             self._choose(_GIVE_UP)
             self._next()
@@ -168,13 +171,13 @@ class CXEnv(gymnasium.Env[Bits, Any]):
 
     def close(self) -> None:
         """End the training: files of the run are completed."""
-        if self._training is not None and not self._training.closed:
-            self._training.close()
-        self._training = None
-        self._decision = None
+        training, self._training, self._decision = self._training, None, None
+        if training is not None and not training.closed:
+            training.close()
 
     def _begin(self, seed: int) -> None:
-        self.close()
+        with contextlib.suppress(CxlabError):  # the failure of the training before has been raised already
+            self.close()
         self._runs += 1
         out = self._out if self._runs == 1 or not self._out else f"{self._out}-{self._runs}"
         assignments = [(f"{path}={_yaml(value)}", f"set[{path!r}]") for path, value in self._set.items()]

@@ -286,6 +286,15 @@ TEST_F(BagFolder, WholeFilesMayBeCompressed) {
   folder_.write("floor/floor_0.mcap.zstd", zstd_frame(bag(20)));
   const std::string two = zstd_frame(bag(10).substr(0, 40)) + zstd_frame(bag(10).substr(40));
   folder_.write("floor/floor_1.mcap.zstd", two);
+  // As many bytes as a buffer of the decoder has: nothing is left when it is full.
+  for (const std::size_t size : {ZSTD_DStreamOutSize(), 2 * ZSTD_DStreamOutSize()}) {
+    HandMadeMcap exact = HandMadeMcap().add(M::channel(1, "/a"));
+    const std::size_t rest = exact.whole().size() + M::message(1, 5, "").size();
+    exact.add(M::message(1, 5, std::string(size - rest, 'x')));
+    ASSERT_EQ(exact.whole().size(), size);
+    folder_.write("exact/exact_0.mcap.zstd", zstd_frame(exact.whole()));
+    EXPECT_TRUE(Recording::open(folder_.path() / "exact")) << size;
+  }
   EXPECT_THAT(all(), ElementsAre("/a:10", "/a:20"));
   auto recording = Recording::open(folder_.path() / "floor");
   recording->begin({});
