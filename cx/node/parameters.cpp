@@ -334,7 +334,8 @@ std::vector<std::string> Parameters::below(std::string_view group) const {
 }
 
 Error Parameters::error_at(std::string_view name_or_group, std::string message) const {
-  const Parameter* at = find(name_or_group);
+  const Parameter* at = nullptr;
+  if (const auto found = values_.find(name_or_group); found != values_.end()) at = &found->second;
   if (at) return input_error(std::move(message), at->file, at->line);
   const std::string prefix = std::string(name_or_group) + '.';
   for (auto it = values_.lower_bound(prefix); it != values_.end() && it->first.starts_with(prefix); ++it)

@@ -110,6 +110,17 @@ TEST(Configuration, AGivenParameterForWhichNobodyAsksIsTold) {
   EXPECT_THAT(lab.log.with("'gian' was set"), ::testing::SizeIs(1));
 }
 
+TEST(Configuration, AGivenParameterThatAPluginDoesNotHaveIsToldAtTheEnd) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain.plugins: [\"exec\"]\nexec.plugin: \"cx::ExecutivePlugin\"");
+  lab.options.params = {{"clips_manager.exec.refresh_rat", "2", {"game.yaml", 7}}};
+  lab.run_up();
+  ASSERT_TRUE(lab.manager->deactivate());
+  ASSERT_EQ(lab.manager->warnings().size(), 1u);
+  EXPECT_THAT(lab.manager->warnings()[0].text(),
+              ::testing::StartsWith("game.yaml:7: parameter 'exec.refresh_rat' was set and nobody asked for it"));
+}
+
 TEST(Configuration, WhatRulesPrintAsErrorIsAWarningOnce) {
   Lab lab;
   lab.config("environments: [\"a\", \"b\"]");
