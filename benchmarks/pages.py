@@ -1,5 +1,6 @@
 """Frames per second while the slider of a page goes from begin to end, the CPU time of a frame, and the time until the first picture, in headless
-Chromium with software rendering: pages.py PAGE... [--size 1400x900]. PAGE: index.html of a run, or an address that cxlab view printed.
+Chromium without a graphics card: pages.py PAGE... [--size 1400x900] [--swiftshader]. PAGE: index.html of a run, or an address that cxlab view
+printed. --swiftshader: SwiftShader draws the whole page as a graphics card would, and not only the field in 3D.
 Needs Debian's chromium-driver and python3-selenium."""
 
 import argparse
@@ -60,8 +61,8 @@ def cpu_of_threads(root):
     return used
 
 
-def measure(page, size):
-    browser = chromium(*SOFTWARE_GL, size=size)
+def measure(page, size, gl):
+    browser = chromium(*gl, size=size)
     try:
         browser.set_script_timeout(120)
         browser.get(page if "://" in page else Path(page).resolve().as_uri())
@@ -84,7 +85,8 @@ def measure(page, size):
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("pages", nargs="+")
 parser.add_argument("--size", default="1400x900")
+parser.add_argument("--swiftshader", action="store_true")
 options = parser.parse_args()
 for page in options.pages:
-    first, (rate, all_threads, busiest) = measure(page, tuple(map(int, options.size.split("x"))))
+    first, (rate, all_threads, busiest) = measure(page, tuple(map(int, options.size.split("x"))), SOFTWARE_GL if options.swiftshader else ())
     print(f"{page.partition('?')[0]}: first picture after {first:.0f} ms; {rate:.1f} frames/s; {all_threads:.1f} ms of CPU a frame, the busiest thread {busiest:.1f} ms", flush=True)
