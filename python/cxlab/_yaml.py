@@ -10,6 +10,18 @@ from typing import Any
 from cxlab.errors import UsageError
 
 
+def assignments_of(
+    settings: Mapping[str, Any] | None, *, seed: int | None = None, tier: str | None = None
+) -> list[tuple[str, str]]:
+    """Overrides of a scenario as PATH=VALUE, each with the argument that errors name."""
+    assignments = [(f"{path}={yaml_text(value, plain=True)}", f"set {path}") for path, value in (settings or {}).items()]
+    if seed is not None:
+        assignments.append((f"seed={seed}", "seed"))
+    if tier is not None:
+        assignments.append((f"tier={tier}", "tier"))
+    return assignments
+
+
 def yaml_text(value: Any, *, plain: bool = False) -> str:
     """The value on one line. `plain`: a text stays as it is, as on a command line."""
     if hasattr(value, "tolist"):  # arrays and numbers of NumPy

@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cxlab import _cxlab
-from cxlab._yaml import yaml_text
+from cxlab._yaml import assignments_of, yaml_text
 from cxlab.seat import Call, Goal, Message, Seat
 
 if TYPE_CHECKING:
@@ -87,11 +87,7 @@ class Episode:
         journal: str = "decisions",
         packages: Sequence[str | os.PathLike[str]] = (),
     ) -> None:
-        assignments = [(f"{path}={yaml_text(value, plain=True)}", f"set {path}") for path, value in (set or {}).items()]
-        if seed is not None:
-            assignments.append((f"seed={seed}", "seed"))
-        if tier is not None:
-            assignments.append((f"tier={tier}", "tier"))
+        assignments = assignments_of(set, seed=seed, tier=tier)
         for number, agent in enumerate([agents] if isinstance(agents, (str, os.PathLike)) else agents):
             if agent is not None:
                 path = os.path.abspath(agent)

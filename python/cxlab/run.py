@@ -623,6 +623,16 @@ def _tree_lines(tree: Mapping[str, Any], first: str = "", rest: str = "") -> lis
     return lines
 
 
+def _maker_lines(part: Mapping[str, Any]) -> list[str]:
+    """The rules that could make what is missing, with what each lacks."""
+    lines = []
+    for maker in (part.get("makers") or {}).get("rules", ()):
+        lines.append(f"  rule {maker['rule']} ({maker['place']}) {maker['how']} it")
+        if maker.get("lacks"):
+            lines.append(f"    lacks {maker['lacks']}")
+    return lines
+
+
 def _why_not_lines(rule: Mapping[str, Any]) -> list[str]:
     fired = rule["fired"]
     last = f", last at {rule['last_fired_s']} s" if rule.get("last_fired_s") is not None else ""
@@ -636,11 +646,7 @@ def _why_not_lines(rule: Mapping[str, Any]) -> list[str]:
     lines.append(f"  lacks condition {unmet['condition']}: {unmet.get('pattern', '')}")
     if unmet.get("because"):
         lines.append(f"    {unmet['because']}")
-    for maker in (rule.get("makers") or {}).get("rules", ()):
-        lines.append(f"  rule {maker['rule']} ({maker['place']}) {maker['how']} it")
-        if maker.get("lacks"):
-            lines.append(f"    lacks {maker['lacks']}")
-    return lines
+    return lines + _maker_lines(rule)
 
 
 def _future_lines(part: Mapping[str, Any]) -> list[str]:
@@ -649,11 +655,7 @@ def _future_lines(part: Mapping[str, Any]) -> list[str]:
         lines.append(f"  rule {waiting['rule']} ({waiting['place']}) needs such a fact")
         if waiting.get("lacks"):
             lines.append(f"    lacks {waiting['lacks']}")
-    for maker in (part.get("makers") or {}).get("rules", ()):
-        lines.append(f"  rule {maker['rule']} ({maker['place']}) {maker['how']} it")
-        if maker.get("lacks"):
-            lines.append(f"    lacks {maker['lacks']}")
-    return lines
+    return lines + _maker_lines(part)
 
 
 __all__ = ["Answer", "CxlabError", "Explanation", "Run", "View", "seconds_of"]

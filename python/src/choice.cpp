@@ -16,8 +16,7 @@
 
 #include "bindings.h"
 #include "lab/choices.h"
-#include "scenarios/share.h"
-#include "scenarios/shipped/catalogue.h"
+#include "play_options.h"
 
 namespace cxlab::python {
 
@@ -35,23 +34,13 @@ Reals array_of(const std::vector<double>& values) {
 
 class ChoicesAtPlay {
  public:
-  ChoicesAtPlay(const std::string& scenario, const std::vector<std::pair<std::string, std::string>>& assignments,
-                std::optional<double> until, const std::string& journal, const std::string& out, bool force,
-                const std::string& topic) {
-    const auto file = value_or_raise(find_scenario(scenario));
-    std::vector<Override> overrides;
-    for (const auto& [assignment, option] : assignments) overrides.emplace_back(assignment, option);
-    lab::PlayOptions options;
-    options.spec.until = until;
-    auto level = named(options.spec.journal, kJournalLevels);
-    if (!level.set(journal)) raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
-    options.out = out.empty() ? "none" : out;
-    options.force = force;
-    options.command = {"python"};
+  ChoicesAtPlay(const std::string& scenario, const Assignments& assignments, std::optional<double> until,
+                const std::string& journal, const std::string& out, bool force, const std::string& topic) {
+    const lab::PlayOptions options = play_options(until, journal, out, force);
     Expected<std::unique_ptr<lab::ChoiceEpisode>> episode = usage_error("");
     {
       const nb::gil_scoped_release others_may_run;
-      auto loaded = Scenario::load(file, shipped(), overrides);
+      auto loaded = scenario_of(scenario, assignments);
       if (loaded)
         episode = lab::ChoiceEpisode::load(options, *std::move(loaded), {.name = topic});
       else
@@ -142,8 +131,8 @@ class ChoicesAtPlay {
 
 void bind_choice(nb::module_& module) {
   nb::class_<ChoicesAtPlay>(module, "ChoiceEpisode")
-      .def(nb::init<const std::string&, const std::vector<std::pair<std::string, std::string>>&, std::optional<double>,
-                    const std::string&, const std::string&, bool, const std::string&>(),
+      .def(nb::init<const std::string&, const Assignments&, std::optional<double>, const std::string&,
+                    const std::string&, bool, const std::string&>(),
            nb::kw_only(), nb::arg("scenario"), nb::arg("assignments"), nb::arg("until").none(), nb::arg("journal"),
            nb::arg("out"), nb::arg("force"), nb::arg("topic"))
       .def("next", &ChoicesAtPlay::next)

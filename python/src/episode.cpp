@@ -19,6 +19,7 @@
 #include "lab/report.h"
 #include "lab/session.h"
 #include "outside.h"
+#include "play_options.h"
 #include "scenarios/share.h"
 #include "scenarios/shipped/catalogue.h"
 
@@ -27,9 +28,6 @@ namespace cxlab::python {
 using namespace nb::literals;
 
 namespace {
-
-/// PATH=VALUE, and the argument that errors in it name.
-using Assignments = std::vector<std::pair<std::string, std::string>>;
 
 /// Time of the last tick (s), ticks played, whether the run is over.
 using StepTuple = std::tuple<double, std::int64_t, bool>;
@@ -81,27 +79,15 @@ class PlayedEpisode {
   };
 
   explicit PlayedEpisode(const Asked& asked) {
-    const auto file = value_or_raise(find_scenario(asked.scenario));
-    const std::vector<Override> overrides = [&] {
-      std::vector<Override> all;
-      for (const auto& [assignment, option] : asked.assignments) all.emplace_back(assignment, option);
-      return all;
-    }();
-    lab::PlayOptions options;
-    options.spec.until = asked.until;
-    if (auto journal = named(options.spec.journal, kJournalLevels); !journal.set(asked.journal))
-      raise(usage_error("found '" + asked.journal + "', expected none, decisions or full", "journal"));
+    lab::PlayOptions options = play_options(asked.until, asked.journal, asked.out, asked.force);
     options.spec.prefixes = asked.packages;
-    options.out = asked.out.empty() ? "none" : asked.out;
-    options.force = asked.force;
-    options.command = {"python"};
     for (const nb::handle seat : asked.seats) options.seats.push_back(seat_of_object(nb::borrow(seat), play_));
     lines_.listen();
     Expected<std::unique_ptr<lab::Session>> session = usage_error("");
     (void)play_->begin();
     {
       const nb::gil_scoped_release others_may_run;
-      auto scenario = Scenario::load(file, shipped(), overrides);
+      auto scenario = scenario_of(asked.scenario, asked.assignments);
       if (scenario)
         session = lab::Session::load(options, *std::move(scenario), {.log = &lines_, .progress = &lines_});
       else

@@ -18,8 +18,8 @@
 #include "bindings.h"
 #include "lab/env_scenario.h"
 #include "lab/session.h"
+#include "play_options.h"
 #include "scenarios/seat.h"
-#include "scenarios/share.h"
 #include "scenarios/shipped/catalogue.h"
 
 namespace cxlab::python {
@@ -97,13 +97,7 @@ class TrainingAtPlay {
                  const std::vector<std::string>& configs, const std::vector<std::string>& packages,
                  const std::vector<std::string>& params, std::optional<std::uint64_t> seed, std::optional<double> until,
                  const std::string& journal, const std::string& out, bool force, const std::string& node) {
-    lab::PlayOptions options;
-    options.spec.until = until;
-    auto level = named(options.spec.journal, kJournalLevels);
-    if (!level.set(journal)) raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
-    options.out = out.empty() ? "none" : out;
-    options.force = force;
-    options.command = {"python"};
+    lab::PlayOptions options = play_options(until, journal, out, force);
     options.seats.push_back({"trainer", [this, node](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {
                                auto seat = std::make_unique<TrainerSeat>(bus, node);
                                seat_ = seat.get();
@@ -186,15 +180,6 @@ class TrainingAtPlay {
   static constexpr std::int64_t kTicksUntilSignals = 1000;
 
   static constexpr double kLong = 1e8;  ///< s: a training ends with its episodes
-
-  static Expected<Scenario> scenario_of(const std::string& name,
-                                        const std::vector<std::pair<std::string, std::string>>& assignments) {
-    const auto file = find_scenario(name);
-    if (!file) return file.error();
-    std::vector<Override> overrides;
-    for (const auto& [assignment, option] : assignments) overrides.emplace_back(assignment, option);
-    return Scenario::load(*file, shipped(), overrides);
-  }
 
   TrainerSeat& seat() {
     if (!session_) raise(usage_error("the training is closed"));

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
-from cxlab._yaml import yaml_text
+from cxlab._yaml import assignments_of
 from cxlab.errors import CxlabError
 
 
@@ -62,14 +62,9 @@ class ChoiceGame:
         journal: str = "none",
         topic: str = "/choices",
     ) -> None:
-        assignments = [(f"{path}={yaml_text(value, plain=True)}", f"set {path}") for path, value in (set or {}).items()]
-        if seed is not None:
-            assignments.append((f"seed={seed}", "seed"))
-        if tier is not None:
-            assignments.append((f"tier={tier}", "tier"))
         self._core = _cxlab.ChoiceEpisode(
             scenario=os.fspath(scenario),
-            assignments=assignments,
+            assignments=assignments_of(set, seed=seed, tier=tier),
             until=until,
             journal=journal,
             out="" if out is None else os.fspath(out),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
+from cxlab._yaml import assignments_of, yaml_text
 from cxlab.errors import CxlabError, InputError, RunError, UsageError
 
 _GIVE_UP = -1
@@ -106,7 +106,7 @@ class CXEnv(gymnasium.Env[Bits, Any]):
             node_params["namespace"] = namespace
         self._packages = [f"{key}={os.fspath(folder)}" for key, folder in (packages or {}).items()]
         given = {f"cx_rl_node.{key}": value for key, value in node_params.items()} | dict(params or {})
-        self._params = [f"{key}={_yaml(value)}" for key, value in given.items()]
+        self._params = [f"{key}={yaml_text(value, plain=True)}" for key, value in given.items()]
         self._set = dict(set or {})
         self._node = node
         self._until = until
@@ -180,12 +180,9 @@ class CXEnv(gymnasium.Env[Bits, Any]):
             self.close()
         self._runs += 1
         out = self._out if self._runs == 1 or not self._out else f"{self._out}-{self._runs}"
-        assignments = [(f"{path}={_yaml(value)}", f"set[{path!r}]") for path, value in self._set.items()]
-        if self._scenario:
-            assignments.append((f"seed={seed}", "seed"))
         self._training = _cxlab.Training(
             scenario=self._scenario,
-            assignments=assignments,
+            assignments=assignments_of(self._set, seed=seed if self._scenario else None),
             configs=self._configs,
             packages=self._packages,
             params=self._params,
@@ -248,7 +245,3 @@ def _is_configuration(file: str) -> bool:
         return False
     with open(file, encoding="utf-8", errors="replace") as text:
         return "ros__parameters" in text.read()
-
-
-def _yaml(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
