@@ -24,6 +24,10 @@ int make(const lab::NewPackage& package, const std::string& folder, const std::s
   if (Status s = lab::make_package(package, folder); !s) return fail(s.error());
   std::printf("%s\n", folder.c_str());
   std::fprintf(stderr, "next: cd %s; %s (README.md says more)\n", folder.c_str(), next.c_str());
+  if (package.continuous && package.continuous->address.empty())
+    std::fprintf(stderr,
+                 "note: ci/cxlab.txt does not say yet where the pipelines get cxlab: write the address and the SHA-256 "
+                 "of a tarball into it (docs/how-to/test-in-ci.md)\n");
   return 0;
 }
 

@@ -208,7 +208,9 @@ std::string Makers::text() const {
   if (changed)
     line(std::string(forbids ? "it was " : "the nearest fact was ") + done_by(changed->kind) + " at " +
          seconds_text(changed->t) + " by " + changed->by.text());
-  if (made && !forbids) {
+  // The nearest fact, which still stands, fails beside the conditions before it or in a test: of it all is said.
+  const bool is_nearest = changed && matched && !gone && matched->number == changed->after.number;
+  if (made && !forbids && !is_nearest) {
     const auto when = [](const FactChange& change) {
       return std::string(done_by(change.kind)) + " at " + seconds_text(change.t) + " by " + change.by.text();
     };

@@ -54,6 +54,7 @@ class Pipelines(unittest.TestCase):
         tarball = ["--cxlab", address or str(self.tarball), "--sha256", sha256 or self.sha256]
         done = subprocess.run([self.cxlab, "new", "agent", agent, *options, "--ci", *tarball], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, expect, done.stderr)
+        self.assertNotIn("ci/cxlab.txt", done.stderr)  # it has the address
         return agent if expect == 0 else done
 
     def run_step(self, command, folder):
@@ -120,7 +121,8 @@ class OnThisSystem(Pipelines):
             self.assertIn(said, done.stderr)
 
         agent = self.folder / "unnamed_agent"
-        subprocess.run([self.cxlab, "new", "agent", agent, "--ci"], check=True, capture_output=True, timeout=60)
+        made = subprocess.run([self.cxlab, "new", "agent", agent, "--ci"], check=True, capture_output=True, text=True, timeout=60)
+        self.assertIn("ci/cxlab.txt", made.stderr)
         done = self.run_step("sh ci/get_cxlab.sh", agent)
         self.assertEqual((done.returncode, done.stderr), (1, "ci/cxlab.txt: there is no address: write where the tarball of cxlab lies\n"))
 

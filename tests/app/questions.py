@@ -267,6 +267,13 @@ class WhyNot(Lab):
                          r"  the last fact that matched \(work .*\):\n    \(work 2 a 3.0\)\n    was asserted at 2.000 s by rule begin, and retracted at 3.000 s by rule end\n"
                          r"  rules that can make such a fact:\n    begin \(mine/mine.clp:4\) asserts it; fired 2 times, the last time at 2.000 s\n")
 
+    def test_a_nearest_fact_that_fails_in_a_test_is_not_said_to_have_matched(self):
+        run = self.agent("(deftemplate lamp (slot watts))\n(deffacts lamps (lamp (watts 3)))\n(defrule bright (lamp (watts ?w&:(> ?w 5))) => )")
+        said = self.cxlab("why-not", run, "bright").stdout
+        self.assertIn("watts is 3, not ?w&:(> ?w 5)", said)
+        self.assertIn("the nearest fact was asserted at 0.000 s by the start of the environment", said)
+        self.assertNotIn("matched", said)
+
     def test_a_value_that_no_rule_sets(self):
         run = self.agent()
         found = self.makers(run, "never")
