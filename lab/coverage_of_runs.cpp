@@ -51,7 +51,8 @@ Expected<Json> cover(const Run& run, Host host) {
   const bool whole = run.finished && episode.replay_log_status() && run.whole(episode.replay_end());
   const SimTime end = whole ? run.sim_time : std::min(options.end, episode.replay_end());
   Status played = episode.start();
-  while (played && run.ticks != 0 && !episode.over() && episode.next_tick() <= end) played = episode.tick();
+  if (played && run.ticks != 0)
+    if (const auto step = episode.step(end); !step) played = step.error();
   if (auto error = run.untrusted(played)) return *error;
   std::string note;
   if (!whole) note = "its log ends at " + std::to_string(to_seconds(end)) + " s";

@@ -78,9 +78,9 @@ Status Moment::play(SimTime end) {
     if (Status s = episode().start(); !s) return s;
     timelines_.start_is_over();
   }
-  while (!episode().over() && episode().next_tick() <= end) {
+  for (SimTime next; !episode().over() && (next = episode().next_tick()) <= end;) {
     if ((stopped_ = host_.stopped())) return {};
-    const Status s = episode().tick();
+    const Status s = episode().tick_at(next);
     after_tick();
     if (!s) return s;
     host_.show(to_seconds(t()), to_seconds(end));

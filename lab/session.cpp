@@ -268,23 +268,26 @@ bool has_ended(const RunAtPlay& run) {
   return run.episode->over() || run.host.stopped() || (until && to_seconds(run.episode->now()) >= *until);
 }
 
-Status play_tick(RunAtPlay& run) {
+/// Plays the tick at `next`, which becomes the time of the tick after it.
+Status play_tick(RunAtPlay& run, SimTime& next) {
   Episode& episode = *run.episode;
   run.game.begin();
-  const Status ticked = episode.tick();
+  const Status ticked = episode.tick_at(next);
   run.game.end();
   if (!ticked) return ticked;
   const SimTime now = episode.now();
-  const SimTime next = has_ended(run) ? now : std::min(episode.next_tick(), from_seconds(end_of(run)));
-  if (Status s = run.pictures->look(now, next); !s) return s;
+  next = episode.next_tick();
+  const SimTime seen_until = has_ended(run) ? now : std::min(next, from_seconds(end_of(run)));
+  if (Status s = run.pictures->look(now, seen_until); !s) return s;
   if (run.video)
-    if (Status s = run.video->look(now, next); !s) return s;
+    if (Status s = run.video->look(now, seen_until); !s) return s;
   run.host.show(to_seconds(episode.now()), end_of(run));
   if (!run.options.realtime && !run.options.spec.sockets) return {};
   run.game.begin();
   wait_until(run.wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
              run.host);
   run.game.end();
+  next = episode.next_tick();  // others may have sent something meanwhile
   return {};
 }
 
@@ -484,7 +487,8 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   if (Status s = set_up(run); !s) return run.refused ? refused(run, s.error()) : s.error();
   Status played = prepare_pictures(run);
   if (played) played = start_agents(run);
-  while (played && !has_ended(run)) played = play_tick(run);
+  SimTime next = run.episode->next_tick();
+  while (played && !has_ended(run)) played = play_tick(run, next);
   return conclude(run, played);
 }
 
@@ -511,8 +515,9 @@ Expected<std::unique_ptr<Session>> Session::load(const PlayOptions& options, Sce
 Expected<StepReport> Session::step(SimTime until, const std::function<bool()>& pause) {
   RunAtPlay& run = *run_;
   const std::int64_t before = run.ticks;
-  while (run.so_far && !has_ended(run) && run.episode->next_tick() <= until) {
-    run.so_far = play_tick(run);
+  SimTime next = run.episode->next_tick();
+  while (run.so_far && !has_ended(run) && next <= until) {
+    run.so_far = play_tick(run, next);
     ++run.ticks;
     if (pause && pause()) break;
   }

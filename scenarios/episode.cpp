@@ -62,8 +62,7 @@ Status Episode::start() {
   return repeat_acts();
 }
 
-Status Episode::tick() {
-  const SimTime next = loop_->next_tick();
+Status Episode::tick_at(SimTime next) {
   write_scene(next);
   if (Status s = loop_->tick_at(next); !s) return s;
   if (Status s = write_out(); !s) return s;
@@ -101,8 +100,8 @@ Status Episode::repeat_acts() {
 
 Expected<StepReport> Episode::step(SimTime until) {
   const std::int64_t before = loop_->ticks();
-  while (!over() && next_tick() <= until)
-    if (Status s = tick(); !s) return s.error();
+  for (SimTime next; !over() && (next = next_tick()) <= until;)
+    if (Status s = tick_at(next); !s) return s.error();
   return StepReport{now(), loop_->ticks() - before, over()};
 }
 

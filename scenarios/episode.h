@@ -94,7 +94,9 @@ class Episode {
   /// Activation: plugins, reset, first run. Before tick 0.
   Status start();
   /// One tick (cx/run/loop.h).
-  Status tick();
+  Status tick() { return tick_at(next_tick()); }
+  /// The same for who has asked next_tick() already.
+  Status tick_at(SimTime next);
   /// Plays the ticks up to that time, one at it included. In steps an episode is byte for byte the one in ticks.
   Expected<StepReport> step(SimTime until);
   /// A seat that joins now, between two ticks: as one that was there from the start, but later.
