@@ -328,7 +328,7 @@ class ActionPart final : public Part {
   const bus::MessageType* status_type_ = nullptr;
   bus::EndpointId server_{};
   std::optional<bus::EndpointId> client_;
-  std::deque<Recorded> goals_;       ///< in order of their first message; those that are over have gone
+  std::deque<Recorded> goals_;       ///< in order of their first message, without those that are over
   std::set<std::string> over_;       ///< ids of those, and of goals from before the bag
   Requests sent_, asked_;            ///< goals, and requests for their results
   std::deque<bus::GoalId> waiting_;  ///< that came before their counterpart in the recording

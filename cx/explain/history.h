@@ -1,6 +1,6 @@
 #pragma once
-// What has happened in one environment, from the records of its journal: every fact that ever was, every firing. So a
-// fact is seen that lives only within one run of the rules.
+// The history of one environment from the records of its journal: every fact that ever existed, and every firing. It
+// includes facts that live only within one run of the rules.
 
 #include <cstdint>
 #include <map>

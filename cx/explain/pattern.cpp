@@ -293,7 +293,7 @@ class Pattern::Matching {
     }
     return false;
   }
-  /// What was left for later, then the caller.
+  /// Checks the postponed constraints, then asks the caller.
   bool end() {
     for (const Later& later : later_)
       if (!holds(*later.constraint, later.value, *later.classes)) return false;

@@ -1,5 +1,5 @@
 #pragma once
-// What has happened in one environment, from its start: the records of its journal stream, kept as they were written.
+// The records of one environment's journal stream, from its start, kept as they were written.
 
 #include <cstdint>
 #include <deque>

@@ -310,10 +310,10 @@ class FromAMoment(Stories):
 
     def test_a_goal_under_way_that_cannot_be_is_refused(self):
         goal = "{action: /a, type: cxlab_skills/action/Pick, under_way: [{handle: '<P>', takes_s: 1}]}"
-        for keys, skills, said in (("", f"skills: [{goal}]", "/a: goals can be under way only in a story with `moment: true` and a `given_at_s` after `begins_s`"),
+        for keys, skills, said in (("", f"skills: [{goal}]", "/a: `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`"),
                                    ("given_at_s: 1", "skills: []", "given_at_s is for stories with `moment: true`"),
                                    ("begins_s: 2, given_at_s: 1, moment: true", "skills: []", "given_at_s: found 1, expected no time before begins_s"),
-                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "only goals of `skills` can be under way")):
+                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "found `under_way` here, expected it only in `skills`")):
             self.write("bad.story.yaml", f"- {{story: bad, rules: [door.clp], {keys + ', ' if keys else ''}{skills}, expect: [{{fires: open, within_s: 3}}]}}\n")
             done = self.cxlab("test", "bad.story.yaml")
             self.assertEqual(done.returncode, 3, done.stdout)

@@ -187,7 +187,7 @@ TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
   ASSERT_TRUE(rows);
   EXPECT_TRUE(rows->front().counts());
   ASSERT_EQ(rows->front().warnings.size(), 1u);
-  EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
+  EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set, but nothing reads it"));
 }
 
 TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {

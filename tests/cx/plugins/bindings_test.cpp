@@ -146,7 +146,7 @@ TEST_F(Bindings, AMessageOfAnotherTypeWithTheSameFieldsIsTakenWithAWarning) {
   EXPECT_THAT(said(), ElementsAre("info main: said 4.0"));
   EXPECT_THAT(lab_.log.with("warn "),
               ElementsAre("warn geometry-msgs-twist: found a message of type geometry_msgs/msg/Point, expected "
-                          "geometry_msgs/msg/Vector3: it has the same fields, so it is taken"));
+                          "geometry_msgs/msg/Vector3: it has the same fields, so it is accepted"));
 }
 
 TEST_F(Bindings, TheNextCxNumbersRequestsAndWaitsForNobody) {

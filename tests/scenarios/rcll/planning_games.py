@@ -138,7 +138,7 @@ class PlanningGames(unittest.TestCase):
 
     def test_a_parameter_that_a_strategy_does_not_have_is_told_without_a_hint(self):
         said = self.result_of(SCENARIO, {"dispatch": "greedy", "products": 2})["warnings"]
-        self.assertRegex(said[0], "parameter 'strategy.products' was set and nobody asked for it$")
+        self.assertRegex(said[0], "parameter 'strategy.products' was set, but nothing reads it$")
 
     def said_with(self, parameters, code=0):
         done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--quiet", "--out", "none",
