@@ -1,5 +1,5 @@
 #pragma once
-// Removes from a ground task what nothing asks for, and numbers the rest anew.
+// Removes what nothing in a ground task needs, and renumbers the rest.
 
 #include <vector>
 
