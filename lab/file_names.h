@@ -1,6 +1,6 @@
 #pragma once
-// Names of files that mean the same in another checkout or on another machine: a file of a package is named from the
-// package, one that comes with cxlab from there, any other from the folder of the scenario.
+// Names of files that mean the same in another checkout or on another machine. A file of a package is named from the
+// package, a file that comes with cxlab from cxlab's folder, and any other from the folder of the scenario.
 
 #include <filesystem>
 #include <map>

@@ -358,7 +358,7 @@ class MutantPlayer {
       show();
     }
     players_.clear();
-    // Where too few of all changes load, those that do are all that there are.
+    // If too few of all changes load, the mutants that were played are all that exist.
     const bool exhausted = next_ == order_.size() && !host_.stopped();
     if (exhausted) result_.wanted = result_.played.size();
     result_.all = exhausted;

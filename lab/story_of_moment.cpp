@@ -194,7 +194,7 @@ class Writer {
       notes_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
   }
 
-  /// Whether it points to something else than goals that are under way.
+  /// Whether it points to something other than running goals.
   bool points_elsewhere(std::string text) const {
     for (const auto& [name, met] : actions_met_)
       for (const GoalUnderWay& goal : met.under_way)
@@ -566,8 +566,8 @@ Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPla
     story.expectations -= dropped;
     if (story.expectations == 0)
       return negative(
-          "of what happened in the run nothing happens in a story: choose another time (--at), at which less "
-          "is under way");
+          "nothing that happened in the run happens in the story: choose another time (--at), at which fewer "
+          "actions run");
   }
   constexpr std::size_t kMostListed = 8;
   if (!dropped_lines.empty())

@@ -40,7 +40,7 @@ constexpr const char* kFull =
 
 using Socket = asio::generic::stream_protocol::socket;
 
-/// Takes away a socket that was left by a run that has gone; what else is there stays.
+/// Removes a socket that an ended run left behind. Fails if anything else is there.
 Status make_room(const std::string& path) {
   std::error_code error;
   const auto there = std::filesystem::symlink_status(path, error);

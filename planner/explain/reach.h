@@ -1,7 +1,7 @@
 #pragma once
-// Everything that could become true in a problem, by a relaxation: nothing is ever undone, and each number goes as far
-// as it likes in each direction in which it moves. The planner's grounding (planner/ground) uses the same relaxation;
-// here actions keep their names and their conditions as written.
+// Everything that could become true in a problem, by a relaxation: nothing is undone, and each number goes as far as it
+// likes in each direction in which it moves. The planner's grounding (planner/ground) uses the same relaxation; here
+// actions keep their names and their conditions as written.
 
 #include <functional>
 #include <optional>

@@ -54,7 +54,7 @@ class GameFiles(Lab):
         self.assertIn('"world/game/g.yaml"', (self.folder / "out/files/index.jsonl").read_text())
         shutil.rmtree(self.folder / "games")
         self.cxlab("replay", "out", "--physics")
-        self.assertIn("files of the scenario have gone", self.cxlab("rerun", "out").stderr)
+        self.assertIn("files of the scenario are missing", self.cxlab("rerun", "out").stderr)
 
     def test_a_path_is_relative_to_the_scenario_or_to_where_the_option_was_given(self):
         self.write("scenario.yaml", WORLD)

@@ -265,7 +265,7 @@ agents:
             self.assertEqual(self.cxlab("facts", run, "one", "--json").stdout, asked)
             self.assertEqual(self.answer("replay", run)["rules"]["differ"], [])
             again = self.cxlab("rerun", run, "--out", self.folder / "again", "--force", expect=None)
-            self.assertNotIn("have gone", again.stderr)
+            self.assertNotIn("are missing", again.stderr)
             self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
             played = json.loads((self.folder / "again/manifest.json").read_text())
             self.assertEqual(os.path.normpath(os.path.join(*(played[key] for key in ("out", "folder", "scenario")))), str(place / "game.yaml"))
@@ -280,7 +280,7 @@ agents:
         shutil.move(here / "runs/1", self.folder / "alone")
         shutil.rmtree(here)
         self.assertEqual(self.cxlab("facts", "alone", "one", "--json").stdout, asked)
-        self.assertIn("have gone", self.cxlab("rerun", "alone", "--out", self.folder / "last").stderr)
+        self.assertIn("are missing", self.cxlab("rerun", "alone", "--out", self.folder / "last").stderr)
         # A manifest of before names all absolutely.
         old = json.loads((self.folder / "alone/manifest.json").read_text())
         old["folder"], old["agents"][0]["packages"] = str(self.folder), {n: str(there / p) for n, p in old["agents"][0]["packages"].items()}
