@@ -60,13 +60,13 @@ TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"\w*\(.*?\)\w*"|"(?:[^"\\\n]|\\.)*"|\'(
 
 
 def texts_of_cpp(text):
-    """(line, text) of comments, neighbouring lines joined, and of string literals that hold a sentence or a part of one."""
-    comment, literal, last = [], [], 0
+    """(line, text) of comments, neighbouring lines joined, and of string literals without the commands of their examples."""
+    comment, literal, last, marker = [], [], 0, ""
 
     def flush():
         for kind in (comment, literal):
             if kind:
-                yield kind[0][0], " ".join(part for _, part in kind) if kind is comment else "".join(part for _, part in kind)
+                yield kind[0][0], " ".join(part for _, part in kind) if kind is comment else "".join(part for _, part in kind).partition("Examples:")[0]
                 kind.clear()
 
     for found in TOKEN.finditer(text):
@@ -78,8 +78,9 @@ def texts_of_cpp(text):
         if token.startswith("//"):
             if literal:
                 yield from flush()
+            before, marker = marker, re.match(r"//[/!<]*", token).group(0)
             part = re.sub(r"^//[/!<]*\s?", "", token)
-            if not part.strip() or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S", part):
+            if marker != before or not part.strip() or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S", part):
                 yield from flush()
             comment.append((line, part.strip()))
         elif token.startswith('"'):
@@ -149,8 +150,8 @@ class Prose(unittest.TestCase):
             self.assertEqual(list(check_sentence(sentence)), [], sentence)
 
     def test_texts_are_found(self):
-        source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n'
-        self.assertEqual(list(texts_of_cpp(source)), [(1, "Runs it again."), (3, "later"), (4, "it is drawn")])
+        source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n// One\n/// Two\n"Do. Examples: cxlab"'
+        self.assertEqual(list(texts_of_cpp(source)), [(1, "Runs it again."), (3, "later"), (4, "it is drawn"), (6, "One"), (7, "Two"), (8, "Do. ")])
         self.assertEqual(list(texts_of_clips('; One\n; two.\n(defrule a "Do; it." =>)  ; "no\n')), [(1, "One two."), (3, "Do; it.")])
         self.assertGreater(len(words_to_avoid()), 10)
         self.assertEqual([text for _, text in paragraphs("a\nb\n\n| c |\n")], ["a b"])
