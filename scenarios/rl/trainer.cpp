@@ -12,10 +12,10 @@ namespace {
 
 constexpr const char* kPackage = "cx_rl_interfaces";
 constexpr SimTime kPatience = std::chrono::seconds(5);  // with an agent that does not serve reset_env, or a space
-/// After the spaces: CX's trainer makes its net of them first, so that agents of any rate have done what they do at the
+/// The time after the spaces. CX's trainer first makes its net of them, so that agents of any rate have finished their
 /// start.
 constexpr SimTime kGetReady = std::chrono::seconds(1);
-/// Without an answer, and with an action that the agent has accepted: nothing more is hoped for.
+/// The trainer gives up after so long without an answer, and so long after the agent accepted an action.
 constexpr SimTime kHangs = std::chrono::seconds(10), kHangsAtWork = std::chrono::seconds(300);
 constexpr SimTime kPoll = std::chrono::milliseconds(100);
 /// A robot that was left idle is asked about again.
@@ -38,7 +38,7 @@ std::vector<std::string> texts_of(const bus::MessageView& message, const char* f
   return texts;
 }
 
-/// Of an array of Observation or Action.
+/// The elements of an array of Observation or Action, as texts.
 std::vector<std::string> grounded_of(const bus::MessageView& message, const char* field) {
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < message.size(field); ++i) {

@@ -159,8 +159,8 @@
   (modify ?i (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule instruct-result
-  "The instruction ended. One that came when the machine was not ready waits for it once more, one that it did not hear
-   is said again."
+  "The instruction ended. If the machine was not ready for it, the instruction waits for the machine again. If the machine
+   did not hear it, the instruction is sent again."
   ?i <- (instruction (operation ?operation) (state RUNNING) (goal-id ?goal-id) (handle ?handle) (tries ?tries))
   ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>

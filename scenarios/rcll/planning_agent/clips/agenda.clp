@@ -51,10 +51,10 @@
 
 ; --- What the strategy holds back
 
-(defglobal ?*TOLD* = (create$))  ; the steps of which it was said why they are held back
+(defglobal ?*TOLD* = (create$))  ; the steps for which the rules have told why they are held back
 
 (defrule agenda-held-back
-  "All steps have been looked at that the strategy names: of the others it is said once why it does not name them."
+  "All steps that the strategy names have been looked at: tell once why it does not name each of the others."
   (declare (salience -10))
   (planning (state IDLE))
   (not (replan))
@@ -106,7 +106,7 @@
          (member$ ?s:state (create$ OPEN BLOCKED APPROACHING)) (< ?s:begin ?begin)))))
 
 (defrule agenda-no-room
-  "What room the slide has is for the payments before this one: without them a product would wait for ever."
+  "The slide has room only for earlier payments: hold this one back, else a product that needs them waits without end."
   (declare (salience 10))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (action pay-with-new-base|pay-with-bare-base) (params ? ?slide) (begin ?begin))

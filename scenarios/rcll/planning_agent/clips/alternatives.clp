@@ -18,7 +18,7 @@
   ?ids)
 
 (deffunction is-true (?name $?params)
-  "Of the world as it is."
+  "Whether a fluent is true in the present world."
   (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
 
 (deffunction gets-cap (?station)
@@ -45,14 +45,14 @@
   (and (without-cap ?order) (not (has-cap-on (product-of ?order)))))
 
 (deffunction lost-machine (?order)
-  "One that the order needs and that is out of order for long; FALSE: there is none."
+  "A machine that the order needs and that is out of order for long; FALSE if none is."
   (do-for-fact ((?o order) (?bs machine)) (and (= ?o:id ?order) (eq ?bs:kind BS))
     (foreach ?m (create$ ?bs:name (machines-for (works-for ?o:rings ?o:cap)))
       (if (any-factp ((?l long-out-of-order)) (eq ?l:implied (create$ ?m))) then (return ?m))))
   FALSE)
 
 (deffunction open-orders ()
-  "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
+  "The open orders that we could work for: no known reason rules out a plan for them."
   (bind ?ids (create$))
   (foreach ?id (orders-in OPEN)
     (if (not (or (any-factp ((?s skipped)) (= ?s:order ?id)) (without-cap ?id) (lost-machine ?id))) then (bind ?ids (create$ ?ids ?id))))
@@ -79,7 +79,7 @@
   (or (is-true not-begun ?product) (stuck ?product)))
 
 (deffunction can-be-put-off (?ours)
-  "Of these orders that which earns least and whose product rests; 0: there is none."
+  "The order that earns least among those whose product rests; 0 if no product rests."
   (bind ?last 0)
   (foreach ?id ?ours
     (if (rests (product-of ?id))
@@ -93,11 +93,11 @@
   FALSE)
 
 (deffunction products-at-once ()
-  "One more while a robot has nothing to do."
+  "How many products we make at once: one more while a robot has nothing to do."
   (if (any-factp ((?r robot-to-spare)) TRUE) then (+ ?*PRODUCTS* 1) else ?*PRODUCTS*))
 
 (deffunction propose-alternatives ()
-  "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
+  "Propose our present orders alone, and together with each of the best open orders. If there is no room for one, it replaces one that can be put off."
   (bind ?ours (create$))
   (foreach ?id (orders-in STARTED) (if (not (or (is-hopeless ?id) (has-no-time ?id))) then (bind ?ours (create$ ?ours ?id))))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
@@ -137,7 +137,7 @@
   0.0)
 
 (deffunction params-of (?action)
-  "Of an action of a plan, without the robot or the deadline that the planner has chosen."
+  "The parameters of an action of a plan, without the robot or the deadline that the planner has chosen."
   (bind ?params (create$))
   (foreach ?p (fact-slot-value ?action params) (bind ?params (create$ ?params (sym-cat ?p))))
   (if (or (eq (worker-of (fact-slot-value ?action name)) ROBOT) (eq (fact-slot-value ?action name) deliver))
@@ -145,7 +145,7 @@
    else ?params))
 
 (deffunction robot-of (?action)
-  "That the planner has chosen for an action of a plan."
+  "The robot that the planner has chosen for an action of a plan."
   (bind ?params (fact-slot-value ?action params))
   (if (eq (worker-of (fact-slot-value ?action name)) ROBOT) then (sym-cat (nth$ (length$ ?params) ?params)) else none))
 

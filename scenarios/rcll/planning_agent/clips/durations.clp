@@ -21,7 +21,7 @@
   (+ ?*HANDLING* (way-time ?from ?to)))
 
 (deffunction learn-handling (?took)
-  "Of a transport that took so long besides the way. A product takes longer by two transports, and by one for each ring."
+  "Learn from a transport that took so long besides the way. A product takes longer by two transports, and by one for each ring."
   (bind ?longer (* ?*NEW* (- ?took ?*HANDLING*)))
   (bind ?*HANDLING* (+ ?*HANDLING* ?longer))
   (bind ?*C0-TIME* (+ ?*C0-TIME* (* 2 ?longer)))

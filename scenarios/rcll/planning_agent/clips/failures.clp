@@ -1,7 +1,7 @@
-; What goes wrong. A failure is a PDDL action of its own; then the step is tried again, or a new plan is made.
+; Failures. A failure is a PDDL action of its own; then the step is tried again, or a new plan is made.
 
 (deffunction fail (?step ?outcome $?params)
-  "The step has failed with that effect."
+  "Apply the effects of the failure of a step, and note why."
   (apply-action ?outcome ?params)
   (decide (str-cat (step-text ?step) " has failed") (str-cat "effects of " ?outcome))
   (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ (fact-slot-value ?step id))) (retract ?p)))
@@ -236,7 +236,7 @@
   (assert (blocked-slide (pddl-name (machine-of ?to)))))
 
 (defrule failure-blocked-slide
-  "It has no room any more."
+  "A slide is blocked: it has no room any more."
   (blocked-slide ?station)
   (pddl-numeric-fluent (instance production) (name slide-room) (params ?station) (value ?value&:(> ?value 0)))
   (not (pddl-action-get-effect))
@@ -245,7 +245,7 @@
   (number production slide-room -3 ?station))
 
 (defrule failure-discarded
-  "Of a piece that the robot only had to get rid of."
+  "A discard was given up: count its job as CLEAR, so that the rules for given-up jobs match it."
   ?job <- (job (purpose DISCARD) (step GIVEN-UP) (robot ""))
   =>
   (modify ?job (purpose CLEAR)))

@@ -15,7 +15,7 @@
     (modify ?s (group ?group))))
 
 (deffunction last-user (?users ?object)
-  "Of pairs of an object and the step that used it last."
+  "The last step that used the object, from pairs of an object and a step."
   (bind ?at (member$ ?object ?users))
   (if ?at then (nth$ (+ ?at 1) ?users) else none))
 
@@ -24,7 +24,7 @@
   (if ?at then (replace$ ?users (+ ?at 1) (+ ?at 1) ?step) else (create$ ?users ?object ?step)))
 
 (deffunction order-steps ()
-  "A step waits for the last one before it that uses the same product or machine, and follows the last one of its robot."
+  "Let each step wait for the last one before it that uses the same product or machine, and follow the last one of its robot."
   (bind ?users (create$))
   (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
     (bind ?id (fact-slot-value ?s id))
@@ -45,8 +45,8 @@
   10000.0)
 
 (deffunction rank-of (?step)
-  "What goes first. plan: in the order of the plan. delivery: what leads to the next delivery of the plan. slack: what must
-   begin first, so that no product is late. What leads to no delivery goes last, payments as in the plan."
+  "The rank of a step; the least goes first. Order `plan`: as in the plan. Order `delivery`: steps for the next delivery of the plan.
+   Order `slack`: steps that must begin first so that no product is late. Steps for no delivery go last, payments as in the plan."
   (bind ?begin (fact-slot-value ?step begin))
   (bind ?rank (if (member$ (fact-slot-value ?step action) (create$ pay-with-new-base pay-with-bare-base)) then ?begin else 10000.0))
   (if (eq (fact-slot-value ?step action) deliver)
@@ -62,7 +62,7 @@
     (default (if (>= ?rank 10000.0) then (+ ?rank ?begin) else ?begin))))
 
 (deffunction rank-steps ()
-  "The last steps of the plan first: a step has the rank of those that wait for it."
+  "Rank the last steps of the plan first, because a step gets its rank from those that wait for it."
   (bind ?steps (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN))))
   (while (> (length$ ?steps) 0)
     (bind ?step (nth$ (length$ ?steps) ?steps))

@@ -215,7 +215,7 @@
     (no-fluent planning deadline ?f:params)))
 
 (deffunction say-losses (?product ?complexity ?rings ?bonus ?end ?window)
-  "What is lost by the end of its window, each quarter of it later, the end of the game, and where it is not delivered."
+  "Set the points lost at the end of the product's window, at each quarter of it later, at the end of the game, and without a delivery."
   (bind ?all (points-of ?complexity ?rings ?bonus 0 ?window))
   (bind ?loss 0.0)
   (loop-for-count (?quarter 0 3)
