@@ -154,7 +154,7 @@ class Interruption {
     report_(so_far_);
     std::fprintf(stderr, "%s by %s; %s\n", coloured("interrupted:", kRed).c_str(),
                  number == SIGINT ? "SIGINT" : "SIGTERM",
-                 so_far_.plan ? "the best plan is that of then" : "there is no plan");
+                 so_far_.plan ? "the answer is the best plan so far" : "there is no plan");
     std::fflush(nullptr);
     std::_Exit(128 + number);
   }

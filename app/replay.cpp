@@ -63,7 +63,8 @@ int replay(const ReplayOptions& options) {
     else
       print(name, *outcome);
     if (!options.json && !outcome->agrees())
-      for (const std::string& what : run->changed_surroundings()) std::printf("  not as then: %s\n", what.c_str());
+      for (const std::string& what : run->changed_surroundings())
+        std::printf("  not as in the run: %s\n", what.c_str());
     if (outcome->broken)
       code = fail(*outcome->broken);
     else if (code == 0 && !outcome->agrees())

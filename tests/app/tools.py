@@ -308,7 +308,7 @@ agents:
             (run / name).write_text(json.dumps(content))
         for command in [["rerun", run, "--out", self.folder / "again"], ["replay", run]]:
             printed = self.cxlab(*command, expect=1).stdout
-            self.assertRegex(printed, r"\n  not as then: C library: glibc 0.1, now glibc [0-9.]+\n")
+            self.assertRegex(printed, r"\n  not as in the run: C library: glibc 0.1, now glibc [0-9.]+\n")
             self.assertNotIn("digest", printed)
 
     def test_the_machine_is_known_by_what_its_functions_return(self):

@@ -116,7 +116,7 @@ class WhatIf(Lab):
         self.small_run()
         self.write("rules/rules.clp", RULES.replace("(id 1)", "(id 9)"))
         done = self.cxlab("rerun", "run", "--quiet", "--at", 1, "--then", "repair.clp", "--out", "again", expect=1)
-        self.assertRegex(done.stdout, r"^different before 1\.000 s: env/main at [-0-9.]+ s: then .*\(?.*1.*, now .*9.*\n  not the file of then: agents/0/packages/rules/rules\.clp\n")
+        self.assertRegex(done.stdout, r"^different before 1\.000 s: env/main at [-0-9.]+ s: then .*\(?.*1.*, now .*9.*\n  not the file of the run: agents/0/packages/rules/rules\.clp\n")
         self.assertEqual(json.loads(self.cxlab("rerun", "run", "--quiet", "--at", 1, "--json", "--out", "b", expect=1).stdout)["same_before"], False)
 
     def test_what_is_wrong_is_said(self):
