@@ -77,7 +77,7 @@ class Bags(Lab):
             self.assertIn("1 passed", self.cxlab("test", f"at{at}.story.yaml").stdout)
         text = (self.folder / "at2.5.story.yaml").read_text()
         self.assertIn("turtle1/rotate_absolute", text)
-        # What should have happened is missing until the rule is mended.
+        # The expected firing is missing until the rule is fixed.
         story = self.folder / "at5.5.story.yaml"
         story.write_text(story.read_text() + "    - {fires: turn-to-visitor, within_s: 8}\n")
         self.cxlab("test", story, code=1)

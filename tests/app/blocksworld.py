@@ -108,7 +108,7 @@ NUMBERS = """(deffacts wanted
 (defrule apply (pddl-action (id ?n&:(eq ?n 0))) => (assert (pddl-action-get-effect (action ?n) (apply TRUE))))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
-# Templates defined anew with the slots and values of CX alone, and strict types.
+# Templates redefined with only the slots and values of CX, and strict types.
 OVERRIDES = """
 (deftemplate pddl-instance (slot name (type SYMBOL)) (slot domain (type STRING)) (slot problem (type STRING)) (slot directory (type STRING))
   (slot state (type SYMBOL) (allowed-values PENDING LOADED ERROR)) (slot busy-with (type SYMBOL) (default FALSE)) (slot error (type STRING)))

@@ -28,7 +28,7 @@ class GameFiles(Lab):
         return result["journal_hash"], (self.folder / out / "game.yaml").read_text()
 
     def error(self, text, line):
-        """What is said about a game file, at that line of it."""
+        """The error about a game file, at that line of it."""
         self.write("bad.yaml", text)
         said = self.cxlab("run", "rcll/game", "--quiet", "--out", "none", "--set", "world.game=bad.yaml", code=3).stderr
         self.assertIn(f"bad.yaml:{line}: ", said)

@@ -35,7 +35,7 @@ class Stories(unittest.TestCase):
         return f"- story: {name}\n  rules: door.clp\n  given: [{given}]\n{more}  expect: [{{{expect}}}]\n"
 
     def doors(self):
-        """Of two files, with four stories; two pass."""
+        """Two files with four stories; two stories pass."""
         self.write("door.clp", DOOR)
         self.write("bell.story.yaml", self.story("a bell opens", "(bell)", "fires: open, within_s: 1")
                    + self.story("a bell shuts", "(bell)", "fact: (door SHUT), within_s: 1"))

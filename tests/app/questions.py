@@ -271,7 +271,7 @@ class WhyNot(Lab):
         run = self.agent()
         found = self.makers(run, "never")
         self.assertEqual(found["rules"], [])
-        # begin and end set the state to other values. Of two jobs that are as near the one asserted last is taken.
+        # begin and end set the state to other values. Both jobs are equally near, so the answer names the one asserted last.
         self.assertEqual((found["nearest_changed"]["by"], found["nearest_changed"]["t_s"]), ("rule end", 2.0))
         self.assertIn("no fact has matched (job (id ?id) (state LOST)) so far\n  no rule makes such a fact\n", self.cxlab("why-not", run, "never").stdout)
 

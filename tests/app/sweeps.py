@@ -233,7 +233,7 @@ class Sweeps(Lab):
                 self.query(self.home / "r", "SELECT * FROM runs")
         for _ in range(100):
             done = self.bench("-j", 2, "--out", "r", code=None)
-            if done.returncode != 5:  # the last children of the killed sweep have gone
+            if done.returncode != 5:  # the last children of the killed sweep have ended
                 break
             time.sleep(0.1)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -30,7 +30,7 @@ class WhatIf(Lab):
         return json.loads(self.cxlab("rerun", of, "--quiet", "--json", "--out", out, *arguments, expect=expect).stdout)
 
     def lines(self, run, before):
-        """Of the journal, those before that time (s)."""
+        """The lines of the journal before that time (s)."""
         return [line for line in (self.folder / run / "journal.jsonl").read_text().splitlines() if json.loads(line)["t"] < before * 1e9]
 
     def hash(self, run):

@@ -353,7 +353,7 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   put("client", "(ask)");
   EXPECT_THAT(said(), ElementsAre("info client: said power by power"));
 
-  // The server goes with a request under way: nobody answers, and what comes later waits for a server.
+  // The server leaves while a request is open: nobody answers, and later requests wait for a server.
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
   lab_.ticks(1);
@@ -373,7 +373,7 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   lab_.ticks(4);
   EXPECT_THAT(said(), testing::Not(IsEmpty()));
 
-  // The client goes with a request under way: the answer comes to nobody, and its rules are told.
+  // The client leaves while a request is open: the answer reaches nobody, and its rules are told.
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
   lab_.ticks(1);

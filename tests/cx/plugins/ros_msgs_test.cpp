@@ -31,7 +31,7 @@ class RosMsgs : public ::testing::Test {
     ASSERT_TRUE(lab_.engine().assert_string("(" + name + ")").ok());
     lab_.ticks(5);
   }
-  /// The same, but the actions fail; gives what was said.
+  /// The same, but the actions fail; returns the errors.
   std::string fail(const std::string& actions) {
     EXPECT_TRUE(lab_.engine().build("(defrule fails (fails) => " + actions + ")").ok());
     EXPECT_TRUE(lab_.engine().assert_string("(fails)").ok());

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Plays games of the planning agent in the timed tier: what they earn, that rules raise no error and do nothing that the real CX
-would do otherwise, and that a run comes again.
+"""Plays games of the planning agent in the timed tier. Checks what they earn, that rules raise no error and do nothing that the real
+CX would do otherwise, and that a run can be repeated.
 
     planning_games.py PROGRAM SCENARIO
 """

@@ -24,7 +24,7 @@ using testing::StartsWith;
 
 constexpr SimTime kTick = std::chrono::milliseconds(20);
 
-/// Keeps what is said, with its time: "5.000 warn: nobody ...".
+/// Keeps the lines of the log, with their times: "5.000 warn: nobody ...".
 class Said final : public cx::LogSink {
  public:
   void line(const cx::LogLine& line) override {
