@@ -2,10 +2,10 @@
 // Decides, game by game, whether figures lie above or below 0, and stops asking once that is certain.
 //
 // A group-sequential test with the boundaries of Haybittle (1971) and Peto (1976) for N planned games. After each tenth
-// of them it looks whether p <= 0.001, and after the last one whether p <= 0.04. Together, the nine early looks and the
-// last one are wrong with a probability of at most 9 * 0.001 + 0.04 < 5 %: the probability of a union is at most the
-// sum. This holds however the looks depend on each other. Several questions at once are corrected by Holm at each look,
-// so the 5 % are those of all answers together.
+// of them it looks whether p <= 0.001, and after the last one whether p <= 0.04. Together, the ten looks are wrong with
+// a probability of at most 9 * 0.001 + 0.04 < 5 %, because the probability of a union is at most the sum. This holds
+// however the looks depend on each other. Several questions at once are corrected by Holm at each look, so the 5 % are
+// those of all answers together.
 //
 // It assumes that N is fixed before the first look, and games are independent of each other. For differences in pairs
 // it assumes that both signs are equally likely if nothing differs (sign_flip_p). The test is then exact for any
