@@ -1,7 +1,7 @@
 ; Which orders are worked for: the agent makes plans for several sets of them at once, and uses the most valuable plan.
 
 (deffunction best-of (?orders)
-  "The order of these that earns most for each job, if it is begun now; 0: none is worth it."
+  "Among these orders, the one that earns most for each job if it begins now; 0 if none is worth it."
   (bind ?best 0)
   (bind ?most 0.0)
   (foreach ?id ?orders
@@ -11,7 +11,7 @@
   ?best)
 
 (deffunction orders-in (?state)
-  "Orders of that state that are in the problem."
+  "The orders of that state that are in the problem."
   (bind ?ids (create$))
   (do-for-all-facts ((?o order)) (and (eq ?o:state ?state) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?o:id))))
     (bind ?ids (create$ ?ids ?o:id)))
@@ -22,7 +22,7 @@
   (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
 
 (deffunction gets-cap (?station)
-  "Whether a cap is in, or a carrier is inside or on its way."
+  "Whether a cap is in the station, or a carrier is inside or on its way."
   (or (is-true cap-loaded ?station)
       (is-true carrier-at-input ?station)
       (any-factp ((?s step)) (and (eq ?s:state RUNNING) (member$ ?s:action (create$ fetch-carrier retrieve-cap))
@@ -34,7 +34,7 @@
     (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine)) (not (gets-cap ?b:station)))))
 
 (deffunction has-cap-on (?product)
-  "Whether its next work is the delivery."
+  "Whether the next work of a product is its delivery."
   (any-factp ((?at pddl-fluent) (?work pddl-fluent))
     (and (eq ?at:instance production) (eq ?at:name at-step) (eq (nth$ 1 ?at:params) ?product)
          (eq ?work:instance production) (eq ?work:name work-at) (eq (subseq$ ?work:params 1 2) ?at:params)
@@ -62,7 +62,7 @@
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
 (deffunction stuck (?product)
-  "Whether a machine is out of order for long that it still needs, or that is at work on it."
+  "Whether a machine that the product still needs, or that works on it, is out of order for long."
   (do-for-all-facts ((?l long-out-of-order)) TRUE
     (bind ?m (pddl-name (nth$ 1 ?l:implied)))
     (if (or (any-factp ((?at pddl-fluent) (?work pddl-fluent))
@@ -75,7 +75,7 @@
   FALSE)
 
 (deffunction rests (?product)
-  "Whether nobody has fetched its base, or it is stuck."
+  "Whether no robot has fetched the product's base yet, or the product is stuck."
   (or (is-true not-begun ?product) (stuck ?product)))
 
 (deffunction can-be-put-off (?ours)
@@ -87,7 +87,7 @@
   ?last)
 
 (deffunction has-no-time (?order)
-  "Whether its product must begin again, or has not begun, and would not be ready before the game ends."
+  "Whether the product of an order has not begun, or must begin again, and would not be ready before the game ends."
   (do-for-fact ((?o order)) (= ?o:id ?order)
     (return (and (is-true not-begun (product-of ?order)) (> (+ (game-time) (time-to-make ?o:rings)) ?*GAME*))))
   FALSE)
@@ -130,7 +130,7 @@
   ?objects)
 
 (deffunction points-at (?product ?at)
-  "What the delivery of a product earns at this time of the game."
+  "The points for the delivery of a product at this time of the game."
   (if (> ?at ?*GAME*) then (return 0.0))
   (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product)
     (return (points-of ?o:complexity ?o:rings ?o:bonus (- ?at ?o:end) (- ?o:end ?o:begin))))
@@ -150,18 +150,18 @@
   (if (eq (worker-of (fact-slot-value ?action name)) ROBOT) then (sym-cat (nth$ (length$ ?params) ?params)) else none))
 
 (deffunction transports-in (?plan ?product)
-  "How often a robot brings the product on in the plan."
+  "How often a robot brings the product to its next machine in the plan."
   (length$ (find-all-facts ((?a pddl-action))
     (and (eq ?a:plan ?plan) (member$ ?a:name (create$ transport bring-to-delivery)) (eq (nth$ 1 (params-of ?a)) ?product)))))
 
 (deffunction expected-points (?plan ?delivery)
-  "What the delivery of a plan earns, times the chance that its product is not lost before."
+  "The points for the delivery of a plan, times the chance that its product is not lost before."
   (bind ?product (nth$ 1 (params-of ?delivery)))
   (* (chance-of (transports-in ?plan ?product))
      (points-at ?product (+ (game-time) (fact-slot-value ?delivery planned-start-time)))))
 
 (deffunction weigh (?plan)
-  "Expected points and robots' work of a plan."
+  "The expected points of a plan, and the work of robots that it takes."
   (bind ?points 0.0)
   (bind ?work 0.0)
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?plan)

@@ -21,7 +21,7 @@
   (<= (+ (game-time) (time-to-make ?left)) (min ?end ?*GAME*)))
 
 (deffunction exchange (?product ?other ?machine ?step)
-  "Facts about the one product hold for the other, which was not begun."
+  "Exchange two products in the world: the other one, which has not begun, takes over the facts of this one."
   (no-fluent production at-output ?product ?machine)
   (no-fluent production at-step ?product ?step)
   (no-fluent production not-begun ?other)
@@ -32,7 +32,7 @@
   (fluent production at-step ?product s0))
 
 (defrule exchange-order
-  "It lies at an output, and no step for it is running."
+  "A product of an order that became worthless lies at an output, and no step uses it: give it to an open order that begins alike."
   (planning (state IDLE))
   (not (replan))
   (pddl-fluent (instance production) (name at-output) (params ?product ?machine))

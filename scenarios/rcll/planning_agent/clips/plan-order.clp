@@ -1,11 +1,11 @@
 ; The order of the steps in a plan: groups, steps that use the same product, machine or robot, and what is looked at first.
 
 (deffunction later-step (?a ?b)
-  "For sort."
+  "Order of steps for sort."
   (> (fact-slot-value ?a begin) (fact-slot-value ?b begin)))
 
 (deffunction group-steps ()
-  "Steps that begin at the same time are a group."
+  "Put steps that begin at the same time into a group."
   (bind ?group 0)
   (bind ?last -1.0)
   (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
@@ -40,7 +40,7 @@
       (bind ?users (with-user ?users ?robot ?id)))))
 
 (deffunction window-of (?product)
-  "The end of its window, s from now."
+  "The end of the window of a product's order, s from now."
   (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product) (return (- ?o:end (game-time))))
   10000.0)
 
@@ -72,19 +72,19 @@
 ; --- Why a step may not begin yet
 
 (deffunction source-of (?action ?params)
-  "Where a robot fetches the piece of a step."
+  "The machine or spot where a robot fetches the piece of a step."
   (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
 
 (deffunction step-text (?step)
   (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))))
 
 (deffunction step-that-is-not (?id $?states)
-  "The text of that step; FALSE if there is none, or in one of these states."
+  "The text of that step; FALSE if it does not exist or is in one of these states."
   (do-for-fact ((?s step)) (eq ?s:id ?id) (return (if (member$ ?s:state ?states) then FALSE else (step-text ?s))))
   FALSE)
 
 (deffunction why-linked (?step)
-  "Another step uses its product or machine first; FALSE: none does."
+  "The other step that must use the product or machine first, as a reason; FALSE if there is none."
   (do-for-all-facts ((?w waits-for)) (eq ?w:step (fact-slot-value ?step id))
     (bind ?first (step-that-is-not ?w:for RUNNING DONE))
     (if ?first then (return (str-cat ?first " uses its product or machine first"))))
