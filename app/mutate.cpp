@@ -345,7 +345,7 @@ void add_mutate(CLI::App& app, Action& action) {
       ->check(positive());
   add_package_options(*command, options->packages);
   command->add_flag("-q,--quiet", options->quiet, "Prints no progress");
-  command->add_flag("-v", options->verbose, "Lists also mutants that died, with the message of the story");
+  command->add_flag("-v", options->verbose, "Also lists mutants that died, with the message of the story");
   command->add_flag("--json", options->json, "Prints JSON")->excludes(show);
   const std::array modes{one, show, list};
   for (std::size_t i = 0; i < modes.size(); ++i) {

@@ -350,12 +350,12 @@ void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Play stories: regression tests of rules (docs/reference/stories.md)");
   command->footer(
-      "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is chosen; "
-      "3: a story file or a rule file cannot be\n"
-      "used; 130: --watch was ended with Ctrl-C.\n"
-      "EXPR is a word that the name of a story or of its file has in it, or several with `and`, `or`, `not` and\n"
-      "parentheses. Which stories failed the last time is kept in $XDG_STATE_HOME/cxlab/failed_stories.json\n"
-      "(~/.local/state/cxlab/...).\n"
+      "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is "
+      "chosen;\n"
+      "3: a story file or a rule file cannot be used; 130: --watch was ended with Ctrl-C.\n"
+      "EXPR is a word that the name of a story or of its file contains, or several words with `and`, `or`, `not` and\n"
+      "parentheses. The file $XDG_STATE_HOME/cxlab/failed_stories.json (~/.local/state/cxlab/...) keeps the stories\n"
+      "that failed the last time.\n"
       "Examples:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml\n"
       "  cxlab test -k 'pick and not (slow or \"two robots\")' -x\n"
       "  cxlab test 'stories/door.story.yaml::a bell opens the door' -v\n"
