@@ -137,7 +137,7 @@ class Bounds(Lab):
             "   delivery_begin: 0, delivery_end: 1200, delivery_gate: 1, quantity: 1, competitive: no}\n")
         self.assertIn(f"| flow, [1] | {bound} |", self.script("flow, [1].yaml"))
 
-    def test_what_cannot_be_used_is_said_in_one_line(self):
+    def test_an_unusable_file_is_reported_in_one_line(self):
         (self.folder / "run").mkdir()
         (self.folder / "part.yaml").write_text("ring_prices: {RING_BLUE: 0, RING_GREEN: 1, RING_ORANGE: 0, RING_YELLOW: 2}\n")
         (self.folder / "wrong.yaml").write_text("orders:\n  - {complexity: C7}\n")

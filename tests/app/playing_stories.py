@@ -287,7 +287,7 @@ class FromAMoment(Stories):
         short = self.cxlab("new", "story", "run", "--at", "9", "--for", "1", "--out", "short.story.yaml")
         self.assertIn("note: it expects rules and facts only", short.stderr)
 
-    def test_goals_under_way_end_as_they_did(self):
+    def test_running_goals_end_as_they_did(self):
         self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
         self.assertEqual(self.cxlab("run", "carrier/scenario.yaml", "--tier", "timed", "--until", "60", "--out", "run", "--quiet").returncode, 0)
         under_way = 0
@@ -308,7 +308,7 @@ class FromAMoment(Stories):
             self.assertEqual(self.cxlab("test", "later.story.yaml").returncode, 1, "the goal of before ends too late")
         self.assertGreater(under_way, 2)
 
-    def test_a_goal_under_way_that_cannot_be_is_refused(self):
+    def test_an_impossible_running_goal_is_refused(self):
         goal = "{action: /a, type: cxlab_skills/action/Pick, under_way: [{handle: '<P>', takes_s: 1}]}"
         for keys, skills, said in (("", f"skills: [{goal}]", "/a: `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`"),
                                    ("given_at_s: 1", "skills: []", "given_at_s is for stories with `moment: true`"),

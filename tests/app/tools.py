@@ -561,7 +561,7 @@ agents:
             self.assertIn("the same: ", done.stdout)
             self.assertIn("the run's own copies", done.stderr)
 
-    def test_a_game_whose_agent_has_gone_is_rerun(self):
+    def test_a_game_whose_agent_is_missing_is_rerun(self):
         agent = self.folder / "rcll/agent"
         shutil.copytree(SOURCE / "scenarios/rcll/agent", agent)
         shutil.copy(GAME, agent.parent / "game.yaml")
@@ -606,7 +606,7 @@ agents:
         self.cxlab("render", run, "--at", 90, "--camera", "top", "--size", "640x400", "--out", self.folder / "again.png")
         self.assertTrue((self.folder / "again.png").read_bytes() == (run / "snapshots/0090.00-top.png").read_bytes())
 
-    def test_what_cannot_be_drawn_is_said(self):
+    def test_an_impossible_picture_is_an_error(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 2\n")
         self.cxlab("run", "empty.yaml", "--quiet", "--out", "empty")
         self.assertIn("empty world", self.cxlab("render", self.folder / "empty", "--at", 1, "--out", "x.png", expect=3).stderr)

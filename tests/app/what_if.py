@@ -119,7 +119,7 @@ class WhatIf(Lab):
         self.assertRegex(done.stdout, r"^different before 1\.000 s: env/main at [-0-9.]+ s: then .*\(?.*1.*, now .*9.*\n  not the file of the run: agents/0/packages/rules/rules\.clp\n")
         self.assertEqual(json.loads(self.cxlab("rerun", "run", "--quiet", "--at", 1, "--json", "--out", "b", expect=1).stdout)["same_before"], False)
 
-    def test_what_is_wrong_is_said(self):
+    def test_wrong_input_is_an_error(self):
         self.small_run()
         self.write("unbalanced.clp", "(defrule a =>)\n(defrule b =>\n")
         self.write("unknown.clp", "(defrule a =>)\n(defrule b (order (idd 1)) =>)\n")

@@ -179,7 +179,7 @@ TEST_F(SweepTest, AFailedEpisodeHasARowWithItsError) {
   EXPECT_THAT(rows->front().errors.front(), HasSubstr("wrong"));
 }
 
-TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
+TEST_F(SweepTest, ARowReportsUnusedParameters) {
   scenario("game", kRules);
   const auto rows = play(*Suite::load(write(
       "suite.yaml",

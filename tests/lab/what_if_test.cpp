@@ -183,7 +183,7 @@ TEST_F(WhatIfTest, AParameterCountsFromThereOn) {
   replays("again");
 }
 
-TEST_F(WhatIfTest, AParameterThatNobodyAsksForIsAWarning) {
+TEST_F(WhatIfTest, AnUnusedParameterIsAWarning) {
   play();
   const Rerun again = what_if("again", {.at = 1, .set = {"clips_manager.unread=6"}});
   EXPECT_THAT(again.played.result.warnings,

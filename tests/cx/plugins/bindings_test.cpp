@@ -227,7 +227,7 @@ TEST_F(Bindings, AServiceCallsItsDeffunctionAndTheResponseHasNoNumber) {
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty());
 }
 
-TEST_F(Bindings, WhatIsLeftIsToldInTheWordsOfCx) {
+TEST_F(Bindings, LeftMessagesAreReportedInTheWordsOfCx) {
   run({"StdMsgsString", "StdSrvsTrigger", "ExampleInterfacesFibonacci"});
   EXPECT_EQ(act(R"((std-msgs-string-create-message)
     (std-srvs-trigger-create-client "c1") (std-srvs-trigger-create-service "s1")

@@ -163,7 +163,7 @@ TEST_F(ManagerTest, AFilterReplacesTheLastOneAndAnErrorLeavesItUnchanged) {
   EXPECT_TRUE(planned()) << "a goal instance that is created again has no filters";
 }
 
-TEST_F(ManagerTest, DeactivatingTheNodeEndsWhatIsUnderWay) {
+TEST_F(ManagerTest, DeactivatingTheNodeEndsRunningRequests) {
   PddlManagerOptions options;
   options.cost.latency_a = 1;
   start(std::move(options));

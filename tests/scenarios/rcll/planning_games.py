@@ -30,7 +30,7 @@ class PlanningGames(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = pathlib.Path(temporary.name)
 
-    def test_games_are_won_without_a_word_of_strict_cx(self):
+    def test_games_are_won_without_a_warning_of_strict_cx(self):
         for seed in SEEDS:
             with self.subTest(seed=seed):
                 out = self.folder / str(seed)

@@ -117,7 +117,7 @@ class TrainerTest : public testing::Test, protected bus::TestBus {
   }
 };
 
-TEST_F(TrainerTest, ThatNobodyIsThereIsSaidOnceAfterFiveSeconds) {
+TEST_F(TrainerTest, AMissingAgentIsReportedOnceAfterFiveSeconds) {
   begin();
   run_until(4.98);
   EXPECT_THAT(said_.lines, IsEmpty());
