@@ -209,7 +209,7 @@ class Bus : private Feed {
   void cancel_goal(EndpointId client, const GoalId& goal, Causes causes = {});
   /// As in ROS, those of other clients too.
   void cancel_all_goals(EndpointId client, Causes causes = {});
-  /// Those that were accepted at `stamp` or before.
+  /// Cancels the goals that were accepted at `stamp` or before.
   void cancel_goals_before(EndpointId client, SimTime stamp, Causes causes = {});
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;

@@ -101,7 +101,7 @@ class Variables {
     return out;
   }
 
-  /// Those that are bound and never looked at.
+  /// The variables that are bound but never used.
   std::map<std::string, Seen> useless() const {
     std::map<std::string, Seen> out;
     for (const auto& [name, seen] : seen_) {

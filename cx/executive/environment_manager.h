@@ -172,7 +172,7 @@ class EnvironmentManager final : public Agent {
   void check_rules();
   /// Errors of rules: what cxlab reports is not defined in CX.
   void note_rule_errors();
-  /// Those that were not noted before.
+  /// Notes the errors that were not noted before.
   void note_each(std::vector<Error> errors);
   /// A request at run time failed: noted with `keep_going`, else the run ends.
   void fail(Error error);

@@ -117,7 +117,7 @@ class Inspector {
   Expected<std::vector<FactCopy>> present(const std::string& what) const;
   /// The same with their histories, in order of assertion.
   Expected<std::vector<FactHistory>> facts(const std::string& what) const;
-  /// Those that were there at some time of this stretch.
+  /// The facts that existed at any time of this stretch.
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
 
   /// The executive takes its time fact back after each run of the rules: asserts what the next run would find, where

@@ -90,7 +90,7 @@ class Timeline {
   mutable std::map<std::uint64_t, FactCopy> facts_;  // as changes left them, as far as somebody asked
 };
 
-/// Those of all environments of a run, by stream.
+/// The timelines of all environments of a run, by stream.
 class Timelines final : public JournalListener {
  public:
   bool wants(std::string_view stream, RecordKind) const override { return stream.starts_with("env/"); }

@@ -54,7 +54,7 @@ class Play final : private Server, private cx::LogSink {
   StandIns& stand_ins() { return stand_ins_; }
   const StandIns& stand_ins() const { return stand_ins_; }
   cx::EnvironmentManager& manager() { return *manager_; }
-  /// That of the environment that the story looks at.
+  /// The engine of the environment that the story looks at.
   RuleEngine& engine() const { return environment_->engine(); }
   const explain::History& history() const { return *history_; }
   const explain::History& history_of(const RuleEngine& engine) {

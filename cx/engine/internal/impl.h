@@ -131,7 +131,7 @@ struct RuleEngine::Impl {
   /// (kind, name) -> places in `constructs`: one for each module, in order of definition.
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> construct_index;
   std::vector<std::optional<ConstructInfo>> constructs;
-  /// Those that a name stands for, with or without its module.
+  /// The constructs that a name stands for, with or without its module.
   std::vector<const ConstructInfo*> named(std::string_view kind, std::string_view name) const;
   void forget(const std::string& kind, const std::string& module, const std::string& name);
   struct LhsCall {
