@@ -82,7 +82,7 @@ class Instance {
   /// kInput where the predicate is derived.
   Status set(const Fact& fact, bool value);
   void set_value(const Fact& number, double value);
-  /// Those of `wanted` that are not there yet; an error if one of them cannot be.
+  /// The objects of `wanted` that do not exist yet; an error if one of them cannot be made.
   Expected<std::vector<Object>> new_objects(const std::vector<ObjectName>& wanted) const;
   void add_objects(const std::vector<Object>& objects);
   /// By object of the problem, 1 if it stays when `gone` are removed; an error if one of them cannot be removed.
