@@ -17,7 +17,7 @@ class FileNames {
  public:
   /// `scenario` is the file; its packages are known with `use_packages`.
   explicit FileNames(const std::filesystem::path& scenario);
-  /// Those of the scenario's agents, and those that are installed.
+  /// Knows the packages of the scenario's agents and the installed packages from now on.
   void use_packages(const Scenario& scenario);
 
   /// "package://my_agent/clips/rules.clp", "cxlab://models/field.xml", "params/agent.yaml"; absolute where the file has

@@ -380,8 +380,8 @@ class MutantPlayer {
 
   static double since(Clock::time_point begun) { return std::chrono::duration<double>(Clock::now() - begun).count(); }
 
-  /// Those that may still turn out not to load count as played: so the first ones of the order that load are played,
-  /// whatever the number of processes is.
+  /// Mutants that may still turn out not to load count as played. So the played mutants are the first ones of the order
+  /// that load, whatever the number of processes is.
   bool wants_more() const {
     return next_ < order_.size() && result_.played.size() + players_.size() < result_.wanted &&
            (draw_.time_limit_s <= 0 || since(begun_) < draw_.time_limit_s);

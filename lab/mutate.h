@@ -111,7 +111,7 @@ class Mutation {
 
   Mutation() = default;
   Status read_files(const std::vector<std::string>& files);
-  /// Those that can notice the change, the likely ones first; at least one.
+  /// The stories that can notice the change, the likely ones first; at least one.
   std::vector<std::size_t> stories_for(const Mutant& mutant) const;
   /// By story: how often rules that are changed, or use what is changed, have fired and were activated.
   std::map<std::size_t, std::pair<long, long>> uses_of(const Mutant& mutant) const;
