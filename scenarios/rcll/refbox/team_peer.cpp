@@ -158,7 +158,7 @@ void TeamPeer::speak(const bus::SharedMessage& rings) {
 
 SimTime TeamPeer::next_due() const { return std::min({machine_rate_.next, ring_rate_.next, report_rate_.next}); }
 
-/// Those of the team, as the league tells it of them.
+/// The team's machines, as the league tells the team about them.
 pb::MessagePtr TeamPeer::machines() const {
   auto message = context_.make("MachineInfo");
   Fields info(*message);
