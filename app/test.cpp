@@ -94,7 +94,7 @@ Json json_of(const PlayedStory& p, const TestOptions& options) {
 
 // --- Playing
 
-/// Those that the options choose.
+/// The stories that the options choose.
 Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab::StoryFilter& filter) {
   auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
   if (!stories) return stories;
@@ -112,7 +112,7 @@ Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab:
   return stories;
 }
 
-/// Those that failed when they were played the last time; all of them if none did.
+/// Keeps the stories that failed the last time; keeps all if none did.
 void keep_last_failed(std::vector<PlayedStory>& stories, const lab::FailedStories& failed) {
   const auto passed = [&](const PlayedStory& story) { return !failed.has(story); };
   if (std::ranges::all_of(stories, passed))
@@ -271,7 +271,7 @@ class Watching {
     return all;
   }
 
-  /// Those of the stories as they are now that read one of these files, or are new.
+  /// The present stories that read one of these files, or are new.
   std::vector<PlayedStory> affected(const Paths& now_changed) {
     changed_.insert(now_changed.begin(), now_changed.end());
     auto stories = chosen(options_, filter_);
