@@ -119,7 +119,7 @@ class Terminal {
   }
 
   void wait() {
-    if (!client_.take_events() && !ended_) return above("the run has ended, or let this terminal go", true);
+    if (!client_.take_events() && !ended_) return above("the run ended or closed the connection", true);
     pollfd both[2] = {{STDIN_FILENO, POLLIN, 0}, {client_.descriptor(), POLLIN, 0}};
     if (poll(both, 2, -1) < 0) return;
     if (both[0].revents == 0) return;

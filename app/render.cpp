@@ -64,7 +64,7 @@ int render(RenderOptions options) {
   lab::RenderOptions& picture = options.picture;
   lab::VideoOptions& video = options.film.video;
   const std::string out = video.file.empty() ? picture.out.string() : video.file;
-  if (out.empty()) return fail(usage_error("what is to be drawn is missing: --out PICTURE or --video FILM"));
+  if (out.empty()) return fail(usage_error("found nothing to draw, expected --out PICTURE or --video FILM"));
   if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
   if (Status s = make_folder_of(out); !s) return fail(s.error());
   if (!options.size.empty()) {

@@ -188,7 +188,7 @@ Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<
     if (story.result.bad) return *story.result.bad;
     if (!story.passed())
       return negative("the story '" + story.spec.name + "' fails without any change: " + story.complaints().front() +
-                          "; mend that first",
+                          "; fix that first",
                       story.spec.file, story.spec.line);
     slowest = std::max(slowest, story.wall_s / static_cast<double>(std::max<std::size_t>(story.seeds_played, 1)));
     out.firings_.push_back(0);

@@ -56,7 +56,7 @@ void add_changed_bag(const Run& run, const std::filesystem::path& again, std::ve
 }
 
 Error not_there(const Run& run, const std::string& what, const std::filesystem::path& path) {
-  return input_error(what + " is not there any more: " + path.string() +
+  return input_error(what + " is missing: " + path.string() +
                          "; bring it back to rerun, or play the rules alone "
                          "from the run's own copies: cxlab replay " +
                          run.folder.string(),

@@ -158,7 +158,7 @@ class Writer {
 
   Status agent(const Scenario& scenario, const AgentSpec& agent) {
     if (agent.name_space != "/" || !agent.remaps.empty())
-      return input_error("the agent has a namespace or remaps, which a story has not", run_.folder.string());
+      return input_error("the agent has a namespace or remaps, which a story cannot have", run_.folder.string());
     const fs::path home = fs::absolute(file_).lexically_normal().parent_path();
     const auto from_here = [&](const std::string& path) {
       return fs::absolute(scenario.resolve(path)).lexically_normal().lexically_proximate(home).string();
@@ -561,7 +561,7 @@ Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPla
         kept += line + '\n';
       }
     }
-    if (dropped == 0) return negative("the story cannot be played as the run was: " + played.complaints().front());
+    if (dropped == 0) return negative("the story does not play like the run: " + played.complaints().front());
     story.text = kept;
     story.expectations -= dropped;
     if (story.expectations == 0)

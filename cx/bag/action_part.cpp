@@ -245,7 +245,7 @@ class ActionPart final : public Part {
     differs_ = true;
     playing_.warn(name_ + ": goal " + std::to_string(bound_) + " of this run is not that of the recording: found " +
                   live->view().to_string() + ", recorded " + recorded.goal->view().to_string() +
-                  "; it meets what happened to that one");
+                  "; the bag answers it like the recorded one");
   }
 
   /// Passes on what has come so far.

@@ -46,7 +46,7 @@ Status make_room(const std::string& path) {
   const auto there = std::filesystem::symlink_status(path, error);
   if (there.type() == std::filesystem::file_type::not_found) return {};
   if (there.type() != std::filesystem::file_type::socket)
-    return resource_error("is there and is no socket; give --control-at another path", path);
+    return resource_error("exists and is no socket; give --control-at another path", path);
   asio::io_context context;
   asio::local::stream_protocol::socket probe(context);
   probe.connect(asio::local::stream_protocol::endpoint(path), error);

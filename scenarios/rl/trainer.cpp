@@ -296,7 +296,7 @@ void Trainer::ask_for_spaces(SimTime now) {
       std::string names;
       for (const std::string& name : not_served_) names += (names.empty() ? "" : ", ") + name;
       log(cx::LogLevel::kInfo,
-          "nobody serves " + names + ": the training begins without, where CX's trainer would wait");
+          "nobody serves " + names + ": the training begins without them, while CX's trainer would wait");
     }
     return;
   }
@@ -472,8 +472,8 @@ void Trainer::publish_decision(const std::string& outcome) {
   }
   if (!unknown.empty() && !strange_) {
     strange_ = true;
-    log(cx::LogLevel::kWarn,
-        "the agent's spaces lack " + unknown.front() + "; it is left out, as are others of which no line follows");
+    log(cx::LogLevel::kWarn, "the agent's spaces lack " + unknown.front() +
+                                 "; it is left out, and so are others, without a further warning");
   }
   wait_ = {};  // not for the agent
   bus_.publish(clients_->decisions, std::move(message));

@@ -62,7 +62,7 @@ class Bags(Lab):
         said = self.cxlab("why-not", "one", "turn-to-visitor", "--at", 9).stdout
         self.assertIn("(visitor (direction -1.0))", said)
         self.cxlab("facts", "one", "--at", 7)
-        self.assertIn("the bag is not there any more", self.cxlab("rerun", "one", "--out", "four", code=3).stderr)
+        self.assertIn("the bag is missing", self.cxlab("rerun", "one", "--out", "four", code=3).stderr)
         # Another bag in its place: the hashes differ, and it is named.
         self.floor(until=5)
         said = self.cxlab("rerun", "one", "--out", "five", code=1)

@@ -575,7 +575,7 @@ agents:
         self.cxlab("env", config, "--until", 1, "--trust-rules", "--quiet", "--out", self.folder / "run")
         shutil.rmtree(config.parent.parent)
         error = self.cxlab("rerun", self.folder / "run", expect=3).stderr
-        self.assertIn("the configuration is not there any more: ", error)
+        self.assertIn("the configuration is missing: ", error)
         self.assertIn("cxlab replay", error)
 
     # --- render
