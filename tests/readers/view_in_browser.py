@@ -217,7 +217,7 @@ class View(Browser):
         self.until(lambda: any("in the nearest fact kind is RS" in text for text in self.js("[...document.querySelectorAll('.graph .below')].map((one) => one.textContent)")))
         self.all_is_well()
 
-    def test_a_refusal_of_the_server_is_shown_at_the_question(self):
+    def test_what_the_server_refuses_is_said_where_it_was_asked(self):
         self.view(self.game(), link="#t=100")
         field = self.browser.find_element(By.CSS_SELECTOR, ".moves input")
         field.send_keys("order-begn", Keys.ENTER)
