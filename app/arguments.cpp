@@ -161,7 +161,7 @@ void add_trust_programs(CLI::App& command, bool& trust) {
 
 namespace {
 
-/// What is not known on the command line, with the nearest option.
+/// The error for an unknown word of the command line, with the nearest option.
 std::string unknown(const CLI::App& command) {
   const std::vector<std::string> rest = command.remaining();
   const auto option = std::find_if(rest.begin(), rest.end(), [](const std::string& word) { return word[0] == '-'; });
@@ -196,7 +196,7 @@ std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   const std::string text = error.what(), begin = "Could not convert: ";
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
     if (command.get_require_subcommand_min() > 0) return missing_command(command);
-    // What is missing may be what was misspelt.
+    // The missing option may be a misspelt one.
     for (const std::string& word : command.remaining())
       if (word.starts_with('-')) return unknown(command);
     const CLI::Option* missing = command.get_option_no_throw(text.substr(0, text.find(" is required")));

@@ -18,7 +18,7 @@ CLI::Validator not_negative();
 CLI::Validator positive();
 /// A number within these bounds.
 CLI::Validator between(double low, double high);
-/// Of `between`: how fast a film may be.
+/// Limits for the speed of a film.
 inline constexpr double kSlowest = 0.01, kFastest = 10000;
 /// How many frames a film may have in a second.
 inline constexpr double kFewestFrames = 1, kMostFrames = 120;

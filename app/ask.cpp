@@ -47,7 +47,7 @@ int answer_lines(const LineQuestions& options) {
 void add_ask(CLI::App& app, Action& action) {
   auto options = std::make_shared<LineQuestions>();
   CLI::App* command =
-      app.add_subcommand("ask", "Answers questions of a program about a run: a line of JSON in, a line of JSON out");
+      app.add_subcommand("ask", "Answer questions of a program about a run: a line of JSON in, a line of JSON out");
   add_limit_options(*command);
   command->add_option("run", options->run, "Folder of the run")->required();
   add_trust_programs(*command, options->trust_programs);

@@ -119,7 +119,7 @@ class Terminal {
   }
 
   void wait() {
-    if (!client_.take_events() && !ended_) return above("the run has ended, or let this terminal go", true);
+    if (!client_.take_events() && !ended_) return above("the run ended or closed the connection", true);
     pollfd both[2] = {{STDIN_FILENO, POLLIN, 0}, {client_.descriptor(), POLLIN, 0}};
     if (poll(both, 2, -1) < 0) return;
     if (both[0].revents == 0) return;
@@ -246,7 +246,7 @@ void add_attach(CLI::App& app, Action& action) {
   add_trust_programs(*command, options->trust_programs);
   command->footer(
       "Without a terminal, commands are read from standard input, a line each. After 'continue', 'step', 'tick' and\n"
-      "'until' the next command waits until the run stops. A command that fails ends it with exit code 1.\n"
+      "'until' the next command waits until the run stops. The first command that fails ends cxlab with exit code 1.\n"
       "Examples:\n  cxlab run rcll/game --break --out /tmp/game   (and elsewhere:)\n"
       "  cxlab attach /tmp/game\n"
       "  cxlab attach /tmp/game -c 'until rule order-begin' -c 'facts order' -c agenda -c continue");

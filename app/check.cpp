@@ -43,7 +43,7 @@ void print_text(const lab::Checked& checked) {
 }
 
 std::string codes_text() {
-  std::string text = "What is found, by its code:\n";
+  std::string text = "The findings, by their codes:\n";
   for (const check::Code& code : check::codes()) {
     constexpr std::size_t kColumn = 18;
     text +=

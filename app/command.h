@@ -43,7 +43,7 @@ void add_doc(CLI::App& app, Action& action);
 void add_test(CLI::App& app, Action& action);
 void add_mutate(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
-/// Those of `bench` that play nothing.
+/// Adds the commands of `bench` that play nothing.
 void add_bench_tables(CLI::App& bench, Action& action);
 void add_plan(CLI::App& app, Action& action);
 void add_new(CLI::App& app, Action& action);

@@ -84,7 +84,7 @@ struct Activity {
   std::atomic<std::int64_t> done = -1, total = 0;  ///< s of simulated time
   std::atomic<std::int64_t> said = 0;              ///< when something was printed last, s
   std::atomic<std::int64_t> wait = kFirst;
-  std::atomic<bool> drawn = false;  ///< a line of progress that is drawn anew
+  std::atomic<bool> drawn = false;  ///< a line of progress that is drawn in place of the last one
 };
 Activity g_activity;
 Shown g_shown;

@@ -36,7 +36,7 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   void progress(double done, double total) override;
   void sweep_progress(const lab::GamesProgress& games) override;
   void game_ended(std::string_view line, const lab::GamesProgress& games, bool remarkable) override;
-  /// What has been done of something else than a run or sweep: a share of it, and a line for a person.
+  /// The progress of something other than a run or sweep: the share that is done, and a line for a person.
   void share_done(double share, const std::string& text);
   /// A line for each game of a sweep, not only for those that are remarkable and now and then.
   void show_all_games() { all_games_ = true; }
@@ -52,7 +52,7 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   using Clock = std::chrono::steady_clock;
   /// Whether it is time for another line of progress, which is then the last one.
   bool is_due();
-  /// Draws the line of progress anew, after a bar.
+  /// Draws the line of progress again, after a bar.
   void draw(double share, const std::string& text);
 
   bool quiet_, terminal_, drawn_ = false, all_games_ = false;
@@ -63,8 +63,8 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
 
 /// The text for stderr in this colour ("31" is red); as it is where that is no terminal, or $NO_COLOR is set.
 std::string coloured(std::string_view text, std::string_view colour);
-/// The text with control characters as \x1b, or as JSON writes them where it leaves them as they are: texts of others
-/// may not move the cursor, nor rename the terminal, and JSON stays what it was.
+/// The text with control characters as \x1b, so that texts of others cannot move the cursor or rename the terminal. In
+/// JSON they become JSON escapes, so that it means the same.
 std::string printable(std::string_view text);
 /// From here on all that is written to stdout is printable in this sense; false where that cannot be.
 bool make_answers_printable();

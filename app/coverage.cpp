@@ -109,10 +109,10 @@ void add_coverage(CLI::App& app, Action& action) {
   whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->footer(
-      "The rules of each run are played again from what it recorded, to its end and through deactivation. A sweep\n"
-      "keeps no runs: its games are played again before, which takes as long as the sweep and a little more;\n"
-      "their commands come from its runs.sqlite, so it wants --trust-programs.\n"
-      "Exit code 1: fewer rules fired than --fail-under says. Of stories: cxlab test --coverage "
+      "cxlab plays the rules of each run again from its records, to its end and through deactivation. A sweep keeps\n"
+      "no runs, so its games are played again first, which takes a little longer than the sweep. The commands of\n"
+      "these games come from runs.sqlite of the sweep, so --trust-programs is necessary.\n"
+      "Exit code 1: fewer rules fired than --fail-under says. For the coverage of stories, use cxlab test --coverage\n"
       "(docs/reference/coverage.md).\n"
       "Examples:\n  cxlab coverage runs/game-1\n  cxlab coverage runs --html coverage.html --fail-under 80 -j 2\n"
       "  cxlab coverage runs/bench-rcll --trust-programs -j 2");

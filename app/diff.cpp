@@ -78,9 +78,8 @@ void add_diff(CLI::App& app, Action& action) {
   add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "Prints the answer as JSON");
   command->footer(
-      "Exit code 0: the rules did the same, and the results agree; 1: they differ. It names constructs that are "
-      "written\n"
-      "differently, the first event of rules that differs, and what of result.json does.\n"
+      "Exit code 0: the rules did the same, and the results agree; 1: they differ. The answer names constructs that\n"
+      "are written differently, the first event of rules that differs, and the differences in result.json.\n"
       "Example:\n  cxlab diff runs/game-1 runs/game-2");
   command->callback([options, &action] { action = [options] { return diff(*options); }; });
 }

@@ -15,7 +15,7 @@ using planner::PlanStatus;
 constexpr ExitCode kExitCodes[] = {
     {0, "", "done", "The command did what was asked, and the answer is yes."},
     {int(ErrorKind::kNo), "", "the answer is no",
-     "The answer is no: a test failed, a plan is not valid, two runs differ, an expectation of the scenario does not "
+     "The answer is no. A test failed, a plan is not valid, two runs differ, an expectation of the scenario does not "
      "hold, `check` has findings, or the value of `--fail-under` is not reached."},
     {int(ErrorKind::kUsage), "", "usage",
      "The command line is wrong: an unknown command or option, a missing argument, or an output folder that is in "

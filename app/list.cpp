@@ -95,7 +95,7 @@ int list_reference(const std::string& what, const lab::PackageOptions& options) 
   if (!reference) return fail(reference.error());
   if (what == "plugins") {
     for (const lab::PluginReference& plugin : *reference) print_plugin(plugin);
-    std::printf("%-32s %-20s one for each message, service and action, e.g. cx::CXStdMsgsStringPlugin\n",
+    std::printf("%-32s %-20s one for each message, service and action, for example cx::CXStdMsgsStringPlugin\n",
                 "cx::CX<Pkg><Name>Plugin", "cxlab");
     std::printf("%-32s %-20s as cx::ProtobufPlugin, with the .proto files of a package\n", "cx::<Name>ProtobufPlugin",
                 "cxlab");

@@ -294,14 +294,13 @@ void add_mutate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "mutate", "Change rules one by one and count how often a story fails (docs/how-to/measure-stories.md)");
   command->footer(
-      "A mutant is the agent with one small change: a condition, constraint, action or slot is left out, a "
-      "comparison,\n"
-      "number, symbol or salience is another one, `and` is `or`, a condition is negated. A mutant is killed if a "
-      "story\n"
-      "fails or does not end. One that survives shows what no story asks for: write that story, or remove what is not\n"
-      "needed. Changes whose rules do not load do not count; others are drawn instead. No file is changed.\n"
-      "`; mutate: skip` at the end of a line or above it spares what begins on it: of the first line of a rule or\n"
-      "function all of that.\n"
+      "A mutant is the agent with one small change. It lacks a condition, constraint, action or slot; or it has "
+      "another\n"
+      "comparison, number, symbol or salience; or `and` is `or`, or a condition is negated. A mutant is killed if a\n"
+      "story fails or does not end. A mutant that survives shows behaviour that no story tests: write that story, or\n"
+      "remove what is not needed. Changes whose rules do not load do not count; others are drawn instead. No file is\n"
+      "changed. The comment `; mutate: skip` at the end of a line, or above it, spares whatever begins on that line.\n"
+      "On the first line of a rule or function it spares all of it.\n"
       "Exit code 0: done; 1: the score is below --fail-under, a story fails without any change, or --mutant survives;\n"
       "2: usage; 3: a story file or a rule file cannot be used; 130: Ctrl-C, after what was finished.\n"
       "Examples:\n  cxlab mutate scenarios/rcll/agent -j 2\n"
@@ -346,7 +345,7 @@ void add_mutate(CLI::App& app, Action& action) {
       ->check(positive());
   add_package_options(*command, options->packages);
   command->add_flag("-q,--quiet", options->quiet, "Prints no progress");
-  command->add_flag("-v", options->verbose, "Lists also mutants that died, with the message of the story");
+  command->add_flag("-v", options->verbose, "Also lists mutants that died, with the message of the story");
   command->add_flag("--json", options->json, "Prints JSON")->excludes(show);
   const std::array modes{one, show, list};
   for (std::size_t i = 0; i < modes.size(); ++i) {

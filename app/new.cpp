@@ -112,8 +112,8 @@ void add_story(CLI::App& command, Action& action) {
   CLI::App* sub =
       command.add_subcommand("story", "Write a story from a moment of a recorded run (docs/reference/stories.md)");
   sub->footer(
-      "The story has the facts of that moment, the answers of skills and the messages that came in the seconds after\n"
-      "it, and expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"
+      "The story has the facts of that moment, and the answers of skills and the messages of the seconds after it.\n"
+      "It expects what the agent did: goals, messages, firings, facts. It passes with the rules of the run.\n"
       "Exit code 1: nothing that a story can expect happened then.\n"
       "Examples:\n  cxlab new story runs/game-1 --at 312.4 --out stories/deliver.story.yaml\n"
       "  cxlab new story runs/game-1 --at 5:12 --for 30 --name 'the second order is delivered'");
@@ -169,10 +169,10 @@ void add_agent(CLI::App& command, Action& action) {
                             "cxlab test; cxlab run scenario.yaml"},
                            package);
   sub->footer(
-      "With --ci the folder has pipelines for GitHub Actions (.github/workflows/agent.yml) and GitLab "
-      "(.gitlab-ci.yml)\n"
-      "as well: they get cxlab from ci/cxlab.txt, check the rules, play the stories with coverage and the suite\n"
-      "suite.yaml with its requirements, and keep the pages (docs/how-to/test-in-ci.md).\n"
+      "With --ci the folder also has pipelines for GitHub Actions (.github/workflows/agent.yml) and GitLab\n"
+      "(.gitlab-ci.yml). They get cxlab from the place in ci/cxlab.txt, check the rules, and play the stories with\n"
+      "coverage. They also play the suite suite.yaml with its requirements, and keep the pages\n"
+      "(docs/how-to/test-in-ci.md).\n"
       "Examples:\n  cxlab new agent my_agent\n  cxlab new agent my_agent --rcll --ci\n"
       "  cxlab new agent my_agent --ci --cxlab https://files.example.org/cxlab-0.1.0-debian12-x86_64.tar.gz \\\n"
       "      --sha256 $(sha256sum cxlab-0.1.0-debian12-x86_64.tar.gz | cut -c 1-64)");

@@ -154,7 +154,7 @@ class Interruption {
     report_(so_far_);
     std::fprintf(stderr, "%s by %s; %s\n", coloured("interrupted:", kRed).c_str(),
                  number == SIGINT ? "SIGINT" : "SIGTERM",
-                 so_far_.plan ? "the best plan is that of then" : "there is no plan");
+                 so_far_.plan ? "the answer is the best plan so far" : "there is no plan");
     std::fflush(nullptr);
     std::_Exit(128 + number);
   }
@@ -258,21 +258,21 @@ void add_plan(CLI::App& app, Action& action) {
   plan->add_option("domain", options->domain, "PDDL domain")->required();
   plan->add_option("problem", options->problem, "PDDL problem")->required();
   plan->add_option("--data", options->data, "JSON object for a domain or problem that is a template");
-  plan->add_option("--timeout", options->timeout_s, "wall time in seconds")->check(positive());
+  plan->add_option("--timeout", options->timeout_s, "Wall time, s")->check(positive());
   whole_number(plan->add_option("--budget", options->budget,
-                                "work units; one is about a microsecond. The same budget gives the same plan"),
+                                "Work units; one is about a microsecond. The same budget gives the same plan"),
                1)
       ->capture_default_str();
   plan->add_flag("--anytime", options->anytime,
-                 "continue to better plans (by the metric, or shorter ones) until time or budget end");
+                 "Continues to better plans (by the metric, or shorter ones) until time or budget end");
   whole_number(plan->add_option("--patience", options->patience,
-                                "with --anytime: end when no better plan is found for so many work units"),
+                                "With --anytime: ends when no better plan is found for so many work units"),
                1);
-  plan->add_option("--out", options->out, "write the plan to this file instead of standard output");
-  plan->add_option("--svg", options->svg, "draw the plan: bars, slack and partial order");
-  plan->add_flag("--json", options->json, "print plan, partial order and bound as JSON");
+  plan->add_option("--out", options->out, "Writes the plan to this file instead of standard output");
+  plan->add_option("--svg", options->svg, "Draws the plan: bars, slack and partial order");
+  plan->add_flag("--json", options->json, "Prints plan, partial order and bound as JSON");
   plan->add_flag("--stream", options->stream,
-                 "print each better plan as one line of JSON when it is found; the last line is the answer");
+                 "Prints each better plan as one line of JSON when it is found; the last line is the answer");
   plan->footer(
       "Exit codes: 0 a plan; 10 proved unsolvable; 12 ended without plan or proof; 22 memory; 23 time or budget ended; "
       "31 bad\n"

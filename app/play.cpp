@@ -34,7 +34,7 @@ void declare_play(CLI::App& command, PlayCommand& options) {
   command.add_flag("--sockets", spec.sockets,
                    "Lets programs of this machine reach the ports of agents and nodes; sleeps between ticks");
   command.add_flag("--json", options.json, "Prints result.json instead of a summary");
-  command.add_flag("-v,--verbose", options.verbose, "Shows also the states of nodes and lines of level debug");
+  command.add_flag("-v,--verbose", options.verbose, "Also shows the states of nodes and lines of level debug");
   command.add_flag("--quiet", options.quiet, "Prints neither progress nor log lines, only errors");
 }
 
@@ -49,7 +49,7 @@ void declare_bag(CLI::App& command, lab::BagOptions& options) {
   command.add_option("--bag-exclude", options.exclude, "Regular expression: leaves out names that contain a match");
   once_each(command.add_option("--bag-remap", options.remaps,
                                "FROM:=TO: plays a topic, service or action under another name"));
-  command.add_flag("--bag-own", options.own, "Plays also topics that this run publishes");
+  command.add_flag("--bag-own", options.own, "Also plays topics that this run publishes");
 }
 
 Outcome play(const PlayCommand& command, Scenario scenario) {

@@ -55,8 +55,8 @@ void add_profile(CLI::App& app, Action& action) {
   command->add_option("--trace", options->trace,
                       "Writes firings, calls and matching along the time of the replay, for ui.perfetto.dev");
   command->footer(
-      "The rules are played again twice, with and without profiling; the first line says what profiling costs. Times\n"
-      "are those of this machine now, and differ a little each time (docs/how-to/profile-rules.md).\n"
+      "cxlab plays the rules again twice, with and without profiling. The first line tells the cost of profiling.\n"
+      "Times depend on this machine, and differ a little each time (docs/how-to/profile-rules.md).\n"
       "Examples:\n  cxlab profile runs/game-1\n  cxlab profile runs/game-1 --at 5:00 --html profile.html --trace "
       "trace.json");
   command->callback([options, &action] { action = [options] { return profile(*options); }; });

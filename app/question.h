@@ -13,7 +13,7 @@
 
 namespace cxlab::app {
 
-/// Opens a run to ask it. Of one that failed, standard error says first when and why.
+/// Opens a run to ask it. If the run failed, standard error first says when and why.
 Expected<lab::Run> open_run(const std::string& folder, bool trust_programs = false);
 
 struct Question {
@@ -22,12 +22,12 @@ struct Question {
   bool trust_programs = false, json = false;
 };
 
-/// Declares RUN, `--env`, `--trust-programs`, `--json`, and the limits; of times only `--at`, or `--from` and `--to`
-/// too.
+/// Declares RUN, `--env`, `--trust-programs`, `--json`, and the limits; as times either only `--at`, or `--from` and
+/// `--to` too.
 enum class Times { kAt, kStretch, kAtOrStretch };
 void add_question(CLI::App& command, Question& question, Times times);
 
-/// What is asked of each environment.
+/// The answer of one environment.
 struct Answer {
   std::string text;  ///< lines
   Json json;         ///< null: the text is the whole answer, of one environment

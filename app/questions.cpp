@@ -127,7 +127,7 @@ void add_facts(CLI::App& app, Action& action) {
                       "A template, a pattern such as '(order (id 3))', or a fact such as f-12 (default: all)");
   command->add_flag("--changes", options->changes, "Lists each change of the facts, with who made it");
   command->footer(
-      "With --from or --to it lists all facts that were there at some time of this stretch, with their changes.\n"
+      "With --from or --to, it lists all facts that existed at any time of this stretch, with their changes.\n"
       "Examples:\n  cxlab facts runs/game-1 order --at 5:12\n  cxlab facts runs/game-1 '(robot (name robot1))' "
       "--changes");
   command->callback([options, &action] { action = [options] { return facts(*options); }; });
@@ -207,16 +207,15 @@ void add_why(CLI::App& app, Action& action) {
   command
       ->add_option(
           "what", options->what,
-          "A fact such as f-12, a pattern such as '(order (id 3))' (of several the one that changed last), or a "
-          "rule (its last firing)")
+          "A fact such as f-12, a pattern such as '(order (id 3))' (if several facts match, the one that changed "
+          "last), or a rule (its last firing)")
       ->required();
   command->add_flag("--whole", options->whole,
                     "Lists all firings that led to it, not only the latest cause of each step");
   command->add_flag("--svg", options->svg, "The tree as a picture (SVG), on standard output")->excludes("--json");
   command->footer(
-      "The tree goes from what was asked for to what came from outside of the rules; --whole lists each firing once, "
-      "the\n"
-      "latest first; --json has all causes.\n"
+      "The tree goes from the fact or firing back to events from outside of the rules. With --whole, the answer lists\n"
+      "each firing once, the latest first. With --json, it has all causes.\n"
       "Examples:\n  cxlab why runs/game-1 '(order (id 3))' --at 5:12\n  cxlab why runs/game-1 order-begin --at 300\n"
       "  cxlab why runs/game-1 order-begin --svg > why.svg");
   command->callback([options, &action] { action = [options] { return why(*options); }; });

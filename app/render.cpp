@@ -64,7 +64,7 @@ int render(RenderOptions options) {
   lab::RenderOptions& picture = options.picture;
   lab::VideoOptions& video = options.film.video;
   const std::string out = video.file.empty() ? picture.out.string() : video.file;
-  if (out.empty()) return fail(usage_error("what is to be drawn is missing: --out PICTURE or --video FILM"));
+  if (out.empty()) return fail(usage_error("found nothing to draw, expected --out PICTURE or --video FILM"));
   if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
   if (Status s = make_folder_of(out); !s) return fail(s.error());
   if (!options.size.empty()) {
@@ -97,7 +97,7 @@ void add_render(CLI::App& app, Action& action) {
   CLI::Option* out = command->add_option("--out", options->picture.out, "A picture (PNG)");
   CLI::Option* at = time_option(
       command->add_option("--at", options->picture.at,
-                          "When, s of simulated time, or 5:12.4 (of a run: default its end, or how far its log goes)"));
+                          "Time: s of simulated time, or 5:12.4 (default for a run: its end, or the end of its log)"));
   CLI::Option* film = command->add_option("--video", options->film.video.file, kVideoHelp)->excludes(out)->excludes(at);
   time_option(command->add_option("--from", options->film.from, "Film: its beginning, s"))->needs(film);
   time_option(command->add_option("--to", options->film.to, "Film: its end, s (default: the end of the run)"))
@@ -117,7 +117,7 @@ void add_render(CLI::App& app, Action& action) {
                       "Turtles: canvas. Several side by side: field,follow-robot1");
   command
       ->add_option("--size", options->size,
-                   "WIDTHxHEIGHT (default 960x600, of an animated image 640x400); a canvas of turtles is the largest "
+                   "WIDTHxHEIGHT (default 960x600, for an animated image 640x400); a canvas of turtles is the largest "
                    "square in it")
       ->check(picture_size());
   command->add_flag("--no-caption", options->no_caption, "Leaves out the lines with time, points and the last events");

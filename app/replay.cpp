@@ -63,7 +63,8 @@ int replay(const ReplayOptions& options) {
     else
       print(name, *outcome);
     if (!options.json && !outcome->agrees())
-      for (const std::string& what : run->changed_surroundings()) std::printf("  not as then: %s\n", what.c_str());
+      for (const std::string& what : run->changed_surroundings())
+        std::printf("  not as in the run: %s\n", what.c_str());
     if (outcome->broken)
       code = fail(*outcome->broken);
     else if (code == 0 && !outcome->agrees())
@@ -96,7 +97,8 @@ void add_replay(CLI::App& app, Action& action) {
   command->add_flag("--physics", options->physics, "Only the physics, without rules and servers");
   add_trust_programs(*command, options->trust_programs);
   command->add_flag("--json", options->json, "Prints the answer as JSON");
-  command->footer("It reads nothing but the run's folder: the files of the run may be gone or changed.");
+  command->footer(
+      "It reads only the run's folder, so the files that the run was played from may be missing or changed.");
   command->callback([options, &action] { action = [options] { return replay(*options); }; });
 }
 

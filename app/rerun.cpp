@@ -22,8 +22,8 @@ struct RerunOptions {
 };
 
 void print_changed(const std::vector<std::string>& files, const std::vector<std::string>& surroundings) {
-  for (const std::string& name : files) std::printf("  not the file of then: %s\n", name.c_str());
-  for (const std::string& what : surroundings) std::printf("  not as then: %s\n", what.c_str());
+  for (const std::string& name : files) std::printf("  not the file of the run: %s\n", name.c_str());
+  for (const std::string& what : surroundings) std::printf("  not as in the run: %s\n", what.c_str());
 }
 
 int compare(const RerunOptions& options, const lab::Run& run, const lab::Rerun& again) {

@@ -81,12 +81,12 @@ void declare(CLI::App& command, RunOptions& options) {
   CLI::Option* film = command.add_option("--video", video.file, kVideoHelp);
   command.add_option("--video-camera", options.cameras, "As --camera of render")->needs(film);
   command
-      .add_option("--video-size", options.video_size, "WIDTHxHEIGHT (default 960x600, of an animated image 640x400)")
+      .add_option("--video-size", options.video_size, "WIDTHxHEIGHT (default 960x600, for an animated image 640x400)")
       ->check(picture_size())
       ->needs(film);
   command
       .add_option("--video-frame-rate", video.frame_rate,
-                  "Frames in a second of the film (default 25, of an animated image 10)")
+                  "Frames in a second of the film (default 25, for an animated image 10)")
       ->check(between(kFewestFrames, kMostFrames))
       ->needs(film);
   command.add_option("--video-max-size", options.most_of_video, kMaxSizeHelp)->check(byte_count())->needs(film);

@@ -94,7 +94,7 @@ Json json_of(const PlayedStory& p, const TestOptions& options) {
 
 // --- Playing
 
-/// Those that the options choose.
+/// The stories that the options choose.
 Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab::StoryFilter& filter) {
   auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
   if (!stories) return stories;
@@ -112,7 +112,7 @@ Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab:
   return stories;
 }
 
-/// Those that failed when they were played the last time; all of them if none did.
+/// Keeps the stories that failed the last time; keeps all if none did.
 void keep_last_failed(std::vector<PlayedStory>& stories, const lab::FailedStories& failed) {
   const auto passed = [&](const PlayedStory& story) { return !failed.has(story); };
   if (std::ranges::all_of(stories, passed))
@@ -271,7 +271,7 @@ class Watching {
     return all;
   }
 
-  /// Those of the stories as they are now that read one of these files, or are new.
+  /// The present stories that read one of these files, or are new.
   std::vector<PlayedStory> affected(const Paths& now_changed) {
     changed_.insert(now_changed.begin(), now_changed.end());
     auto stories = chosen(options_, filter_);
@@ -350,12 +350,12 @@ void add_test(CLI::App& app, Action& action) {
   auto options = std::make_shared<TestOptions>();
   CLI::App* command = app.add_subcommand("test", "Play stories: regression tests of rules (docs/reference/stories.md)");
   command->footer(
-      "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is chosen; "
-      "3: a story file or a rule file cannot be\n"
-      "used; 130: --watch was ended with Ctrl-C.\n"
-      "EXPR is a word that the name of a story or of its file has in it, or several with `and`, `or`, `not` and\n"
-      "parentheses. Which stories failed the last time is kept in $XDG_STATE_HOME/cxlab/failed_stories.json\n"
-      "(~/.local/state/cxlab/...).\n"
+      "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is "
+      "chosen;\n"
+      "3: a story file or a rule file cannot be used; 130: --watch was ended with Ctrl-C.\n"
+      "EXPR is a word that the name of a story or of its file contains, or several words with `and`, `or`, `not` and\n"
+      "parentheses. The file $XDG_STATE_HOME/cxlab/failed_stories.json (~/.local/state/cxlab/...) keeps the stories\n"
+      "that failed the last time.\n"
       "Examples:\n  cxlab test scenarios/rcll/agent/stories --junit report.xml\n"
       "  cxlab test -k 'pick and not (slow or \"two robots\")' -x\n"
       "  cxlab test 'stories/door.story.yaml::a bell opens the door' -v\n"

@@ -146,15 +146,16 @@ void add_validate(CLI::App& app, Action& action) {
                    "Plan, one step a line: TIME: (ACTION OBJECT...) [DURATION]; or what a planner printed")
       ->required();
   command->add_option("--data", options->data, "JSON object for a domain or problem that is a template");
-  command->add_option("--epsilon", options->rules.epsilon, "seconds between happenings that interfere")
+  command->add_option("--epsilon", options->rules.epsilon, "Least time between happenings that interfere, s")
       ->check(not_negative())
       ->capture_default_str();
-  command->add_option("--tolerance", options->rules.duration_tolerance, "s by which a duration may miss its bounds")
+  command
+      ->add_option("--tolerance", options->rules.duration_tolerance, "Time by which a duration may miss its bounds, s")
       ->check(not_negative())
       ->capture_default_str();
-  whole_number(command->add_option("--budget", options->budget, "work units that may be spent on quantifiers"), 1)
+  whole_number(command->add_option("--budget", options->budget, "Work units that quantifiers may use"), 1)
       ->capture_default_str();
-  command->add_flag("--robust", options->robust, "Also search by how much steps may begin early or late");
+  command->add_flag("--robust", options->robust, "Also searches by how much steps may begin early or late");
   command->add_option("--robust-limit", options->limit, "Largest shift to try, s (default: the makespan)")
       ->check(positive());
   command->add_flag("--json", options->json, "Prints the answer as JSON");

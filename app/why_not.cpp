@@ -83,8 +83,8 @@ void print(const lab::WhyNotAnswer::InEnvironment& found, const explain::Wanted&
       break;
     case explain::Verdict::kTaken:
       print(
-          "all its conditions hold now, but it is not on the agenda and has not fired for these facts: CLIPS "
-          "evaluates a test when a fact of it changes, not when what it calls gives another value",
+          "all its conditions hold now, but it is not on the agenda and has not fired for these facts. CLIPS "
+          "evaluates a test when a fact of the test changes, not when a function in it gives another value",
           "  ");
       break;
     case explain::Verdict::kCondition: print(*answer.unmet, answer.alternatives); break;
@@ -176,9 +176,9 @@ void add_why_not(CLI::App& app, Action& action) {
   once_each(command->add_option("--where", options->where,
                                 "VARIABLE=VALUE: only combinations in which the variable has this value (repeatable)"));
   command->footer(
-      "Of a fact that is there it lists the rules that need it and what each lacks to fire for it; of one that is "
-      "missing\n"
-      "the rules that could make it.\n"
+      "For a fact that exists, it lists the rules that need it, and what each lacks to fire for it. For a missing "
+      "fact,\n"
+      "it lists the rules that could make it.\n"
       "Examples:\n  cxlab why-not runs/game-1 order-begin --at 5:12\n"
       "  cxlab why-not runs/game-1 '(product (order 2))' --at 5:12");
   command->callback([options, &action] { action = [options] { return why_not(*options); }; });

@@ -4,7 +4,7 @@
     benchmarks/game.py PROGRAM [SCENARIO] [--rounds N]
 
 Bare physics is the same model stepped with the recorded controls and writes (`replay --physics`), whose hash must be that
-of the game. What is compared is run in turns, whole processes, CPU time of the child; medians are printed.
+of the game. The runs to compare take turns as whole processes. Their CPU time counts, and medians are printed.
 """
 import argparse
 import json

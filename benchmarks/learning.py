@@ -41,7 +41,7 @@ def action_of(games):
 
 
 def reset_times(games):
-    """Of environments whose next game is made ready while one is played, ms."""
+    """Times to reset environments whose next game is made ready while one is played, ms."""
     env = Games("rcll/external", team="CYAN", ahead=True, tier="timed", journal="none")
     times = []
     for seed in range(1, games + 2):

@@ -3,9 +3,9 @@
 
     benchmarks/nine_order_games.py CXLAB FOLDER FIRST LAST
 
-For each seed the game that `cxlab new game` draws, without one of its eight orders with a window. What would end after 1,020 s ends
-then: a window that lasts the whole game is cut, any other one moves, and its order is released 60 s before it at the latest. A down
-period that ends later is left out. The league's games of 2021 had nine orders and 1,020 s.
+For each seed it takes the game that `cxlab new game` draws, without one of its eight orders with a window. A window that would end after
+1,020 s ends then. If it lasts the whole game, it is cut. Any other one moves, and its order is released 60 s before it at the latest. A
+down period that ends later is left out. The league's games of 2021 had nine orders and 1,020 s.
 """
 import pathlib
 import re

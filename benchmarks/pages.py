@@ -1,7 +1,11 @@
-"""Frames per second while the slider of a page goes from begin to end, the CPU time of a frame, and the time until the first picture, in headless
-Chromium without a graphics card: pages.py PAGE... [--size 1400x900] [--swiftshader]. PAGE: index.html of a run, or an address that cxlab view
-printed. --swiftshader: SwiftShader draws the whole page as a graphics card would, and not only the field in 3D.
-Needs Debian's chromium-driver and python3-selenium."""
+"""Measures how fast headless Chromium shows a page without a graphics card.
+
+It prints the frames per second while the slider goes from begin to end, the CPU time of a frame, and the time until the first picture.
+
+    pages.py PAGE... [--size 1400x900] [--swiftshader]
+
+PAGE is index.html of a run, or an address that cxlab view printed. With --swiftshader, SwiftShader draws the whole page as a graphics card would, and
+not only the field in 3D. Needs Debian's chromium-driver and python3-selenium."""
 
 import argparse
 import os

@@ -1,6 +1,6 @@
-// What the parts of whole games take of their time: physics, nodes beside the world (the PDDL manager with its
-// planner), rules (what they perceive becomes facts, they fire), and the rest (skill servers, factory, referee, files).
-// Journals are written, as by `cxlab run`.
+// Measures how much of the time of whole games each part takes. The parts are: physics, nodes beside the world (the
+// PDDL manager with its planner), rules (facts from messages, and firing), and the rest (skill servers, factory,
+// referee, files). Journals are written, as by `cxlab run`.
 //
 //   bench_shares SCENARIO SEED...   a file, or the name of a scenario that comes with cxlab; exit codes as of cxlab
 

@@ -8,25 +8,27 @@
 Runs are whole games: of 1,200 s of production, in the timed tier, one team. Rows of episodes that were not played to their end are
 named and not counted.
 
-The schedule behind the bound is clairvoyant, and only those limits hold that are easy to prove:
+The schedule behind the bound knows the future, and only those limits hold that are easy to prove:
 
 - All is known at 0: orders, prices, machines. Products may be made before their order comes in. All points of
   exploration are earned at no cost, and a competitive order is delivered first.
-- A robot takes a product from the base station to each ring station, the cap station and the delivery station; besides, each
-  cap takes a carrier to the cap station, each payment a base to the slide. A C0 may come from the storage instead (-5).
+- A robot takes a product from the base station to each ring station, the cap station and the delivery station. Each cap also takes
+  a carrier to the cap station, and each payment a base to the slide. A C0 may come from the storage instead (-5).
   Pieces are picked at outputs and shelves and placed at inputs and slides.
-- What a robot carries takes the drive from the nearest place where it may have placed something (or started), the pick, the
-  drive along the straight line, and the place: as a `transport`, with handling SIGMAS standard deviations under its mean (that
-  all the many handlings of a game are shorter than that on average does not happen). Robots are never in each other's way.
-- What must be done by a time for the products that are delivered by then takes robots no longer than that, and a ring or cap
-  station no longer than from its first piece on. Within that the order of work is free, and pieces wait for nothing.
-- No product is delivered before it can have gone through its stations.
+- A robot that carries a piece needs time for four parts. It drives from the nearest place where it may have placed something (or
+  started), picks, drives along the straight line, and places. They take as long as a `transport`, with handling SIGMAS
+  standard deviations under its mean.
+ The mean of the many handlings of a game is never shorter than that. Robots are never in each
+  other's way.
+- The work for all products that are delivered by a time takes robots no longer than that time. It takes a ring or cap station no
+  longer than from its first piece on. Within that the order of work is free, and pieces wait for nothing.
+- A product is delivered only when enough time has passed for all its stations.
 - Rings and caps are mounted on products that are delivered. At the end each slide may have UNUSED_PAYMENTS
   more, each cap station a cap more, if robots have time for that.
 
-Any schedule that holds to this delivers each order in time, late by so many quarters of its window, or never. Of all such choices
-the best one within the limits is the bound. In a game of so many orders that this takes too long, the search ends early, and what it
-has not looked at counts as if each limit held alone, for all the work together: that bound is higher, but a bound.
+Any schedule that holds to this delivers each order in time, late by so many quarters of its window, or never. The bound is the best of
+all such choices within the limits. If a game has so many orders that this takes too long, the search ends early. For the part that it
+has not searched, each limit then holds alone, for all the work together. That bound is higher, but still a bound.
 """
 import argparse
 import collections
@@ -91,7 +93,7 @@ def read_game(text):
 
 
 def drive_time(a, b):
-    """Of the straight way between two poses, from rest to rest, turning meanwhile."""
+    """The time for the straight way between two poses, from rest to rest, turning meanwhile."""
     way, turn = math.dist(a[:2], b[:2]), abs(math.remainder(b[2] - a[2], 2 * math.pi))
     ramps = 1 / SPEED_UP + 1 / SLOW_DOWN
     straight = way / SPEED + SPEED / 2 * ramps if way > SPEED**2 / 2 * ramps else math.sqrt(2 * way * ramps)
@@ -138,7 +140,7 @@ class Field:
         return min(fetch(source) + self.bring(source, machine, spot) for source in sources)
 
     def pick_at_once(self):
-        """Of a robot that drives up just when the piece is ready."""
+        """The time to pick for a robot that drives up exactly when the piece is ready."""
         return self.handle(0, "pick") - LOOK_AHEAD
 
     def pass_on(self, spot, machine):
@@ -203,8 +205,8 @@ def in_time(jobs, workers, begin):
 
 
 def hopes_of(orders, resource, workers, begin, extras):
-    """A function of i and of the seconds of work that a resource has already: no more points come from the orders from the i-th on,
-    if all the work together, in whole UNITs rounded down, takes no longer than until the last job must be done.
+    """A function of i and of the seconds of work that a resource has already. It gives the most points from the orders from the i-th on,
+    if all the work together, in whole UNITs rounded down, ends when the last job must be done.
     """
     last = max((until for options in orders for option in options for name, until, _ in option.jobs if name == resource), default=0)
     size = max(1, math.ceil(workers * (max(last, PRODUCTION) - begin) / UNIT) + 2)

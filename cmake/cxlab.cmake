@@ -5,9 +5,9 @@
 #   cxlab_executable(<target> SOURCES a.cpp... [DEPS targets...])
 #   cxlab_test(<name> SOURCES a.cpp... [ALONE a.cpp...] [DEPS targets...] [LONG])
 #
-# FOLDER is counted from the root of the project. Its headers (not those of folders below it) are included
-# as "<folder>/name.h", and only by targets that have this one in their DEPS, directly or through the DEPS
-# of another: the root itself is on nobody's include path. A library without SOURCES is an interface.
+# FOLDER is counted from the root of the project. Its headers (not those of folders below it) are included as "<folder>/name.h".
+# Only targets that have this one in their DEPS, directly or through the DEPS of another, can include them: the root itself is on
+# no include path. A library without SOURCES is an interface.
 #
 # With CXLAB_UNITY (presets release and asan) the SOURCES of a library or test are compiled together, which takes a third of the
 # time; their anonymous namespaces are then one. Those in ALONE, whose names meet those of other files, are compiled alone.
@@ -18,7 +18,7 @@ include_guard(GLOBAL)
 set(CXLAB_C_WARNINGS -Wall -Wextra -Werror)
 set(CXLAB_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Werror)
 
-# What is compiled once for all libraries (CXLAB_UNITY), for all tests, and for the check of installed headers.
+# Headers that are compiled once for all libraries (CXLAB_UNITY), for all tests, and for the check of installed headers.
 set(CXLAB_COMMON_HEADERS <Eigen/Geometry> <algorithm> <any> <array> <atomic> <charconv> <chrono> <cmath> <deque> <filesystem>
   <fstream> <functional> <future> <map> <memory> <mutex> <optional> <random> <ranges> <set> <span> <sstream> <string>
   <string_view> <thread> <unordered_map> <variant> <vector>)
@@ -78,8 +78,8 @@ function(cxlab_library target)
     if(CXLAB_UNITY AND arg_SOURCES MATCHES "\\.cpp")
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
       set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      # A class of a source file is then one of an included file, which may not have members of anonymous types, and a local
-      # name may be that of another file.
+      # A class of a source file is then a class of an included file, which may not have members of anonymous types. A local
+      # name may also appear in another file.
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
       cxlab_precompiled(${precompiled} ${target} HEADERS <nlohmann/json.hpp>)
     endif()
@@ -104,8 +104,8 @@ function(cxlab_executable target)
   endif()
 endfunction()
 
-# Gives a target the common headers and <header.h>..., compiled once for all targets that name the same `name`, as the first of
-# them is compiled: GCC takes the level of optimisation from there, too. LIBRARIES have the headers.
+# Gives a target the common headers and <header.h>..., compiled once for all targets with the same `name`. They are compiled like the
+# first of these targets, and GCC takes the level of optimisation from there, too. LIBRARIES have the headers.
 function(cxlab_precompiled name target)
   cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "HEADERS;LIBRARIES")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

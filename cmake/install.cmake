@@ -17,8 +17,8 @@ set(share share/cxlab)
 set(doc share/doc/cxlab)
 
 # --- Program and libraries
-# The build folder has the layout of the prefix, and the same RPATH: CMake would end that of a build with an empty
-# element, which is the current directory.
+# The build folder has the layout of the prefix and the same RPATH. The RPATH that CMake gives a build would end with an empty element,
+# which means the current directory.
 set_target_properties(cxlab PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../${libraries};$ORIGIN/${libraries}")
 set_target_properties(cxlab_shared PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN"
   LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")

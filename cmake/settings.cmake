@@ -1,4 +1,4 @@
-# How everything is compiled: our code, and CLIPS where it does not say otherwise.
+# Settings for the compilation of all our code, and of CLIPS unless it sets others.
 
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug" FORCE)
@@ -11,7 +11,7 @@ set(CMAKE_C_STANDARD 11)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# Assertions stay on in release: a bug of ours ends the program, it does not go on.
+# Assertions stay on in release, so a bug of cxlab ends the program.
 set(CMAKE_C_FLAGS_RELEASE "-O3")
 set(CMAKE_CXX_FLAGS_RELEASE "-O2")
 set(CMAKE_C_FLAGS_DEBUG "-Og -g")

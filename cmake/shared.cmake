@@ -1,5 +1,5 @@
-# The one shared library: all parts of cxlab in libcxlab.so, which the program, plugins and outside programs use, so that
-# there is one copy of the executive in a process. Tests of single parts link these statically.
+# The one shared library: all parts of cxlab in libcxlab.so. The program, plugins and outside programs use it, so a process has only one
+# copy of the executive. Tests of single parts link these statically.
 #
 #   cxlab_shared_library(<target> FROM <part>...)   the parts and all that their DEPS name
 

@@ -134,7 +134,7 @@ class Checker {
     check::Words words;          ///< of the configurations
   };
 
-  /// What comes from a stranger is read behind the wall. Batch files call functions.
+  /// Files of a stranger are read behind the wall: batch files call functions.
   void raise_wall_around(const std::vector<std::string>& files,
                          const std::map<std::string, std::string>& packages) const {
     Wall all;
@@ -285,7 +285,7 @@ class Checker {
     return false;
   }
 
-  /// Rule files that are not loaded show what those that are loaded are for. What is wrong in them is no finding.
+  /// Rule files that are not loaded tell how the loaded ones are used. Their own faults are no findings.
   static void add_context(const std::vector<fs::path>& files, const std::set<std::string>& loaded,
                           std::vector<check::Source>& sources) {
     std::set<std::string> known;

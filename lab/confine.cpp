@@ -23,7 +23,7 @@ std::optional<std::string> warning_without_wall() {
   const WallParts parts = wall_parts();
   if (parts.whole()) return std::nullopt;
   return "warning: this kernel has " + parts.text() +
-         ": rules are checked by cxlab alone, and not confined by the kernel as well; cxlab doctor says more";
+         ": only cxlab checks the rules, and the kernel does not confine them as well; cxlab doctor shows more";
 }
 
 }  // namespace cxlab::lab

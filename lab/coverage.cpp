@@ -119,7 +119,7 @@ std::vector<Part> parts_of(const FileCoverage& file, const std::string& source, 
       parts.push_back(name_part(function->text, at, function->calls > 0 ? "hit" : "miss",
                                 function->name + ": " + times(function->calls, "called")));
   std::ranges::sort(parts, {}, &Part::begin);
-  // Of two that overlap, as those of constructs that a file has twice, the first one counts.
+  // If two parts overlap, the first one counts: a file may define a construct twice.
   std::size_t end = 0;
   std::erase_if(parts, [&](const Part& part) {
     const bool overlaps = part.begin < end || part.end > source.size();

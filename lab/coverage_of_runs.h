@@ -1,6 +1,6 @@
 #pragma once
-// Coverage of recorded runs: their rules are played again, to their end. Of a sweep, which keeps no runs, its games are
-// played again before.
+// Coverage of recorded runs: their rules are played again, to their end. A sweep keeps no runs, so its games are played
+// again first.
 
 #include <filesystem>
 #include <string>

@@ -33,7 +33,7 @@ struct EnvOptions {
 
 /// Errors name the option that they are in.
 Expected<Scenario> env_scenario(const EnvOptions& options, const Catalogue& catalogue);
-/// What `with` can name: worlds and nodes, each name once.
+/// A world or node that `with` can name; each name appears once.
 struct Companion {
   std::string_view name, what;  ///< `what`: one line for people
 };

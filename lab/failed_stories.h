@@ -14,12 +14,13 @@ struct PlayedStory;
 
 class FailedStories {
  public:
-  /// Of all folders in which this user has played stories, from failed_stories.json (lab/state_folder.h); none where it
-  /// cannot be read.
+  /// The failed stories of all folders in which this user has played stories, from failed_stories.json
+  /// (lab/state_folder.h). None if this file cannot be read.
   static FailedStories remembered();
 
   bool has(const PlayedStory& story) const;
-  /// Those that were played now replace what was known of them; the others stay, but for those whose file is gone.
+  /// The results of the played stories replace the older ones. The other stories stay, without those whose file was
+  /// removed.
   void note(const std::vector<PlayedStory>& played);
   /// Writes the file if it would be another one. Nothing happens where there is no state folder.
   Status save() const;

@@ -1,6 +1,6 @@
 #pragma once
-// Names of files that mean the same in another checkout or on another machine: a file of a package is named from the
-// package, one that comes with cxlab from there, any other from the folder of the scenario.
+// Names of files that mean the same in another checkout or on another machine. A file of a package is named from the
+// package, a file that comes with cxlab from cxlab's folder, and any other from the folder of the scenario.
 
 #include <filesystem>
 #include <map>
@@ -17,7 +17,7 @@ class FileNames {
  public:
   /// `scenario` is the file; its packages are known with `use_packages`.
   explicit FileNames(const std::filesystem::path& scenario);
-  /// Those of the scenario's agents, and those that are installed.
+  /// Knows the packages of the scenario's agents and the installed packages from now on.
   void use_packages(const Scenario& scenario);
 
   /// "package://my_agent/clips/rules.clp", "cxlab://models/field.xml", "params/agent.yaml"; absolute where the file has

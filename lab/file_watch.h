@@ -11,11 +11,11 @@ namespace cxlab::lab {
 /// Looks at the files when it is asked, so that it works on any file system.
 class FileWatch {
  public:
-  /// From now on these files. Of files that were watched before, changes are not forgotten; one that is new here has
-  /// changed if it was written after `since`, ns of the system's clock: when somebody began to read it.
+  /// Watches these files from now on. It keeps the changes of files that it watched before. A new file has changed if
+  /// it was written after `since` (ns of the system's clock), the time when somebody began to read it.
   void watch(const std::set<std::filesystem::path>& files, std::int64_t since);
-  /// The files that are others than they were, or not there any more, once they are the same as at the call before:
-  /// who writes one in several steps is not interrupted. Each change is told once.
+  /// The files that were changed or removed, each change once. A change is reported only when the file is the same as
+  /// at the last call, so a program can write a file in several steps.
   std::set<std::filesystem::path> changed();
   std::size_t size() const { return files_.size(); }
 

@@ -137,7 +137,7 @@ sim::Picture shrunk(const sim::Picture& from, int width, int height) {
   return out;
 }
 
-/// What is left of the frames so that they fit: each `step`-th, `percent` of its width and height.
+/// How frames are thinned until the film fits: every `step`-th frame stays, with `percent` of its width and height.
 struct Fitting {
   int step = 1, percent = 100;
 };

@@ -15,7 +15,7 @@ class GifEncoder {
  public:
   GifEncoder(int width, int height);
 
-  /// Shows a picture of that size for that long, in hundredths of a second; the animation begins anew after the last.
+  /// Shows a picture of that size for that long, in hundredths of a second; the animation begins again after the last.
   void add(const sim::Picture& picture, int hundredths);
   /// Bytes so far.
   std::size_t size() const { return bytes_.size(); }

@@ -29,7 +29,7 @@ Status play_again(const testing::StorySpec& story, const fs::path& folder, const
   return again ? Status() : again.error();
 }
 
-/// What is wrong, in lines; empty: it goes as it went.
+/// The differences, in lines; empty if the run goes as its golden run.
 Expected<std::vector<std::string>> difference(const testing::StorySpec& story, const fs::path& folder,
                                               const Host& host) {
   const std::string place = story.file + ':' + std::to_string(story.line) + ": ";
@@ -46,7 +46,7 @@ Expected<std::vector<std::string>> difference(const testing::StorySpec& story, c
   out.push_back(place + "the run goes otherwise than " + story.golden.string() +
                 (found->first ? " from " + general_text(to_seconds(found->first->t), 9) + " s on"
                               : ": its rules do the same, its result is another"));
-  out.push_back("a is the run of then, b that of now\n" + text_of(*found));
+  out.push_back("a is the golden run, b the present one\n" + text_of(*found));
   return out;
 }
 

@@ -40,9 +40,9 @@ struct Host {
   const std::atomic<bool>* stop = nullptr;      ///< once set, what is going on ends at its next tick
   const std::atomic<bool>* stop_now = nullptr;  ///< set later: rules that still act end in the middle of the tick
   std::atomic<bool>* completing = nullptr;      ///< set while a file is completed, which a stop does not cut short
-  Limits most{};                                ///< of the rules of an episode
-  /// Before rules that are not trusted run, this process gives up for good what they do not need (cx/wall/wall.h): it
-  /// plays one run, and opens no other files, sockets and programs afterwards.
+  Limits most{};                                ///< for the rules of an episode
+  /// Before untrusted rules run, this process gives up for good what they do not need (cx/wall/wall.h). It plays one
+  /// run, and cannot open other files, sockets or programs afterwards.
   bool confine = false;
 
   Limits limits() const {

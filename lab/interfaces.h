@@ -16,7 +16,7 @@ class Interfaces {
   static Expected<Interfaces> load(const std::map<std::string, std::string>& packages);
 
   bus::Registry& registry() { return registry_; }
-  /// Full names, e.g. "std_msgs/msg/String", sorted.
+  /// Full names, for example "std_msgs/msg/String", sorted.
   std::vector<std::string> names() const;
   /// The definition as `ros2 interface show` prints it: with its comments, and below a field of a nested type the
   /// fields of that type, indented. The name may lack "msg". kInput if there is no such interface.

@@ -24,8 +24,9 @@ struct Difference {
 /// A record as people read it: kind and data.
 std::string shown(const JournalRecord& record);
 
-/// What two runs that should be the same up to `t` do otherwise before, as far as the first one was recorded: in
-/// journal.jsonl, or else in what entered their environments. `then_whole`: it was not cut off.
+/// The first difference before `t` of two runs that should be the same up to then, as far as the first run was
+/// recorded. It is found in journal.jsonl, or else in the inputs of the environments. `then_whole`: the first run was
+/// not cut off.
 Expected<std::optional<Difference>> difference_before(SimTime t, const std::filesystem::path& then,
                                                       const std::filesystem::path& now, bool then_whole);
 

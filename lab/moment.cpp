@@ -52,7 +52,7 @@ Status Moment::seek(std::optional<SimTime> t) {
   const Status played = play(std::min(end(), t.value_or(kNever)));
   if (stopped_) return {};
   if (auto error = run_.untrusted(played)) return *error;
-  // Just as the recorded run failed.
+  // The replay fails as the recorded run did.
   const bool then = run_.finished && run_.status == "failed" && !played && played.error().kind != ErrorKind::kNo &&
                     this->t() >= run_.sim_time;
   return then ? Status() : played;

@@ -104,7 +104,7 @@ struct TwoMoments {
     std::vector<std::pair<inspect::Inspector, inspect::Inspector>> both;  ///< of one name
     std::vector<std::string> only_in_a, only_in_b;
   };
-  /// Those of that name, or all; an error if they have none in common.
+  /// The environments of that name in both runs, or all; an error if the runs have none in common.
   Expected<Environments> environments(const std::string& name = {});
 };
 

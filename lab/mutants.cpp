@@ -473,7 +473,7 @@ class Mutator {
   WordSet spared_;
   std::vector<Mutant> out_;
   std::map<std::string, int> seen_;
-  // Of the construct at hand:
+  // The current construct:
   std::size_t file_ = 0;
   std::set<int> skipped_;
   const Form* form_ = nullptr;

@@ -188,7 +188,7 @@ Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<
     if (story.result.bad) return *story.result.bad;
     if (!story.passed())
       return negative("the story '" + story.spec.name + "' fails without any change: " + story.complaints().front() +
-                          "; mend that first",
+                          "; fix that first",
                       story.spec.file, story.spec.line);
     slowest = std::max(slowest, story.wall_s / static_cast<double>(std::max<std::size_t>(story.seeds_played, 1)));
     out.firings_.push_back(0);
@@ -358,7 +358,7 @@ class MutantPlayer {
       show();
     }
     players_.clear();
-    // Where too few of all changes load, those that do are all that there are.
+    // If too few of all changes load, the mutants that were played are all that exist.
     const bool exhausted = next_ == order_.size() && !host_.stopped();
     if (exhausted) result_.wanted = result_.played.size();
     result_.all = exhausted;
@@ -380,8 +380,8 @@ class MutantPlayer {
 
   static double since(Clock::time_point begun) { return std::chrono::duration<double>(Clock::now() - begun).count(); }
 
-  /// Those that may still turn out not to load count as played: so the first ones of the order that load are played,
-  /// whatever the number of processes is.
+  /// Mutants that may still turn out not to load count as played. So the played mutants are the first ones of the order
+  /// that load, whatever the number of processes is.
   bool wants_more() const {
     return next_ < order_.size() && result_.played.size() + players_.size() < result_.wanted &&
            (draw_.time_limit_s <= 0 || since(begun_) < draw_.time_limit_s);

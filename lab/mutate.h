@@ -29,8 +29,8 @@ struct MutationSubject {
   std::vector<std::filesystem::path> own;  ///< absolute; rule files in these folders are changed
   std::size_t golden = 0;                  ///< golden runs that were left out
 };
-/// Of a folder or file of stories (as in `read_stories`), a configuration or a scenario: the stories in the packages of
-/// its agents that play these configurations.
+/// Finds the stories to play. `agent` is a folder or file of stories (as in `read_stories`), a configuration, or a
+/// scenario. For the last two, they are the stories in the packages of its agents that play these configurations.
 Expected<MutationSubject> mutation_subject(const std::string& agent, const Catalogue& catalogue);
 
 enum class Fate {
@@ -64,7 +64,7 @@ struct MutationResult {
   std::vector<PlayedMutant> played;  ///< by file and place
   std::size_t not_loaded = 0;        ///< changes whose rules do not load; others were drawn instead
   std::size_t wanted = 0;            ///< mutants that were to be played; fewer were if time was short
-  bool all = false;                  ///< those that were played are all that there are
+  bool all = false;                  ///< all mutants that exist were played
 
   std::size_t count(Fate fate) const;
   /// The share of mutants that died; 1 where there is none.
@@ -111,7 +111,7 @@ class Mutation {
 
   Mutation() = default;
   Status read_files(const std::vector<std::string>& files);
-  /// Those that can notice the change, the likely ones first; at least one.
+  /// The stories that can notice the change, the likely ones first; at least one.
   std::vector<std::size_t> stories_for(const Mutant& mutant) const;
   /// By story: how often rules that are changed, or use what is changed, have fired and were activated.
   std::map<std::size_t, std::pair<long, long>> uses_of(const Mutant& mutant) const;

@@ -94,7 +94,7 @@ Status make_package(const NewPackage& package, const std::string& folder) {
     if (const std::string why = objection(*package.continuous); !why.empty()) return usage_error(why);
   std::error_code error;
   if (fs::exists(path, error) && !(fs::is_directory(path, error) && fs::is_empty(path, error)))
-    return usage_error("is there already and not an empty folder", folder);
+    return usage_error("exists already and is not an empty folder", folder);
   fs::create_directories(path, error);
   if (error) return resource_error(error.message(), folder);
 

@@ -41,7 +41,7 @@ struct KnownClass {
   std::string package;  // empty = built in
 };
 
-/// Those that come with cxlab, but families that are made from names, then those of the packages.
+/// The classes that come with cxlab, without families that are made from names; then the classes of the packages.
 Expected<std::vector<KnownClass>> all_classes(const std::map<std::string, std::string>& packages) {
   std::vector<KnownClass> out;
   for (cx::PluginType& type : cx::builtin_plugins())

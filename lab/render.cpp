@@ -133,7 +133,7 @@ Status render_run(const Run& run, const RenderOptions& options) {
 }
 
 Status render_scenario(Scenario scenario, const RenderOptions& options, const Host& host) {
-  if (!options.at) return usage_error("--at is missing: a scenario is played up to then");
+  if (!options.at) return usage_error("--at is missing: cxlab plays a scenario up to that time");
   if (Status s = check_end("--at", *options.at, scenario.duration); !s) return s;
   auto loaded = Episode::load(std::move(scenario), shared_episode_options(host));
   if (!loaded) return loaded.error();

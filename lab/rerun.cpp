@@ -56,7 +56,7 @@ void add_changed_bag(const Run& run, const std::filesystem::path& again, std::ve
 }
 
 Error not_there(const Run& run, const std::string& what, const std::filesystem::path& path) {
-  return input_error(what + " is not there any more: " + path.string() +
+  return input_error(what + " is missing: " + path.string() +
                          "; bring it back to rerun, or play the rules alone "
                          "from the run's own copies: cxlab replay " +
                          run.folder.string(),
@@ -137,7 +137,8 @@ Status play_from_copies(const Run& run, const StoredFiles& files, const std::fil
 
 bool is_of_program(const PastAct& past) { return past.act.place.is_between_ticks(); }
 
-/// With cxlab attach. What was planned, or done by the program that played the run, is done again.
+/// Whether a person did it with cxlab attach. Planned acts, and acts of the program that played the run, are done
+/// again.
 bool is_of_person(const PastAct& past) { return !is_of_program(past) && !cx::is_planned(past.act.verb); }
 
 /// The changes of the run in order of their time, with their files and the new one.
@@ -162,14 +163,14 @@ Expected<std::vector<WhatIf>> changes_of(const Run& run, const std::optional<Wha
   return changes;
 }
 
-/// What a run that went on otherwise has become.
+/// Compares a run that went on otherwise with the recorded one.
 Status compare(const Run& run, const WorldKind& world, SimTime since, Rerun& again) {
   again.results = compare_results(world, run.result, again.played.result.to_json());
   if (again.played.folder.empty()) return {};
   auto before = difference_before(since, run.folder, again.played.folder, run.finished);
   if (!before) return before.error();
   again.before = *std::move(before);
-  // Of a shorter run the last tick is left out, in which all that runs is deactivated.
+  // If a run is shorter, the comparison leaves out its last tick, in which the agents are deactivated.
   SimTime end = again.played.result.sim_time;
   end = !run.finished || end == run.sim_time ? kNever : std::min(end, run.sim_time) - SimTime(1);
   auto after = first_differences(run.folder, again.played.folder, end);
@@ -194,7 +195,8 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
     if (!scratch) return scratch.error();
     copies = *std::move(scratch);
     if (Status s = play_from_copies(run, *files, copies->path(), *scenario); !s) return s.error();
-    host.note("note: files of the scenario have gone; all are taken from the run's own copies: " + run.folder.string());
+    host.note("note: files of the scenario are missing; cxlab uses the run's own copies of all files: " +
+              run.folder.string());
   }
   if (scenario->trust_rules && !given.trust_rules)
     return usage_error(

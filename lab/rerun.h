@@ -36,7 +36,7 @@ struct Rerun {
   std::vector<ResultChange> results;  ///< of the two runs
 };
 
-/// Where files of the scenario have gone, all are taken from the run's own copies; the host gets a note. Compares
+/// If files of the scenario are missing, it uses the run's own copies of all files, and the host gets a note. Compares
 /// nothing if the new run did not come to an end (a stop by the host). The run must have been finished, unless it goes
 /// on otherwise.
 Expected<Rerun> rerun(const Run& run, const RerunOptions& options = {}, const Host& host = {});

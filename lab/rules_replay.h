@@ -29,7 +29,7 @@ struct RulesReplay {
     std::function<void(const cx::Environment&)> on_environment_end = {};
   };
   static Expected<RulesReplay> load(const Run& run, const Host& host, const Options& options);
-  /// Makes the episode anew, to be played from its start.
+  /// Makes a new episode, to be played from its start.
   Status load_again(const Run& run, const Host& host, const Options& options);
 };
 

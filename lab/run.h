@@ -49,7 +49,7 @@ struct Run {
   Expected<Scenario> scenario() const;
   /// Its journal, from the start; an error that says why if it recorded none.
   Expected<JournalReader> journal() const;
-  /// Those of the journal that the filter takes.
+  /// The records of the journal that the filter takes.
   Expected<std::vector<JournalRecord>> records(const RecordFilter& filter = {}) const;
   struct RecordsUpTo {
     std::vector<JournalRecord> records;
@@ -73,7 +73,7 @@ struct Run {
   std::string cut_off_text(const std::string& recording) const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.
   Status whole(SimTime reached) const;
-  /// Those of the run, which send what they sent then.
+  /// The seats of the run, which send the recorded messages again.
   Expected<std::vector<Seat>> seats() const;
   /// Whether journal.jsonl is there to its end: that of a run that was killed is not, nor is one that was shortened.
   bool has_whole_journal() const;

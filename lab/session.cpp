@@ -236,7 +236,7 @@ Expected<std::unique_ptr<Video>> start_video(const RunAtPlay& run) {
   return Video::create(options, views_at_play(*run.episode), run.host, run.happenings.get());
 }
 
-/// What is drawn, and what the process gives up before it reads the first rule.
+/// Prepares the pictures, and raises the wall before the first rule is read.
 Status prepare_pictures(RunAtPlay& run) {
   if (!run.snapshots.empty() || !run.options.video.file.empty()) {
     run.happenings = std::make_unique<Happenings>(run.episode->scenario());

@@ -35,7 +35,7 @@ struct PlayedStory {
   bool accepted = false;  ///< what goes otherwise than its golden run is the golden run from now on
 
   bool passed() const { return accepted || result.passed(); }
-  /// What is wrong: with the story itself, then with the rules.
+  /// The faults: those of the story itself, then those of the rules.
   std::vector<std::string> complaints() const;
 };
 
@@ -64,10 +64,10 @@ Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, co
 /// The stories whose golden runs go otherwise have passed, once the runs of now are in the place of these.
 Status accept_golden_runs(std::vector<PlayedStory>& stories, const Host& host = {});
 
-/// Of all stories together.
+/// The coverage of all stories together.
 explain::Coverage coverage_of(const std::vector<PlayedStory>& stories);
 
-/// Of those that were played; `printed`: with what their agents printed.
+/// A JUnit report of the played stories; with `printed`, it includes what their agents printed.
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed = false);
 
 }  // namespace cxlab::lab

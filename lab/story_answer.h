@@ -1,5 +1,5 @@
 #pragma once
-// What the process that played a story says of it, as a line, and what is known where it says nothing.
+// The answer of a process that played a story, as a line, and the result of a process that gives no answer.
 
 #include <cstdint>
 #include <optional>

@@ -158,7 +158,7 @@ class Writer {
 
   Status agent(const Scenario& scenario, const AgentSpec& agent) {
     if (agent.name_space != "/" || !agent.remaps.empty())
-      return input_error("the agent has a namespace or remaps, which a story has not", run_.folder.string());
+      return input_error("the agent has a namespace or remaps, which a story cannot have", run_.folder.string());
     const fs::path home = fs::absolute(file_).lexically_normal().parent_path();
     const auto from_here = [&](const std::string& path) {
       return fs::absolute(scenario.resolve(path)).lexically_normal().lexically_proximate(home).string();
@@ -194,7 +194,7 @@ class Writer {
       notes_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
   }
 
-  /// Whether it points to something else than goals that are under way.
+  /// Whether it points to something other than running goals.
   bool points_elsewhere(std::string text) const {
     for (const auto& [name, met] : actions_met_)
       for (const GoalUnderWay& goal : met.under_way)
@@ -561,13 +561,13 @@ Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPla
         kept += line + '\n';
       }
     }
-    if (dropped == 0) return negative("the story cannot be played as the run was: " + played.complaints().front());
+    if (dropped == 0) return negative("the story does not play like the run: " + played.complaints().front());
     story.text = kept;
     story.expectations -= dropped;
     if (story.expectations == 0)
       return negative(
-          "of what happened in the run nothing happens in a story: choose another time (--at), at which less "
-          "is under way");
+          "nothing that happened in the run happens in the story: choose another time (--at), at which fewer "
+          "actions run");
   }
   constexpr std::size_t kMostListed = 8;
   if (!dropped_lines.empty())

@@ -54,7 +54,7 @@ Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec sp
   const Descriptor& to = pipe->to;
   spec.seed = job.seed;
   ProcessOptions options;
-  if (!job.keep.empty()) options.out = options.err = Stream::null();  // what it says was said the first time
+  if (!job.keep.empty()) options.out = options.err = Stream::null();  // the first play has printed the same
   auto process = Process::fork(options, [&] {
     Host confined;
     confined.most = setup.limits;

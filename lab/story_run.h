@@ -1,5 +1,5 @@
 #pragma once
-// A story as a run: played once more into a folder that can be asked like that of any run
+// A story as a run: it is played again into a folder that can be asked like that of any run
 // (docs/reference/questions.md).
 
 #include <filesystem>
@@ -15,8 +15,8 @@ namespace cxlab::lab {
 Expected<std::filesystem::path> folder_for(const testing::StorySpec& story, const std::filesystem::path& runs);
 
 /// Plays the story as `run_story` does, in a world of kind `story`, whose scenario is written to story/scenario.yaml in
-/// the folder. What has happened reaches the folder with each tick: this process may be killed at any time. Without
-/// trust in rules it gives up its rights before the first one runs (lab/confine.h).
+/// the folder. Each tick writes its records to the folder, so this process may be killed at any time. If rules are not
+/// trusted, the process gives up its rights before the first one runs (lab/confine.h).
 Status keep_run(const testing::StorySpec& story, const testing::StorySetup& setup, const std::filesystem::path& folder);
 
 }  // namespace cxlab::lab

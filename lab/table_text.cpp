@@ -61,8 +61,8 @@ std::vector<std::string> broken_at(const std::string& text, std::size_t width) {
 
 constexpr std::size_t kBetween = 2;  ///< blanks between columns
 
-/// How wide each column is drawn: as its longest text, but the last one gets what is left of the line, and other texts
-/// are broken where that is less than a sentence needs.
+/// The width of each column: that of its longest text. The last column gets the rest of the line. If the rest is
+/// shorter than a sentence, other texts are broken.
 std::vector<std::size_t> widths_of(const Table& table, std::size_t room) {
   constexpr std::size_t kSentence = 72, kNarrowest = 36, kNarrowCell = 16;
   const std::size_t columns = table.columns.size();

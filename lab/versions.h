@@ -11,8 +11,9 @@ namespace cxlab::lab {
 const char* cxlab_version();
 /// Name and version: cxlab first, then the libraries that results depend on.
 std::vector<std::pair<std::string, std::string>> versions();
-/// What of this machine the bytes of a run depend on: architecture, C library, and a digest of what the C library's
-/// sin, cos, tan, atan2, exp, log and pow return, whose last bits differ between kinds of processors.
+/// The properties of this machine on which the bytes of a run depend: architecture, C library, and a digest of
+/// mathematical results. The last bits that sin, cos, tan, atan2, exp, log and pow of the C library return differ
+/// between kinds of processors.
 std::vector<std::pair<std::string, std::string>> machine();
 
 }  // namespace cxlab::lab

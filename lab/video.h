@@ -31,9 +31,9 @@ struct VideoOptions {
 
 class Video {
  public:
-  /// The first frame shows `from`, s. kUsage for a name that is not that of a film, kResource where there is no ffmpeg,
-  /// and for a file that cannot be written. The host is notified of a size that changes. `events`, which may be none,
-  /// are for the caption and outlive it.
+  /// The first frame shows `from`, s. Fails with kUsage for a name that is not that of a film. Fails with kResource
+  /// without ffmpeg, and for a file that cannot be written. The host is notified if the size changes. `events` are for
+  /// the caption; they may be none, and must outlive the film.
   static Expected<std::unique_ptr<Video>> create(const VideoOptions& options, const ViewMaker& make, const Host& host,
                                                  const Happenings* events = nullptr, double from = 0);
   /// What `create` would say, without a film: a file of that name stays as it is.

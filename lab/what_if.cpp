@@ -261,7 +261,7 @@ Status WhatIfControl::load(const WhatIf& what_if, cx::Environment& environment) 
       note(environment,
            file + " replaces " + name + " (" + old->second.file + ':' + std::to_string(old->second.line) + ')');
   }
-  if (!any) note(environment, file + " is loaded; it defines nothing anew");
+  if (!any) note(environment, file + " is loaded; it defines nothing new");
   return {};
 }
 
@@ -284,7 +284,7 @@ Status WhatIfControl::assert_facts(const WhatIf& what_if, cx::Environment& envir
   for (const std::string& fact : what_if.facts) {
     const std::string option = "--assert " + fact;
     const bool several = environments_().size() > 1;
-    // What is not understood as a pattern, such as a call in a slot, CLIPS understands or reports.
+    // CLIPS understands or reports a text that is no pattern here, such as a call in a slot.
     const FormReading reading = read_forms(fact, {});
     if (const auto pattern = explain::Pattern::parse(tree_of(reading.forms.front())))
       if (Status s = explain::check_names(*pattern, environment.engine()); !s)

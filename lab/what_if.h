@@ -1,5 +1,5 @@
 #pragma once
-// What if: a run is played again exactly up to a time, and goes on from there with other rules, parameters or facts, in
+// What if: a run is played again exactly up to a time. From there it goes on with other rules, parameters or facts, in
 // the same world and with the same chance.
 
 #include <functional>
@@ -21,8 +21,8 @@ namespace cxlab::lab {
 
 struct Run;
 
-/// Reads the file that is named, and finds what is wrong before anything is played: with the file's form, with names
-/// that the run does not have, with a time after its end.
+/// Reads the named file, and finds faults before anything is played: a form that CLIPS cannot read, names that the run
+/// does not have, or a time after its end.
 Status prepare(WhatIf& what_if, const Run& run, const Scenario& scenario);
 
 /// Something that was done: "replaces defrule go (rules.clp:12)".

@@ -60,7 +60,7 @@ Expected<explain::WhyNot> RuleWitness::why_not(cx::Environment& environment, con
   const std::string stream = state_->stream_of(environment);
   auto found = explain::why_not(environment.engine(), rule, state_->histories.of(stream), wanted);
   if (!found) return found;
-  // Of activations only those since the last firing.
+  // Only activations since the last firing count.
   const explain::LostActivation* last = state_->watch(stream).last(found->module);
   if (last && (found->fired == 0 || last->t >= found->last_fired)) found->lost = *last;
   found->file = environment.files().journal_name(found->file);

@@ -82,7 +82,8 @@ void Portfolio::find_first() {
     if (happenings_.exhausted() && prove_by_happenings(turn)) return;
     if (sequences_.exhausted() && prove_in(turn)) return;
     if (round == 0 && !(sequences_.exhausted() && envelopes_.exhausted())) continue;
-    const bool likely = envelopes_.space() || round == 1;  // something needs others to be under way, or never tried
+    const bool likely = envelopes_.space() || round == 1;  // something needs other actions to run, or it was never
+                                                           // tried
     if (everything_.run({round, likely ? units : units / kShareOfUnlikely})) return;
     if (!context_.budget.late() && sequences_.exhausted() && envelopes_.exhausted() && everything_.exhausted() &&
         clock_.exhausted()) {
@@ -94,7 +95,8 @@ void Portfolio::find_first() {
   }
 }
 
-/// Where no list of whole actions is a plan, overlaps may be tried for ever: is there none at all?
+/// If no list of whole actions is a plan, the search for overlaps may never end: tries to prove that no plan exists at
+/// all.
 bool Portfolio::prove_in(const Turn& turn) {
   if (!context_.has_durations || proof_) return false;
   const BudgetSlice slice(context_.budget, turn.units);

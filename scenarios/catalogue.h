@@ -72,7 +72,7 @@ struct SectionKind {
   std::string_view key;
   void (*read)(const yaml::Value& value, std::any& config) = nullptr;
   yaml::Writer (*write)(std::string_view key, const std::any& config) = nullptr;  ///< nothing for defaults
-  /// What is wrong with it in a world that does not read it; none: it has no effect there.
+  /// The error for this key in a world that does not read it; none: the key has no effect there.
   std::string_view elsewhere{};
 };
 

@@ -8,8 +8,8 @@ namespace cxlab {
 
 namespace {
 
-/// Deactivates the agents. What goes wrong then in a run that went well is told as a warning, because its game was
-/// played; findings of --strict-cx count as before.
+/// Deactivates the agents. If the run went well until then, errors become warnings, because its game was played.
+/// Findings of --strict-cx count as before.
 std::vector<std::string> shut_down(std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents, bool strict,
                                    std::optional<Error>& failure, std::vector<std::size_t>& load_errors) {
   std::vector<std::string> warnings;

@@ -128,12 +128,12 @@ class Episode {
   bus::Bus& bus() { return *bus_; }
   Journal& journal() { return journal_; }
   std::vector<std::unique_ptr<cx::EnvironmentManager>>& agents() { return agents_; }
-  /// Those of all agents that there are now.
+  /// The present environments of all agents.
   std::vector<cx::Environment*> environments() const;
   /// In a replay: how far the log goes, and whether it is whole; success where nothing is replayed.
   SimTime replay_end() const { return inputs_->end(); }
   Status replay_log_status() const { return inputs_->log_status(); }
-  /// What has happened so far, without the measurements of the caller.
+  /// The result so far, without the measurements of the caller.
   Result result() const;
 
  private:
@@ -154,9 +154,9 @@ class Episode {
   cx::ManagerOptions manager_options(std::size_t agent);
   void build_loop();
 
-  /// The next tick comes at `next`: what there was to see until then goes to its file.
+  /// The next tick comes at `next`: writes the scene until then to its file.
   void write_scene(SimTime next);
-  /// What has entered goes to the log; whether all files could be written so far.
+  /// Writes the inputs so far to the log. Returns whether all files could be written so far.
   Status write_out();
   /// Does what the program of the recorded run did after the last tick.
   Status repeat_acts();

@@ -35,7 +35,7 @@ class Inputs {
   virtual bool writes_at(SimTime /*t*/) const { return false; }
   /// After the start (`t` is `kStarted`) and after each tick; `world` is what has entered the physics.
   virtual Status ticked(SimTime /*t*/, const std::string& /*world*/) { return {}; }
-  /// What has entered reaches the log's file at once: the process may end at any time.
+  /// Writes the inputs so far to the log's file: the process may end at any time.
   virtual void flush() {}
   /// After the last tick.
   virtual Status close() { return {}; }
@@ -44,7 +44,7 @@ class Inputs {
   virtual Status log_status() const { return {}; }
 };
 
-/// What was done in an environment, from its entry in the log; none where the entry is damaged.
+/// An intervention in an environment, from its entry in the log; none if the entry is damaged.
 std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes);
 
 /// Something that was done in an environment of a recorded run.

@@ -37,9 +37,9 @@ struct Metric {
 
 /// "sum of teams.*.points", "mean of robots.*.busy_s / sim_time_s".
 std::string formula_of(const Metric& metric);
-/// Those of every run, whatever its world: time, plans.
+/// The metrics of every run, whatever its world: time, plans.
 std::span<const Metric> common_metrics();
-/// Those of the world, then the common ones.
+/// The metrics of the world, then the common ones.
 std::vector<const Metric*> metrics_of(const WorldKind& world);
 /// Their values in that order. A metric has none where result.json has nothing at its path, or nothing to average.
 std::vector<std::optional<double>> measure(const std::vector<const Metric*>& metrics, const std::string& result_json);

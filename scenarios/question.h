@@ -81,7 +81,7 @@ inline const std::vector<RecordKind> kRecordsOfQuestions{
 struct AskedRun {
   const std::filesystem::path& folder;
   const Scenario& scenario;
-  /// Of `kRecordsOfQuestions`, up to `to`, in order of writing.
+  /// The records of `kRecordsOfQuestions` up to `to`, in order of writing.
   const std::vector<JournalRecord>& records;
   SimTime from{};          ///< what was over before is left out; 0: nothing
   SimTime to{};            ///< the run up to this time; at most its end

@@ -21,7 +21,7 @@ void read_packages(const yaml::Value& value, std::map<std::string, PackageSpec>&
 }
 
 /// Adds parameters by their whole names: `a: {b: {c: 1}}` is `a.b.c: 1`, so that an override can set one of them
-/// alone. Of two with one name the later one counts.
+/// alone. If two have the same name, the later one counts.
 void read_params(const yaml::Value& value, const std::string& before, std::vector<cx::GivenParameter>& out) {
   for (const auto& [name, param] : value.as_map().entries()) {
     if (param.is_map()) {

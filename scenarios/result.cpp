@@ -77,7 +77,7 @@ Json result_json(const Result& r) {
   return out;
 }
 
-/// Those of the world, then those of the nodes.
+/// The sections of the world, then those of the nodes.
 std::vector<ResultSection> sections_of(const Scenario& scenario) {
   std::vector<ResultSection> out(scenario.world.kind->sections.begin(), scenario.world.kind->sections.end());
   for (const ServerSpec& server : scenario.servers)

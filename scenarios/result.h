@@ -39,7 +39,7 @@ struct Result {
   std::vector<Section> sections;  ///< that world and nodes declare (catalogue.h), and what else they set
   std::string score_board;        ///< lines for a terminal; a world adds its own
   std::vector<RuleErrorResult> rule_errors;
-  std::vector<std::string> warnings;  ///< given parameters that nobody asked for, errors that rules printed
+  std::vector<std::string> warnings;  ///< given parameters that nothing read, and errors that rules printed
   /// Warnings that count what happened in this game ("skills failed: robot1 2 of 7"). Their text differs from game to
   /// game, so sweeps leave them to the metrics.
   std::vector<std::string> tallies;

@@ -28,7 +28,8 @@ struct RunSpec : cx::Conduct {
   Limits limits = {};  ///< of all environments together; a session takes those of its host (lab/host.h)
 
   /// The one list of keys, as manifest.json has them. `programs` and `limits` protect the machine on which a run is
-  /// opened: who opens it says them anew. The run does not name `programs`, and names the limits for people.
+  /// opened, so the person who opens it gives them again. The run does not name `programs`; it names the limits for
+  /// people.
   template <class Keys>
   void fields(Keys& keys) {
     keys.time("until", until);

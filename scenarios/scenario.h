@@ -101,7 +101,7 @@ struct NamedFile {
 
 /// What must hold of the result; otherwise `cxlab run` ends with exit code 1.
 struct Expectation {
-  std::string path;  ///< into result.json, e.g. "teams.CYAN.points"
+  std::string path;  ///< into result.json, for example "teams.CYAN.points"
   std::optional<double> min{}, max{};
   std::optional<std::string> equals{};
   Origin origin{};

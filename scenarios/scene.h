@@ -130,7 +130,7 @@ class SceneList {
   void update(std::span<const SceneLister> listers);
   std::vector<Track>& tracks() { return tracks_; }
   const std::vector<Track>& tracks() const { return tracks_; }
-  /// Those that are not there any more since the last `update`.
+  /// The entities that were removed with the last `update`.
   const std::vector<EntityId>& gone() const { return gone_; }
   Scene at(SimTime t) const;
 

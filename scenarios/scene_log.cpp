@@ -95,7 +95,7 @@ void SceneWriter::put_text(const std::string& text) {
   if (is_new) out.text(text);
 }
 
-/// What has changed of an entity, or all of it.
+/// Writes the changes of an entity, or all of it.
 void SceneWriter::put(const SceneList::Track& track, bool whole) {
   using Track = SceneList::Track;
   const bool is_new = whole || track.changed & Track::kNew;
@@ -123,7 +123,7 @@ void SceneWriter::put(const SceneList::Track& track, bool whole) {
     put_text(track.place);
   }
   if (!(fields & kWay)) return;
-  // What is left of it: the last point that is not in the future, and those after it.
+  // The rest of the way: the last point that is not in the future, and those after it.
   const auto ahead = std::ranges::upper_bound(track.way, last_frame_, {}, &Track::Point::t);
   const auto first = ahead == track.way.begin() ? ahead : ahead - 1;
   out.varint(static_cast<std::uint64_t>(track.way.end() - first));

@@ -35,7 +35,7 @@ class SceneWriter {
   void look(SimTime now, SimTime next, std::span<const SceneLister> listers);
   /// Whether writing went well so far (kResource if not).
   const Status& status() const { return file_.status(); }
-  /// What has been seen reaches the file.
+  /// Writes what was seen so far to the file.
   Status flush();
   Status close();
 
@@ -47,7 +47,7 @@ class SceneWriter {
 
   AppendFile file_;
   SceneList list_;
-  std::string chunk_;                                        // frames of the chunk under way
+  std::string chunk_;                                        // frames of the current chunk
   std::map<std::string, std::uint64_t, std::less<>> texts_;  // that it has spelt
   SimTime from_{}, last_frame_{}, last_look_{};              // of that chunk
 };
@@ -62,7 +62,7 @@ class SceneReader {
   SimTime begin() const { return chunks_.empty() ? SimTime{} : chunks_.front().from; }
   SimTime end() const { return chunks_.empty() ? SimTime{} : chunks_.back().to; }
   bool empty() const { return chunks_.empty(); }
-  /// Where and how the file is broken (cut off, changed), or success. What comes before can be read.
+  /// Where and how the file is broken (cut off, changed), or success. The part before can be read.
   const Status& status() const { return status_; }
 
   /// The last frame that is not after `t`; what is on its way is where it is at `t`. Before the first frame there are

@@ -30,7 +30,7 @@ Share find_share();
 /// there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
 
-/// Those that come with cxlab: folders of `Share::packages`, by name.
+/// The packages that come with cxlab: folders of `Share::packages`, by name.
 std::map<std::string, std::string> own_packages();
 
 /// The scenarios that come with cxlab: files by name, "rcll/game".

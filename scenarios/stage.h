@@ -28,7 +28,7 @@ struct Stage {
   std::string without_views = "the world is empty: there is nothing to look at";  ///< the error where there are none
   std::vector<SceneLister> scenes;                    ///< of the world, then of nodes beside it: what there is to see
   std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
-  /// What has entered the physics since the last call, for the input log.
+  /// The inputs of the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }
   /// Adds the world's sections, the lines of the score board, the steps and the physics hash.
   virtual void report(Result&) const {}

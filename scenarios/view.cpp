@@ -26,7 +26,7 @@ class SeveralViews final : public View {
   void set_time(SimTime t) override {
     for (const auto& view : views_) view->set_time(t);
   }
-  /// That of the world, which comes first, or of a node beside it.
+  /// The headline of the world, which comes first, or of a node beside it.
   std::vector<sim::ColouredText> headline() override {
     for (const auto& view : views_)
       if (auto words = view->headline(); !words.empty()) return words;

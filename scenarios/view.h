@@ -22,7 +22,7 @@ class View {
   virtual Expected<const sim::Picture*> draw(std::string_view camera) = 0;
   /// The first is the default. A view may have others beside these, which are drawn where nobody names one.
   virtual std::vector<std::string> cameras() const = 0;
-  /// The next pictures show that time: the one of the last tick, or one before the next. Of use to worlds that know
+  /// The next pictures show that time: the one of the last tick, or one before the next. It is for worlds that know
   /// between ticks where things are.
   virtual void set_time(SimTime) {}
   /// What stands first in the caption below pictures: "11:40 PRODUCTION", "CYAN 317". Empty: nothing.

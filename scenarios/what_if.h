@@ -14,7 +14,8 @@ struct WhatIf {
   std::string text = {};              ///< what is in it
   std::vector<std::string> set = {};  ///< NODE.NAME=VALUE, a parameter; ?*NAME*=VALUE, a global
   std::vector<std::string> facts = {};
-  /// Those that the file, globals and facts are for; empty: each that there is, and for facts the only one.
+  /// The environments that get the file, globals and facts. If it is empty, all get them; facts then need a single
+  /// environment.
   std::vector<std::string> environments = {};
   std::string copy = {};  ///< where the run keeps the file, among its files (scenarios/kept_files.h)
 

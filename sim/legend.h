@@ -1,5 +1,6 @@
 #pragma once
-// What is written above a picture: cards with products. Who draws knows colours of pieces, not what it is about.
+// The legend above a picture: cards with products. The code that draws knows the colours of pieces, but not what they
+// mean.
 
 #include <array>
 #include <string>

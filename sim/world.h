@@ -137,7 +137,7 @@ class WorldView {
   SimTime now() const { return now_; }
   const FloorClock& clock() const { return clock_; }
   bool halted() const { return clock_.halted(); }
-  /// What the floor's clock shows now.
+  /// The time that the floor's clock shows now.
   SimTime floor_time() const { return clock_.at(now_); }
   /// The simulated time of something that happened at that time of the floor's clock.
   SimTime simulated(SimTime floor) const { return floor == floor_time() ? now_ : clock_.when(floor); }
@@ -150,11 +150,11 @@ class WorldView {
   virtual bool belt_running(StationId id) const = 0;
   /// Seen from the robot or station that holds the piece, or from the world if none does.
   virtual Pose3 pose_in_holder(const Piece& piece) const;
-  /// Of a robot, or of a piece on a belt, that moves by itself and whose way the world knows in advance: another number
-  /// for each way. 0: it stands, or what it does comes out step by step.
+  /// The number of a way that the world knows in advance, of a robot or of a piece on a belt that moves by itself. Each
+  /// way has another number. 0 means that it stands, or that its motion results step by step.
   virtual std::uint64_t way_number(RobotId) const { return 0; }
   virtual std::uint64_t way_number(const Piece&) const { return 0; }
-  /// What is left of that way, by simulated time; of a piece seen from its holder.
+  /// The rest of that way, by simulated time. Poses of a piece are seen from its holder.
   virtual std::vector<WayPoint> way(RobotId) const { return {}; }
   virtual std::vector<WayPoint> way(const Piece&) const { return {}; }
   /// The piece that lies at that spot (within 10 mm along and 15 mm across on a belt, 40 mm on a shelf), not held.

@@ -33,7 +33,7 @@ def problem_and_steps(count):
 
 def with_upf(domain, problem, steps, keep_problem):
     """CPU microseconds a step, and the facts that are true afterwards. With `keep_problem` the state is that of a problem
-    which is asked and changed, as a manager keeps it; else a chain of states, the cheapest way that there is."""
+    which is asked and changed, as a manager keeps it; else it is a chain of states, the cheapest way."""
     from unified_planning.environment import get_environment
     from unified_planning.io import PDDLReader
     from unified_planning.model import StartTiming

@@ -7,14 +7,14 @@
 FOLDER has a domain.pddl (or domains/domain-N.pddl) and instances/*.pddl, or is a folder of such folders. Each problem is
 planned by `cxlab plan --anytime` (`--first`: until the first plan) and every plan judged by `cxlab validate`.
 
---timeout  seconds: wall time for ours, CPU time for the others (and four times as much wall time)
---budget   plan with work units instead: the figures do not depend on who else uses the machine
---best     tab-separated lines `suite instance makespan ...`, where suite is the end of the folder's path
---field    a Python interpreter with the packages of requirements.txt. Its validators judge our plans, too: VAL, that of
-           Kairos and that of the Unified Planning Framework
---with     planners of the field: lpg, aries, tamer, kairos. Their plans are judged by ours and by VAL. A planner that failed
-           twice in a row in a folder is not asked for its larger problems
---core     all planners run on this core alone
+  --timeout  seconds: wall time for ours, CPU time for the others (and four times as much wall time)
+  --budget   plan with work units instead: the figures do not depend on who else uses the machine
+  --best     tab-separated lines `suite instance makespan ...`, where suite is the end of the folder's path
+  --field    a Python interpreter with the packages of requirements.txt. Its validators judge our plans, too: VAL, that of
+             Kairos and that of the Unified Planning Framework
+  --with     planners of the field: lpg, aries, tamer, kairos. Their plans are judged by ours and by VAL. A planner that failed
+             twice in a row in a folder is not asked for its larger problems
+  --core     all planners run on this core alone
 
 A cell is: CPU s to the first plan (to 10 ms) / its makespan / the best makespan; or why there is none. Quality is the best
 known makespan (of the table and of all planners here) divided by a planner's, summed.

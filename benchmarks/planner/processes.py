@@ -26,7 +26,7 @@ def session_cpu(session):
     for process in filter(str.isdigit, os.listdir("/proc")):
         try:
             fields = pathlib.Path("/proc", process, "stat").read_text().rpartition(")")[2].split()
-        except OSError:  # it has just ended
+        except OSError:  # it has ended meanwhile
             continue
         if int(fields[3]) == session:
             ticks += sum(map(int, fields[11:15]))

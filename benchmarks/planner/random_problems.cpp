@@ -1,14 +1,14 @@
-// Plans random temporal problems with numbers, continuous change and events, and compares with a search that tries all
-// plans of up to three actions and shares no code with the planner. Prints how many have a plan, a proof or neither,
-// which answers are wrong, and the problems that take the most CPU time for their units of work.
+// Plans random temporal problems with numbers, continuous change and events. Compares the answers with a search that
+// tries all plans of up to three actions and shares no code with the planner. Prints how many problems have a plan, a
+// proof or neither, which answers are wrong, and which problems take the most CPU time for their units of work.
 //
 //   bench_random_problems KIND FIRST COUNT [BUDGET]   seeds FIRST .. FIRST + COUNT - 1; BUDGET: units each, 4,000,000
 //   bench_random_problems KIND show SEED              the problem and a plan that the search for witnesses finds
 //
 // KIND: numeric (tests/planner/random/numeric_problem.h) or wide (wide_problem.h).
 //
-// Exit code 1: a proof of a problem that has a plan, a plan that the validator refuses, or no plan within 2 s of CPU
-// time where the search finds one.
+// Exit code 1: an answer is wrong. It is a proof that a solvable problem has no plan, or a plan that the validator
+// refuses. Or it is no plan after 2 s of CPU time, although the search finds one.
 
 #include <algorithm>
 #include <cstdio>
@@ -104,7 +104,7 @@ int show(Draw draw, std::uint64_t seed) {
   return 0;
 }
 
-/// What is wrong with an answer; nullptr: nothing.
+/// The fault of an answer; nullptr if it has none.
 const char* judge(const Drawn& problem, const Task& task, const PlanAnswer& answer, double seconds, Tally& tally) {
   const Validator validator(task.domain, task.problem);
   tally.refused += answer.refused > 0;

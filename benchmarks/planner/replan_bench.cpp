@@ -1,5 +1,5 @@
-// What a plan under execution is worth when it is planned again: half of its steps are carried out, then the rest is
-// planned for anew and with the plan as a warm start. Prints a line for each problem, and sums.
+// Measures how much a plan under execution helps when the planner plans again. It carries out half of the steps. Then
+// it plans the rest twice: from scratch, and with the plan as a warm start. Prints a line for each problem, and sums.
 //
 //   bench_replan BUDGET DOMAIN PROBLEM...     BUDGET: work units of the plan that is carried out
 
@@ -75,7 +75,7 @@ int replan(const char* domain, const char* problem, std::int64_t budget, Sums& a
     std::printf("%s: no plan after half of the steps\n", problem);
     return 0;
   }
-  std::printf("%-16s %3zu steps, anew", std::filesystem::path(problem).stem().c_str(), plan.size());
+  std::printf("%-16s %3zu steps, from scratch", std::filesystem::path(problem).stem().c_str(), plan.size());
   Sums one, other;
   one.add(*a);
   other.add(*b);
@@ -98,7 +98,7 @@ int main(int argc, char** argv) {
   Sums anew, warm;
   for (int i = 3; i < argc; ++i)
     if (const int code = replan(argv[2], argv[i], std::atoll(argv[1]), anew, warm); code != 0) return code;
-  std::printf("%-16s            anew", "sum");
+  std::printf("%-16s            from scratch", "sum");
   anew.print();
   std::printf(", warm");
   warm.print();

@@ -245,7 +245,7 @@ class ActionPart final : public Part {
     differs_ = true;
     playing_.warn(name_ + ": goal " + std::to_string(bound_) + " of this run is not that of the recording: found " +
                   live->view().to_string() + ", recorded " + recorded.goal->view().to_string() +
-                  "; it meets what happened to that one");
+                  "; the bag answers it like the recorded one");
   }
 
   /// Passes on what has come so far.
@@ -328,7 +328,7 @@ class ActionPart final : public Part {
   const bus::MessageType* status_type_ = nullptr;
   bus::EndpointId server_{};
   std::optional<bus::EndpointId> client_;
-  std::deque<Recorded> goals_;       ///< in order of their first message; those that are over have gone
+  std::deque<Recorded> goals_;       ///< in order of their first message, without those that are over
   std::set<std::string> over_;       ///< ids of those, and of goals from before the bag
   Requests sent_, asked_;            ///< goals, and requests for their results
   std::deque<bus::GoalId> waiting_;  ///< that came before their counterpart in the recording

@@ -30,8 +30,8 @@ struct BagSetup {
 
 class BagServer final : public Server {
  public:
-  /// Joins the bus as node "bag", after the world and the nodes beside it and before all agents. kInput if a type of
-  /// the bag is another one in the workspace.
+  /// Joins the bus as node "bag", after the world and its nodes and before all agents. Fails with kInput if the
+  /// workspace defines a type of the bag differently.
   static Expected<std::unique_ptr<BagServer>> create(BagSetup setup, bus::Bus& bus, RecordSink& sink);
   ~BagServer() override;
 

@@ -13,8 +13,9 @@ constexpr std::size_t kTogether = std::size_t{1} << 20;
 /// How many bytes are held where parts of the file overlap in time.
 constexpr std::size_t kMostHeld = std::size_t{256} << 20;
 
-/// Recorders write chunks in about the order of time. A part is a chunk, or as many messages without one: the first
-/// pass notes when each begins, the second reads it when its time has come and gives its messages in order.
+/// Recorders write chunks roughly in order of time. A part is a chunk, or a series of messages outside of chunks. The
+/// first pass notes the time at which each part begins. The second pass reads a part when its time has come, and gives
+/// the messages of all open parts in order.
 class McapFile final : public BagFile {
  public:
   explicit McapFile(mcap::Reader reader) : reader_(std::move(reader)) {}
@@ -110,7 +111,7 @@ class McapFile final : public BagFile {
     return at->second;
   }
 
-  /// Of messages of one time the one that comes first in the file.
+  /// The open part whose next message is the earliest; among equal times, the one that comes first in the file.
   std::vector<OpenPart>::iterator earliest() {
     return std::ranges::min_element(open_, {}, [](const OpenPart& part) { return std::pair(part.time(), part.place); });
   }

@@ -86,8 +86,8 @@ struct EventKinds {
   std::uint8_t request = 0, response = 3;
   bool has_requests = false, has_responses = false;
   explicit EventKinds(std::uint8_t mask = 0);
-  /// Requests are those of the client and responses those of the server, or the other way round: the two may call the
-  /// same request by different numbers (ros2/rmw#357), so that their order has to do.
+  /// Whether requests come from the client and responses from the server, or the other way round. The two may number
+  /// the same request differently (ros2/rmw#357), so only the order tells which response belongs to it.
   bool of_two_sides() const { return (request == 0) != (response == 3); }
 };
 

@@ -48,7 +48,7 @@ Expected<FilesOfBag> files_of_metadata(const fs::path& folder) {
   map.read("compression_mode", mode).read("compression_format", format);
   out.packed_messages = mode == "MESSAGE" || mode == "message";
   if (!format.empty() && format != "zstd")
-    return input_error("found the compression '" + format + "', expected zstd: ros2 bag convert writes the bag anew",
+    return input_error("found the compression '" + format + "', expected zstd: rewrite the bag with ros2 bag convert",
                        file.string());
   if (const yaml::Value names = map.get("relative_file_paths"))
     for (const yaml::Value& name : names.as_list()) {

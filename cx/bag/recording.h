@@ -1,7 +1,7 @@
 #pragma once
-// A bag of ROS 2, read as one stream of messages in order of time: an MCAP file, a file of SQLite, or the folder with
-// metadata.yaml and several of them. `open` reads it once, so that damage is found before a run begins; memory does not
-// grow with its length.
+// A bag of ROS 2, read as one stream of messages in order of time. It is an MCAP file, an SQLite file, or a folder with
+// metadata.yaml and several such files. `open` reads all of it once, so damage is found before a run begins. The memory
+// in use does not grow with the bag's length.
 //
 //   auto recording = Recording::open("floor");
 //   recording->begin({});

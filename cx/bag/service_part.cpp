@@ -121,7 +121,7 @@ class ServicePart final : public Part {
     differs_ = true;
     playing_.warn(name_ + ": call " + std::to_string(bound_) + " of this run is not that of the recording: found " +
                   call.message->view().to_string() + ", recorded " + exchange.request->view().to_string() +
-                  "; it gets the response to that one");
+                  "; it gets the recorded response");
   }
 
   void answer() {

@@ -25,7 +25,7 @@ struct Error {
   std::string message;
   std::string file;
   int line = 0;
-  std::string code;  ///< short machine word for result.json, e.g. "rule_loop"; empty = derived from kind
+  std::string code;  ///< short machine word for result.json, for example "rule_loop"; empty = derived from kind
 
   /// `file:line: message`, without the parts that are missing.
   std::string text() const;

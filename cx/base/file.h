@@ -9,8 +9,8 @@
 
 namespace cxlab {
 
-/// The content; kInput, with the reason, if it cannot be read, or has more than 2 GB (16 MB, if it is a device or a
-/// pipe: such may have no end), or is a pipe that nobody has opened for writing.
+/// Returns the content. Fails with kInput and the reason if the file cannot be read, is larger than 2 GB, or is a pipe
+/// that nobody has opened for writing. The limit for a device or pipe is 16 MB, because it may have no end.
 Expected<std::string> read_file(const std::filesystem::path& path);
 /// Replaces the content; kResource if that fails.
 Status write_file(const std::filesystem::path& path, std::string_view text);

@@ -33,8 +33,8 @@ struct ProcessOptions {
   Stream in = Stream::null(), out = {}, err = {};  ///< only `in` may be a pipe; `out` and `err` may be one file
 };
 
-/// The process and all that it starts are a process group, which is killed when the process ends, when the object is
-/// destroyed and (the process itself) when this process ends, however it does.
+/// The process and all that it starts form a process group. The group is killed when the process ends and when this
+/// object is destroyed. The process itself is also killed when this process ends in any way.
 class Process {
  public:
   /// Runs a program. kResource if it cannot be run.

@@ -67,7 +67,7 @@ class RecordData {
   RecordData& value(const char* value) { return this->value(std::string_view(value)); }
   template <class Pointee>
   RecordData& value(Pointee* value) = delete;
-  /// One text of three parts, e.g. a string in its quotes.
+  /// One text of three parts, for example a string in its quotes.
   RecordData& value_between(std::string_view before, std::string_view value, std::string_view after);
   RecordData& nil();
   /// A list of exactly `size` values that follow.

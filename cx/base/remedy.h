@@ -2,7 +2,7 @@
 
 namespace cxlab {
 
-/// Of what is refused to rules that are not trusted.
+/// How to allow what untrusted rules may not do.
 inline constexpr const char* kTrustRemedy =
     "trust_rules: true in the scenario lifts this, or --trust-rules of cxlab env";
 

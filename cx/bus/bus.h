@@ -152,9 +152,10 @@ class Bus : private Feed {
   SimTime now() const { return now_; }
 
   // --- Endpoints. Names are as written by the participant. They are registered at once. Types must agree on the bus:
-  // a second type for the same name is an error. Nothing is ever lost to a full queue: all is kept until it is taken.
-  // Where several servers have one name, the first that still exists answers, and `on_rivals` is called. Posts through
-  // a removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller (asserts).
+  // a second type for the same name is an error. Queues have no limit: the bus keeps every message until its receiver
+  // takes it. Where several servers have one name, the first that still exists answers, and `on_rivals` is called.
+  // Posts through a removed endpoint do nothing; a message of another type than the endpoint's is a bug of the caller
+  // (asserts).
   Expected<EndpointId> advertise(ParticipantId p, std::string_view topic, const MessageType& type);
   Expected<EndpointId> subscribe(ParticipantId p, std::string_view topic, const MessageType& type, Handler handler);
   /// A stand-in answers only while no other server has the name, which takes over without being its rival.
@@ -179,7 +180,7 @@ class Bus : private Feed {
   /// `report` is called with one sentence when a second server takes a name of a service or action. It names both
   /// servers. It is not called for two nodes with the same full name.
   void on_rivals(std::function<void(const std::string& text)> report);
-  /// Removes an endpoint. What is in flight to it is dropped; open requests and goals of a removed server stay
+  /// Removes an endpoint. Messages on their way to it are dropped; open requests and goals of a removed server stay
   /// unanswered.
   void remove(EndpointId endpoint);
   /// The endpoint's number within its participant, in order of making from 0 (removed ones count), and back: the same
@@ -208,7 +209,7 @@ class Bus : private Feed {
   void cancel_goal(EndpointId client, const GoalId& goal, Causes causes = {});
   /// As in ROS, those of other clients too.
   void cancel_all_goals(EndpointId client, Causes causes = {});
-  /// Those that were accepted at `stamp` or before.
+  /// Cancels the goals that were accepted at `stamp` or before.
   void cancel_goals_before(EndpointId client, SimTime stamp, Causes causes = {});
   /// Status as far as the client has taken deliveries.
   GoalStatus goal_status(EndpointId client, const GoalId& goal) const;

@@ -108,7 +108,7 @@ inline std::size_t handler_index(DeliveryKind kind) {
 struct Participant {
   ParticipantKind kind{};
   NodeName name;
-  std::string part;  ///< of the node, e.g. "environment main"; may be empty
+  std::string part;  ///< of the node, for example "environment main"; may be empty
   StreamId stream{};
   std::uint64_t twin = 0;  ///< participants of the same full name that joined before
   std::uint64_t posts = 0;

@@ -48,7 +48,7 @@ class CdrWriter {
 };
 
 /// Reads one value. After the first error, which `status` keeps, nothing more is read. Errors name the field and the
-/// byte. What comes after the last field is left alone.
+/// byte. Bytes after the last field are not read.
 class CdrReader {
  public:
   /// `value` has the header and outlives this.

@@ -59,7 +59,7 @@ struct Field {
   bool is_text() const { return type == FieldType::kString || type == FieldType::kWstring; }
   bool is_message() const { return type == FieldType::kMessage; }
   bool is_sequence() const { return array == ArrayKind::kBounded || array == ArrayKind::kUnbounded; }
-  /// E.g. "float64", "string<=5[<=3]", "geometry_msgs/msg/Point[]".
+  /// For example "float64", "string<=5[<=3]", "geometry_msgs/msg/Point[]".
   std::string type_text() const;
 };
 
@@ -136,7 +136,7 @@ class Registry {
   /// Adds each subfolder that holds definitions, named like the subfolder.
   Status add_packages_in(const std::filesystem::path& folder);
   std::vector<std::string> packages() const;
-  /// Names of all definitions of a package, e.g. "std_msgs/msg/String", sorted.
+  /// Names of all definitions of a package, for example "std_msgs/msg/String", sorted.
   std::vector<std::string> interfaces(const std::string& package) const;
   /// Every definition file that was read so far (for the run's copy of its inputs).
   std::vector<std::filesystem::path> files_read() const;

@@ -48,7 +48,7 @@ class MessageView {
   /// Resizes a dynamic array; new elements are default-initialised. Fails beyond the bound or on a fixed array.
   Status resize(const Field& field, std::size_t size) const;
 
-  // By name, for code that is not on a hot path. An unknown name is a bug of ours (asserts).
+  // Access by name, for code that is not on a hot path. The name must exist (asserts).
   std::int64_t integer(std::string_view field) const;
   double real(std::string_view field) const;
   const std::string& text(std::string_view field) const;

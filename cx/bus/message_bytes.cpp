@@ -59,7 +59,7 @@ class MessageReader {
                        std::to_string(size_));
   }
 
-  /// Of that many elements or characters at least so many bytes each are left.
+  /// Reads the number of elements or characters of a field. Fails if fewer bytes are left than `element_min` for each.
   Status read_size(const Field& field, std::size_t element_min, std::size_t& size) {
     size = in_.fixed<std::uint32_t>();
     if (!in_.ok()) return fail(field.name, "the end");

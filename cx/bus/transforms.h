@@ -1,6 +1,6 @@
 #pragma once
-// Frames and where they lie in each other, as ROS's tf2 has them: a buffer of stamped transforms, fed from the topics
-// /tf and /tf_static, and the side that publishes them. Names of frames have no leading '/'.
+// Frames and their poses in each other, as in tf2 of ROS: a buffer of stamped transforms that the topics /tf and
+// /tf_static fill, and a broadcaster that publishes them. Names of frames have no leading '/'.
 
 #include <functional>
 #include <map>

@@ -101,7 +101,7 @@ class Variables {
     return out;
   }
 
-  /// Those that are bound and never looked at.
+  /// The variables that are bound but never used.
   std::map<std::string, Seen> useless() const {
     std::map<std::string, Seen> out;
     for (const auto& [name, seen] : seen_) {
@@ -241,7 +241,7 @@ const std::vector<Code>& codes() {
                                         {"never-asserted", "rules read facts that nothing asserts"},
                                         {"never-read", "facts are asserted that nothing reads"},
                                         {"unused-template", "a template whose facts nothing asserts or reads"},
-                                        {"never-set", "a slot is read, or a value of it allowed, that nothing sets"},
+                                        {"never-set", "rules read a slot, or allow a value of it, that nothing sets"},
                                         {"not-loaded", "CLIPS refuses a construct"},
                                         {"defined-twice", "a construct replaces another one of the same name"},
                                         {"used-once", "a variable occurs only once"},
@@ -249,8 +249,8 @@ const std::vector<Code>& codes() {
                                         {"unreachable", "the conditions of a rule can never hold"},
                                         {"unused-function", "nothing calls a function"},
                                         {"unused-global", "nothing reads a global"},
-                                        {"salience", "only its salience says which of two rules acts"},
-                                        {kUnusedAllow, "a comment allows something that is not found there"}};
+                                        {"salience", "only the salience decides which of two rules acts"},
+                                        {kUnusedAllow, "a comment allows a finding that does not exist there"}};
   return kCodes;
 }
 

@@ -73,7 +73,7 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
     const std::string meant_name = meant(name, candidates);
     const std::string hint = meant_name.empty() ? "" : ", did you mean '" + meant_name + "'?";
     if (doubts_little && meant_name.empty()) continue;
-    // Of two names that miss each other, the rarer one is misspelt.
+    // One name is only read, the other only asserted: the rarer one is misspelt.
     if (!meant_name.empty()) {
       const bool other_misses = !is_outside(base, meant_name) &&
                                 (asserted ? !known.asserted.contains(meant_name) : !known.read.contains(meant_name));
@@ -119,7 +119,7 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
     if (!test.place.source->judged) continue;
     const Values& values = base.possible(test.value);
     if (values.symbols.contains(test.symbol)) continue;
-    if (values.symbols.empty() && !values.open) continue;  // its facts are not asserted at all, which is said
+    if (values.symbols.empty() && !values.open) continue;  // nothing asserts its facts, which `never-asserted` reports
     const bool text = test.symbol.starts_with('"');
     const bool uncertain = values.open || (text && values.open_text) || base.outside().open || base.asserts_unknown();
     std::vector<std::string> known;
@@ -127,11 +127,12 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
       if (symbol.starts_with('"') == text) known.push_back(symbol);
     std::string near = meant(test.symbol, known);
     if (uncertain) {
-      // Who misspells a word does so once.
+      // A misspelt word rarely appears twice.
       if (text || base.is_mentioned(test.symbol) || base.has_in_text(test.symbol) || testers[test.symbol].size() > 1 ||
           base.outside().words.contains(test.symbol))
         continue;
-      // What comes from outside is known by what several rules expect, and by the words of files beside the rules.
+      // For values from outside, the known words are those that several rules expect and those of files beside the
+      // rules.
       known.clear();
       for (const std::string& symbol : tested[base.origin_of(test.value)])
         if (testers[symbol].size() > 1 || base.is_mentioned(symbol)) known.push_back(symbol);

@@ -15,7 +15,7 @@ namespace cxlab::check {
 
 namespace {
 
-constexpr int kMostTries = 300000;  // comparisons of facts with conditions; beyond, nothing is said
+constexpr int kMostTries = 300000;  // comparisons of facts with conditions; beyond, nothing is reported
 
 /// The fact that a firing leaves: a slot is as the condition says, or has a new value.
 struct NewFact {

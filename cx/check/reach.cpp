@@ -146,7 +146,7 @@ class Contradiction {
 // --- Facts that only rules make that need them first
 
 class Reach {
-  static constexpr int kMostSteps = 300000;  // from rule to rule; beyond, nothing is said
+  static constexpr int kMostSteps = 300000;  // from rule to rule; beyond, nothing is reported
 
  public:
   explicit Reach(const RuleBase& base) : base_(base) {

@@ -16,7 +16,7 @@ namespace cxlab::check {
 namespace {
 
 constexpr int kExtreme = 500;       // a salience that is to beat all others
-constexpr int kMostPairs = 300000;  // of rules that are compared; beyond, nothing is said
+constexpr int kMostPairs = 300000;  // of rules that are compared; beyond, nothing is reported
 
 struct Ranked {
   struct Condition {

@@ -23,7 +23,7 @@ Values values_of(const UDFValue& field) {
   return values;
 }
 
-/// Those of `field` that `takes` says yes to, each once, in order.
+/// Collects the values of `field` for which `takes` is true, each once, in order.
 template <class Takes>
 void collect(const UDFValue& field, Values& seen, MultifieldBuilder* to, Takes takes) {
   for (std::size_t i = 0; i < field.range; ++i) {

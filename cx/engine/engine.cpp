@@ -143,7 +143,7 @@ void RuleEngine::Impl::print(const char* logical_name, const char* text) {
   const std::string_view name = logical_name;
   if (leaving_calls && name == "stderr") return;
   if (name == "stderr") capture(text);
-  // What is wrong with a form that is loaded is reported with its place; the lines of CLIPS would tell it twice. They
+  // The load report names the errors of a form with their places, so the lines of CLIPS would repeat them. Those lines
   // begin with an empty one.
   const bool told_later = name == "stderr" && (starts.empty() ? is_parsing() && *text == '\n' : starts.back().line > 0);
   if (!told_later && engine.options_.on_output) engine.options_.on_output(name, text);

@@ -184,9 +184,9 @@ class RuleEngine {
   LoadReport load_file(const std::string& path, LoadMode mode, OnLoadError on_error = OnLoadError::kStop);
   LoadReport load_text(std::string_view text, const std::string& file, LoadMode mode,
                        OnLoadError on_error = OnLoadError::kStop);
-  /// From now on: for files that are loaded once more.
+  /// Sets what happens to constructs that a file defines again, from now on.
   void keep_same_constructs(KeepSame keep);
-  /// One construct, e.g. a deftemplate of a plugin.
+  /// Builds one construct, for example a deftemplate of a plugin.
   Status build(std::string_view construct, const std::string& file = {}, int line = 0);
   /// Removes a construct; fails while something uses it.
   Status undefine(std::string_view kind, const std::string& name);
@@ -224,7 +224,7 @@ class RuleEngine {
 
   void reset();
   void refresh_all_agendas();
-  /// What is on the agenda is not any more, as if it had fired: it comes back only with other facts.
+  /// Empties the agenda. An activation returns only with other facts, as if it had fired.
   void forget_agenda();
   /// Fires rules until none is left, `limit` have fired (0 = no limit), or a rule raised an error that halts.
   RunReport run(std::int64_t limit = 0);
@@ -235,13 +235,14 @@ class RuleEngine {
   bool callable(const std::string& function) const;
   /// How often `call` was called since this was asked last.
   std::int64_t take_call_count() { return std::exchange(calls_, 0); }
-  /// Steps are counted anew (`Limits::steps`).
+  /// Starts the count of steps again (`Limits::steps`).
   void begin_tick();
   /// Sets `LimitsInUse::exceeded` to this, with the rule or form at work and its place, and ends what rules do.
   void exceed_limits(Error error);
   /// Errors since the last report or call of this.
   std::vector<RuleError> take_errors();
-  /// An error where rules are just now, as CLIPS would word it (`[CODE1] ...\n`); nothing is printed, nothing halts.
+  /// Records an error at the place where rules are now, worded like those of CLIPS (`[CODE1] ...\n`). It prints nothing
+  /// and halts nothing.
   void note_error(const std::string& text);
   bool has_errors() const { return !errors_.empty(); }
   /// `(exit)` was called by a rule; it ends the run and nothing else.
@@ -253,9 +254,9 @@ class RuleEngine {
 
   /// From now on: counts what rules do. It changes nothing that they do. Asked again, it counts more, or goes on.
   void count(Counting what);
-  /// What has been counted, also of rules that have been removed.
+  /// All counts so far, also those of removed rules.
   EngineCounts counts() const;
-  /// How often each rule that was counted has been put on the agenda, by name with module: "MAIN::go".
+  /// How often each counted rule was put on the agenda, by name with module: "MAIN::go".
   std::map<std::string, std::int64_t> activations() const;
 
   // --- Functions -------------------------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ std::vector<std::string> quoted_words(const std::string& message) {
   return names;
 }
 
-/// What was captured, cut into messages.
+/// The captured text, cut into messages.
 std::vector<Message> take_messages(RuleEngine::Impl& impl) {
   std::vector<Message> messages;
   for (std::size_t i = 0; i < impl.starts.size(); ++i) {
@@ -143,7 +143,7 @@ std::vector<std::string> known_functions(Environment* env) {
   return names;
 }
 
-/// Of the deftemplates of that name.
+/// The slots of all deftemplates of that name.
 std::vector<std::string> slots_of_template(Environment* env, const std::string& name) {
   std::vector<std::string> slots;
   in_each_module(env, [&] {
@@ -209,7 +209,8 @@ std::string with_nearest(const std::string& message, const std::string& word, co
   return near.empty() ? message : message.substr(0, message.find_last_not_of('.') + 1) + near;
 }
 
-/// Of "Module 'A' does not export any constructs.", "... any KIND constructs.", "... the KIND 'name'."
+/// The message with its remedy. It is "Module 'A' does not export any constructs.", "... any KIND constructs.", or "...
+/// the KIND 'name'."
 std::string with_export(const RuleEngine::Impl& impl, const std::string& message,
                         const std::vector<std::string>& names) {
   static constexpr std::string_view kBefore = " does not export ";

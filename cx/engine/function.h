@@ -33,8 +33,8 @@ struct FunctionSpec {
   std::string doc = {};    ///< one line
 };
 
-/// One call under way. Arguments have been evaluated and have the types of the spec. Without a `give`, the call
-/// returns nothing (void).
+/// One running call. Its arguments are evaluated and have the types of the spec. Without a `give`, the call returns
+/// nothing (void).
 class Call {
  public:
   RuleEngine& engine() const { return engine_; }
@@ -59,7 +59,7 @@ class Call {
   void give_strings(std::span<const std::string> values);
   void give_list(std::span<const Value> values);
   void give(const Value& value);
-  /// The argument itself, e.g. to hand a multifield through.
+  /// Returns the argument itself, for example to hand a multifield through.
   void give_arg(std::size_t i);
 
   /// Ends the call with an error: the message goes to `stderr` in the manner of CLIPS and the rest of the rule is

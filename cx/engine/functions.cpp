@@ -48,7 +48,7 @@ struct CallFrame {
           many.resize(room *= 4);
           args = many.data();
         }
-        // Built in its place: a copy would wait for what was just written.
+        // The value is built in its place: a copy would have to wait for the write before it.
         const unsigned bits = size < record.arg_bits.size() ? record.arg_bits[size] : record.rest_bits;
         const Expression& arg = *context->lastArg;
         if (arg.type <= STRING_TYPE && (bits & 1U << arg.type) != 0) {
@@ -191,8 +191,8 @@ void Call::complain(std::string_view message) {
 
 // --- Adding and removing -------------------------------------------------------------------------------------------
 
-// CLIPS frees the definition of a function that is removed, also while compiled rules point to it: a later function in
-// the same memory would be called by the old rules. So a definition is only ever taken out of the table of names.
+// CLIPS frees the definition of a removed function, even while compiled rules point to it. Old rules would then call a
+// later function that got the same memory. So a definition is only taken out of the table of names, never freed.
 
 void RuleEngine::Impl::hide(FunctionRecord& record) {
   FunctionHash** link =

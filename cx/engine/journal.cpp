@@ -139,7 +139,7 @@ void RuleEngine::Impl::on_modify(Environment*, Fact* before, Fact*, void* self) 
     return;
   }
   const Fact* fact = std::exchange(impl.modified, nullptr);
-  // The changed fact equals another one and has gone.
+  // The changed fact equals another one, so CLIPS removed it.
   if (fact != nullptr && !impl.modified_again) on_retract(impl.env, const_cast<Fact*>(fact), self);
 }
 

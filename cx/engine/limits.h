@@ -12,7 +12,7 @@ namespace cxlab {
 /// The code of an error that says that rules were stopped from outside.
 inline constexpr const char* kStoppedCode = "stopped";
 
-/// Of all engines of one episode together.
+/// Limits for all engines of one episode together.
 struct Limits {
   std::int64_t memory = 2'000'000'000;      ///< bytes that CLIPS holds in all of them, and that are charged to them
                                             ///< (cx/base/charge.h); 0 = no limit

@@ -95,8 +95,8 @@ void RuleEngine::Impl::remember(const Form& form, const std::string& file) {
 
 namespace {
 
-/// What a form defines, as in "defrule 'go'": a name stands for one construct, but for a method with other parameters
-/// than another, a handler of another class or kind, and each global of a defglobal.
+/// The constructs that a form defines, as in "defrule 'go'". A defglobal defines several. The parameters of a method
+/// and the class and kind of a handler are part of the name.
 std::vector<std::string> defined_by(const Form& form) {
   const Term tree = tree_of(form);
   const auto word = [&](std::size_t i) { return i < tree.items.size() ? tree.items[i].print() : std::string(); };

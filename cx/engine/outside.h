@@ -13,18 +13,18 @@
 
 namespace cxlab {
 
-/// Of the content of a file that rules made with a bsave function.
+/// The hash of a file that rules wrote with a bsave function.
 using BinaryHash = std::pair<std::uint64_t, std::uint64_t>;
 
 /// Decides on every path that rules name (open, load, batch, load-facts, save-facts, bsave, dribble-on, remove, ...).
-/// Answers with the path to open really; an error is reported to the rule. A file that is missing is no error here.
+/// Answers with the path to open; an error is reported to the rule. A missing file is no error here.
 class FileAccess {
  public:
   virtual ~FileAccess() = default;
   /// Called before each reading; the place to log the content.
   virtual Expected<std::string> for_reading(const std::string& path) = 0;
   virtual Expected<std::string> for_writing(const std::string& path) = 0;
-  /// How the journal names a file: the same on every machine, e.g. relative to its package.
+  /// How the journal names a file: the same on every machine, for example relative to its package.
   virtual std::string journal_name(const std::string& path) const { return path; }
 
   std::set<BinaryHash> binaries;  ///< written by rules of this run; no others are read

@@ -27,8 +27,8 @@ struct WorkTime {
   friend WorkTime operator/(WorkTime time, double by) { return {time.s / by, time.reads / by}; }
 };
 
-/// A join of CLIPS: one condition of a rule, to which CLIPS adds the `test` conditions that follow it. What is inside
-/// of a `not`, `exists` or `forall` of several conditions is one join, too.
+/// A join of CLIPS: one condition of a rule, to which CLIPS adds the `test` conditions that follow it. All conditions
+/// inside one `not`, `exists` or `forall` are one join together.
 struct JoinCounts {
   std::int64_t passed = 0;    ///< partial matches that have got through since the join was made
   std::int64_t compared = 0;  ///< pairs of a partial match and a fact that were tried

@@ -95,7 +95,7 @@ class ValueRef {
   Handle as_handle() const;
   std::int64_t fact_index() const;
 
-  /// Of a multifield; 0 for anything else.
+  /// The number of fields of a multifield; 0 for any other value.
   std::size_t size() const { return size_; }
   ValueRef operator[](std::size_t i) const;
 

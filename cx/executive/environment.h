@@ -118,12 +118,12 @@ class Environment {
   /// The environment is destroyed, or inactive until it is activated again: plugins need not remove constructs.
   bool ending() const { return ending_; }
   void end() { ending_ = true; }
-  /// It is activated again: templates that exist and have the same text may be loaded once more.
+  /// It is activated again: files may define existing types again with the same text.
   void begin_again();
   void has_begun() { engine_->keep_same_constructs(KeepSame::kNothing); }
 
-  /// An object that plugins of this environment share, e.g. the messages that its rules hold: one a type, made from
-  /// this environment when first asked for, destroyed with the environment.
+  /// An object that plugins of this environment share, for example the messages that its rules hold. There is one
+  /// object of each type. The first call makes it from this environment, which destroys it at its own end.
   template <class T>
   T& common() {
     auto& shared = common_[std::type_index(typeid(T))];

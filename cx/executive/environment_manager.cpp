@@ -70,7 +70,7 @@ EnvironmentManager::EnvironmentManager(ManagerOptions options, Parameters parame
 }
 
 EnvironmentManager::~EnvironmentManager() {
-  options_.log = nullptr;  // it may have gone
+  options_.log = nullptr;  // its owner may be destroyed
   bond_.reset();
   for (Entry& entry : environments_) end(entry);  // threads of plugins end with them, also where nobody deactivated
   finalize_unused();

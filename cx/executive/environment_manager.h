@@ -68,7 +68,7 @@ class EnvironmentManager final : public Agent {
   /// Makes the environments, without plugins; offers the six services (list_envs, create_env, ...).
   Status configure() { return lifecycle_.change(Transition::kConfigure); }
   /// All plugins of all environments; then each environment: reset, agendas refreshed, run. Environments that were
-  /// active before keep their constructs; what the plugins load once more replaces them.
+  /// active before keep their constructs; what the plugins load again replaces them.
   Status activate() { return lifecycle_.change(Transition::kActivate); }
   /// (executive-finalize) and a last run in each environment; then its plugins go, in reverse order, and the services
   /// but list_envs. Does all of it and returns the first error. Nothing to do where nothing is active.
@@ -100,7 +100,7 @@ class EnvironmentManager final : public Agent {
   /// "unknown plugin"
   Status unload_plugin(const std::string& environment, const std::string& plugin);
   std::vector<std::string> environment_names() const;
-  /// In order of loading; of an environment that there is.
+  /// In order of loading; fails if the environment does not exist.
   Expected<std::vector<std::string>> plugin_names(const std::string& environment) const;
 
   std::size_t size() const { return environments_.size(); }
@@ -114,7 +114,7 @@ class EnvironmentManager final : public Agent {
   const std::vector<RuleErrorEntry>& rule_errors() const { return rule_errors_; }
   /// With `keep_going`: what was wrong in files and plugins that did not load.
   const std::vector<Error>& load_errors() const { return load_errors_; }
-  /// After deactivation: parameters that were given and nobody asked for. At any time: what rules printed as an error.
+  /// After deactivation: given parameters that nothing read. At any time: what rules printed as an error.
   std::vector<Error> warnings() const;
   /// False once a plugin has opened a gate for threads, or a person has done something in an environment.
   bool deterministic() const;
@@ -172,7 +172,7 @@ class EnvironmentManager final : public Agent {
   void check_rules();
   /// Errors of rules: what cxlab reports is not defined in CX.
   void note_rule_errors();
-  /// Those that were not noted before.
+  /// Notes the errors that were not noted before.
   void note_each(std::vector<Error> errors);
   /// A request at run time failed: noted with `keep_going`, else the run ends.
   void fail(Error error);

@@ -17,7 +17,7 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// Of what is special.
+/// The kind of a file that is not a regular one.
 std::string what_it_is(const fs::path& path) {
   std::error_code ignored;
   switch (fs::status(path, ignored).type()) {

@@ -66,7 +66,7 @@ class Files final : public FileAccess {
   /// As in ament: the path before `/share/<package>`, else the folder itself.
   Expected<std::string> prefix(std::string_view package) const;
   std::vector<std::string> packages() const;  ///< sorted
-  /// Those of all packages, and those that have what these lack.
+  /// The folders of all packages, and the folders with files that these lack.
   std::vector<std::filesystem::path> folders() const;
 
   /// Finds a file as CX does: absolute, else the first of the packages that has it, asked in order.

@@ -21,7 +21,7 @@ namespace cxlab::cx {
 /// The manager's arguments for a plugin. All of them outlive it.
 struct PluginContext {
   std::string name;        ///< of the instance
-  std::string type;        ///< as in YAML, e.g. "cx::FileLoadPlugin"
+  std::string type;        ///< as in YAML, for example "cx::FileLoadPlugin"
   std::string library;     ///< file that it comes from; empty = built in
   Parameters& parameters;  ///< of the manager node
   bus::Bus& bus;

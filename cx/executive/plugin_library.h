@@ -6,10 +6,10 @@
 //     - class: my::Greeter                # as in CXLAB_PLUGINS and in `plugin:` of a configuration
 //       base: cxlab::cx::Plugin           # may be left out
 //       description: Greets who comes.
-//       parameters: [greeting]            # that it reads; without this key any is taken
+//       parameters: [greeting]            # that it reads; without this key it may read any
 //
-// A package with several libraries has a list of such maps. A library is opened when its first instance is made and
-// closed when the last environment that used it has gone.
+// A package with several libraries has a list of such maps. A library is opened when its first instance is made. It is
+// closed when the last environment that used it is destroyed.
 
 #include <filesystem>
 #include <functional>
@@ -40,9 +40,10 @@ void open_early(const PluginType& type);
 /// "/p/share/greeter/cxlab_plugins.yaml:3", or "cxlab" for one that is built in.
 std::string place_of(const PluginType& type);
 
-/// Makes an instance. Of a library: opens it, which fails with kResource (not there, a library or a symbol that it
-/// needs is missing) or kInput (built with other headers, has no such class); file and line are those of the manifest.
-/// kUsage where `RunSettings::programs` does not allow it. The library stays open as long as the instance lives.
+/// Makes an instance. Opens the library of the class, if it is in one. Fails with kResource if this library, or a
+/// library or symbol that it needs, is missing. Fails with kInput if it was built with other headers or has no such
+/// class. File and line are those of the manifest. Fails with kUsage where `RunSettings::programs` does not allow it.
+/// The library stays open as long as the instance lives.
 Expected<std::shared_ptr<Plugin>> make_plugin(const PluginType& type, PluginContext context);
 
 /// The library whose constructors run now, empty if none does: an exception of theirs ends the process.

@@ -27,7 +27,7 @@ struct ControlPlace {
   bool is_between_ticks() const { return fired == -2; }
 };
 
-/// What was done in an environment.
+/// One intervention in an environment.
 struct ControlAct {
   enum class Verb : std::uint8_t {
     kEval,     ///< by a person: evaluate the text
@@ -37,7 +37,7 @@ struct ControlAct {
     kSet,      ///< planned: the text is the value of the name, `?*global*` or a parameter of the node
     kFail,     ///< planned: the run ends here, the text says why
     kRetract,  ///< planned: the text is the index of a fact
-    kSettle,   ///< planned: what is on the agenda counts as fired
+    kSettle,   ///< planned: the activations on the agenda count as fired
   };
   ControlPlace place;
   Verb verb = Verb::kEval;
@@ -48,12 +48,12 @@ struct ControlAct {
 /// Between ticks none is planned.
 inline bool is_planned(ControlAct::Verb verb) { return verb >= ControlAct::Verb::kLoad; }
 
-/// Decides where environments stop, and does there what it is told.
+/// Decides where environments stop, and acts there.
 class RunControl {
  public:
   virtual ~RunControl() = default;
   /// Called at each tick and when rules are about to run; before each firing only where `before_each_firing` says so.
-  /// It may wait. What rules could notice it does with `Environment::act`. An error ends the run.
+  /// It may wait. It does what rules could notice with `Environment::act`. An error ends the run.
   virtual Status stop_at(Environment& environment, const ControlPlace& place) = 0;
   virtual bool before_each_firing() const = 0;
 };

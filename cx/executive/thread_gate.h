@@ -1,6 +1,6 @@
 #pragma once
 // The way into an environment for threads of a plugin. Their requests wait in a queue that the environment reads when
-// it perceives: each is then a delivery on the bus like any other, so that it is in the input log and replays.
+// it perceives. Each request is then a delivery on the bus like any other, so it is in the input log and replays.
 //
 //   gate_ = environment->open_gate(name());  // in clips_env_init
 //   auto fact = gate_->assert_fact("(scan)").get();  // on the plugin's thread: waits for the tick

@@ -83,7 +83,7 @@ struct Member {
 };
 using Members = std::vector<Member>;
 
-/// Of each join; nothing where the joins are not those that are expected of the conditions.
+/// The members of each join; nothing if the joins do not fit the conditions.
 std::optional<std::vector<Members>> members_of(const Alternative& way, const std::vector<JoinCounts>& joins) {
   std::vector<Members> members;
   if (!joins.empty() && joins.front().initial) members.emplace_back();

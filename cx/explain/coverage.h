@@ -55,8 +55,8 @@ struct Coverage {
     /// How many partial matches got past a condition, in all ways that it is on.
     std::int64_t passed(std::size_t condition) const;
     bool counts_conditions() const { return !ways.empty(); }
-    /// Of a rule that never matched: the place of the condition that nothing got past, on the way that got furthest;
-    /// the number of conditions where none is known.
+    /// For a rule that never matched: the place of the condition that nothing got past, on the way that got furthest.
+    /// The number of conditions if this place is unknown.
     std::size_t failed_at() const;
 
     template <class Keys>
@@ -106,8 +106,8 @@ struct Coverage {
   }
 };
 
-/// Of the rules and functions that were read from files. `name` gives the name of a file from the one that the engine
-/// knows.
+/// The coverage of the rules and functions that were read from files. `name` gives the name of a file from the one that
+/// the engine knows.
 Coverage coverage_of(const EngineCounts& counts, const std::function<std::string(const std::string&)>& name);
 
 /// The conditions that a join of CLIPS stands for; number 0 where they are not known.
@@ -116,7 +116,7 @@ struct JoinLabel {
   int line = 0;
   std::string text;
 };
-/// Of each join of each disjunct.
+/// The labels of each join of each disjunct.
 std::vector<std::vector<JoinLabel>> join_labels(const RuleCounts& rule);
 
 /// A line for each rule that never fired, each condition of others that nothing got past, and each function that nobody

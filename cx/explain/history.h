@@ -1,6 +1,6 @@
 #pragma once
-// What has happened in one environment, from the records of its journal: every fact that ever was, every firing. So a
-// fact is seen that lives only within one run of the rules.
+// The history of one environment from the records of its journal: every fact that ever existed, and every firing. It
+// includes facts that live only within one run of the rules.
 
 #include <cstdint>
 #include <map>
@@ -48,7 +48,7 @@ class History {
   /// In order of their beginning.
   const std::vector<FactVersion>& facts() const { return facts_; }
   const std::vector<Firing>& firings() const { return firings_; }
-  /// Those of the last firing of the rule that was asked for in that module, as they were then.
+  /// The facts of the last firing of the wanted rule in that module, as they were then.
   const std::vector<FactCopy>& last_facts(const std::string& module) const;
   /// The last firing of that rule for facts of these numbers since the last of them changed; null if there is none.
   const Firing* fired_for(const std::string& module, const std::vector<std::int64_t>& facts) const;
@@ -71,7 +71,7 @@ class History {
   std::set<std::string> templates_;
 };
 
-/// Those of all environments of a run.
+/// The histories of all environments of a run.
 class Histories final : public JournalListener {
  public:
   explicit Histories(History::Options options = {}) : options_(std::move(options)) {}

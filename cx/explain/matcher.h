@@ -18,7 +18,7 @@ class Facts {
   Facts(const RuleEngine& engine, std::string module);
   Facts(const Facts&) = delete;
   Facts& operator=(const Facts&) = delete;
-  /// Those that the pattern may stand for, in order of assertion.
+  /// The facts that the pattern may match, in order of assertion.
   const std::vector<const FactCopy*>& of(const Pattern& pattern) const;
 
  private:

@@ -16,16 +16,16 @@ std::string with_module(const std::string& module, const std::string& name);
 /// Names of constructs of that kind, bare.
 std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind);
 
-/// Of templates, with those of ordered facts that are there.
+/// Names of templates, including those of existing ordered facts.
 std::vector<std::string> template_names(const RuleEngine& engine);
 
-/// What a pattern that a person wrote names and the engine does not have, with the nearest name: its template or a
-/// slot.
+/// Fails if a pattern that a person wrote names a template or slot that the engine does not have. The error suggests
+/// the nearest name.
 Status check_names(const Pattern& pattern, const RuleEngine& engine);
 
-/// Why no fact is like a pattern: it has a value against the type or the allowed values of its slot, or a symbol where
-/// `facts` have that string, or the other way round. To be asked where nothing matches: CLIPS does not keep rules from
-/// asserting such a value.
+/// Fails if a value of the pattern is not of its slot's type or allowed values. Fails too if it is a symbol where
+/// `facts` have that string, or the other way round. Call it only where nothing matches: CLIPS lets rules assert such
+/// values.
 Status check_values(const Pattern& pattern, const RuleEngine& engine, const std::vector<FactCopy>& facts);
 
 }  // namespace cxlab::explain

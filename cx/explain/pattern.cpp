@@ -139,7 +139,7 @@ void add_variables(const std::vector<Constraint>& constraints, std::vector<std::
   }
 }
 
-/// Those that expressions of the constraints name, each once.
+/// The globals that expressions of the constraints name, each once.
 std::vector<std::string> globals_in(const std::vector<Constraint>& constraints) {
   std::vector<std::string> names;
   for (const Constraint& constraint : constraints)
@@ -293,7 +293,7 @@ class Pattern::Matching {
     }
     return false;
   }
-  /// What was left for later, then the caller.
+  /// Checks the postponed constraints, then asks the caller.
   bool end() {
     for (const Later& later : later_)
       if (!holds(*later.constraint, later.value, *later.classes)) return false;
@@ -407,7 +407,7 @@ std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& 
   }
   std::vector<const Slot*> order;
   for (const Slot& slot : slots_) order.push_back(&slot);
-  // Those with expressions last: they may use what other slots bind.
+  // Slots with expressions come last: they may use variables that other slots bind.
   std::stable_partition(order.begin(), order.end(), [](const Slot* slot) {
     return std::none_of(slot->constraints.begin(), slot->constraints.end(), has_expression);
   });

@@ -84,8 +84,8 @@ class Pattern {
   bool loose_numbers_ = false;
 };
 
-/// The fact that fails in the fewest slots. Of several it is one with a word that may be misspelt, then one that is
-/// about what the other conditions are about (its state differs, not whose it is), then the last.
+/// The fact that fails in the fewest slots. Among several, one with a word that may be misspelt comes first. Next comes
+/// one that concerns the same thing as the other conditions: its state differs, not its owner. Else it is the last.
 struct Nearest {
   const FactCopy* fact = nullptr;  ///< null: there is none of the template
   std::vector<Mismatch> mismatches;

@@ -306,7 +306,7 @@ Expected<Look> look(RuleEngine& engine, const ConstructInfo& rule, const Wanted&
   return out;
 }
 
-/// Those of modules above the rule's, and those of its own module before `own`.
+/// Puts the activations of modules above the rule's into the answer, and those of its own module before `own`.
 void put_agenda(const RuleEngine& engine, const std::vector<ActivationInfo>& agenda, const ActivationInfo& own,
                 WhyNot& answer) {
   constexpr std::size_t kShown = 5;

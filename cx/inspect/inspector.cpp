@@ -109,7 +109,7 @@ Expected<Inspector::Wanted> Inspector::wanted_in(const std::string& what) const 
     auto fact = engine_->fact(*index);
     if (!fact)
       return input_error("there is no fact " + what +
-                         " when that tick is over; a pattern, as '(order (id 3))', also finds one that has gone");
+                         " when that tick is over; a pattern, as '(order (id 3))', also finds retracted facts");
     wanted.template_name = fact->template_name;
     wanted.fact = *std::move(fact);
   } else if (!what.empty() && what.front() == '(') {
@@ -365,7 +365,7 @@ Expected<std::uint64_t> Inspector::record_of(const std::string& what) const {
   std::optional<std::uint64_t> last;
   for (const FactHistory& history : *found) last = std::max(last.value_or(0), history.changes.back().n);
   if (last) return *last;
-  // One that has gone: the last change after which it matched.
+  // A retracted fact: the last change after which it matched.
   auto gone = facts(what, SimTime::min() + SimTime(1), SimTime::max());
   if (!gone) return gone.error();
   for (const FactHistory& history : *gone)

@@ -28,7 +28,7 @@ using Values = explain::Values;
 struct Doer {
   enum class Kind {
     kRule,     ///< a rule that fired
-    kInput,    ///< something came from outside, e.g. "topic /game_state"
+    kInput,    ///< something came from outside, for example "topic /game_state"
     kPerson,   ///< with cxlab attach
     kWhatIf,   ///< cxlab rerun --then, --set or --assert
     kProgram,  ///< the program that played the run, between ticks
@@ -52,7 +52,7 @@ struct FactChange {
 
 /// A fact from its assertion to now, or to its end.
 struct FactHistory {
-  FactCopy fact;  ///< as it is, or was last; `index` is 0 where it has gone
+  FactCopy fact;  ///< as it is, or was last; `index` is 0 for a retracted fact
   bool present = true;
   std::vector<FactChange> changes;  ///< the first is its assertion
 };
@@ -63,7 +63,7 @@ struct FiringCopy {
   std::string rule;  ///< with a module other than MAIN
   std::string file;
   int line = 0;
-  Values values;                ///< of its variables; empty where the rule has gone or been changed since
+  Values values;                ///< of its variables; empty if the rule was removed or changed since
   std::vector<FactCopy> facts;  ///< that it matched, as they were then
 };
 
@@ -117,7 +117,7 @@ class Inspector {
   Expected<std::vector<FactCopy>> present(const std::string& what) const;
   /// The same with their histories, in order of assertion.
   Expected<std::vector<FactHistory>> facts(const std::string& what) const;
-  /// Those that were there at some time of this stretch.
+  /// The facts that existed at any time of this stretch.
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
 
   /// The executive takes its time fact back after each run of the rules: asserts what the next run would find, where
@@ -138,7 +138,7 @@ class Inspector {
   std::vector<RuleUse> rules_explained() const;
 
   /// `what`: `f-12`, a pattern (its fact that changed last), or a rule (its last firing). A pattern that no fact
-  /// matches now may name one that has gone.
+  /// matches now may name a retracted one.
   Expected<Derivation> why(const std::string& what) const;
 
   static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();

@@ -57,8 +57,8 @@ bool may_match(const check::SlotConstraint& slot, std::span<const Term> values) 
   return (slot.one_of.empty() || slot.one_of.contains(value)) && !slot.none_of.contains(value);
 }
 
-/// What is looked for, and which slots a change must set one of: those in which the facts differ from it. Empty: some
-/// fact matches the pattern by itself, or there is none.
+/// The wanted fact. A change must set one of the slots `differing`, in which the existing facts differ from the
+/// pattern. It is empty if a fact matches the pattern by itself, or if no such fact exists.
 struct Needed {
   check::PatternSlots pattern;
   std::set<std::string> differing;

@@ -32,9 +32,9 @@ const char* done_by(RecordKind kind);
 /// "rule order-begin (orders.clp:58) at 302.000 s  ?id = 4".
 std::string line_of(const Derivation::Step& step);
 
-/// What a rule lacks, in lines that begin with `indent`: "lacks condition 2: (order (id 3)): there is no fact of
-/// order", or, where this is too long, the condition, why it does not hold, and the fact that this is about. `begin` is
-/// what comes before the condition.
+/// The condition that a rule lacks, in lines that begin with `indent`: "lacks condition 2: (order (id 3)): there is no
+/// fact of order". A text that is too long becomes several lines: the condition, why it does not hold, and the fact
+/// concerned. `begin` comes before the condition.
 std::string text_of(const explain::UnmetCondition& unmet, const std::string& begin, const std::string& indent);
 
 /// All that a derivation has, as a numbered list of firings, the latest first: each once, with the numbers of those

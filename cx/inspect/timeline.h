@@ -1,5 +1,5 @@
 #pragma once
-// What has happened in one environment, from its start: the records of its journal stream, kept as they were written.
+// The records of one environment's journal stream, from its start, kept as they were written.
 
 #include <cstdint>
 #include <deque>
@@ -90,7 +90,7 @@ class Timeline {
   mutable std::map<std::uint64_t, FactCopy> facts_;  // as changes left them, as far as somebody asked
 };
 
-/// Those of all environments of a run, by stream.
+/// The timelines of all environments of a run, by stream.
 class Timelines final : public JournalListener {
  public:
   bool wants(std::string_view stream, RecordKind) const override { return stream.starts_with("env/"); }

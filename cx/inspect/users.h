@@ -38,7 +38,7 @@ struct FactFuture {
   std::string text() const;
 };
 
-/// `what`: a fact such as `f-12`, or a pattern. Of several facts that match, the one that changed last.
+/// `what`: a fact such as `f-12`, or a pattern. If several facts match, it is the one that changed last.
 Expected<FactFuture> future_of(const Inspector& inspector, const std::string& what);
 
 }  // namespace cxlab::inspect

@@ -22,8 +22,8 @@
 
 namespace cxlab {
 
-/// One thing that an environment took. Participants and causes are known by the name of their stream, endpoints by
-/// their number in the order in which their participant made them: both are the same when the rules run again.
+/// One delivery that an environment took. The log names participants and causes by their stream. It names an endpoint
+/// by its number in the order in which its participant made them. Both are the same when the rules run again.
 struct LoggedDelivery {
   bus::Delivery delivery;      ///< without sender, receiver, message and stream of its cause, which are named here
   std::string_view from;       ///< stream of the sender
@@ -44,7 +44,7 @@ struct LoggedTake {
 struct LoggedResult {
   SimTime t{};
   std::string_view environment;  ///< its stream
-  std::string_view key;          ///< which function, e.g. "read-line"
+  std::string_view key;          ///< which function, for example "read-line"
   std::string_view bytes;
 };
 

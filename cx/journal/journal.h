@@ -17,15 +17,15 @@
 
 namespace cxlab {
 
-/// What is exported (the hash always covers everything): nothing; input, skill, referee, decision, control and error;
-/// everything.
+/// The records that are exported: none; input, skill, referee, decision, control and error; or all. The hash always
+/// covers all.
 enum class JournalLevel : std::uint8_t { kNone, kDecisions, kFull };
 inline constexpr std::string_view kJournalLevels[] = {"none", "decisions", "full"};
 
 class JournalListener;
 
 /// The records of one episode. A stream's hash covers number, time, kind, causes (name of the stream and number) and
-/// data of each of its records, and depends on nothing else: not on other streams nor on the order of opening.
+/// data of each of its records. It does not depend on other streams or on the order in which streams are opened.
 class Journal final : public RecordSink {
  public:
   Journal();
@@ -37,12 +37,12 @@ class Journal final : public RecordSink {
   /// come together, at least every 10 s of simulated time, and with `flush`.
   Status export_to(const std::filesystem::path& path, JournalLevel level);
 
-  /// From now on this one hears of records, after those who came before. It outlives the journal, or `ignore` takes it
-  /// out before.
+  /// From now on this listener hears of records, after the earlier listeners. It outlives the journal, or `ignore`
+  /// takes it out before.
   void observe(JournalListener& listener) { listeners_.push_back(&listener); }
   void ignore(JournalListener& listener) { std::erase(listeners_, &listener); }
 
-  /// From now on texts in records that hold this folder hold the name instead, e.g. "package://agent".
+  /// From now on, texts of records have this name, for example "package://agent", in place of the folder.
   void name_folder(const std::string& folder, const std::string& name) { folders_.add(folder, name); }
 
   StreamId open_stream(std::string_view name) override;

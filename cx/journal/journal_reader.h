@@ -53,10 +53,10 @@ class JournalReader {
   /// The record of the line; the error has file and line.
   Expected<JournalRecord> record() const;
 
-  /// The next record that the filter takes; none at the end. Of records of other kinds mostly no more is read than the
-  /// head of the line.
+  /// The next record that the filter takes; none at the end. It mostly reads only the head of the line for records of
+  /// other kinds.
   Expected<std::optional<JournalRecord>> next(const RecordFilter& filter = {});
-  /// All that are left.
+  /// All remaining records.
   Expected<std::vector<JournalRecord>> all(const RecordFilter& filter = {});
 
  private:

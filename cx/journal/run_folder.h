@@ -24,8 +24,8 @@ Status put_in_place(Status written, const std::filesystem::path& unfinished, con
 /// get the same one. kResource if it cannot be made.
 Expected<std::filesystem::path> make_numbered_folder(const std::filesystem::path& parent, const std::string& name);
 
-/// A folder that the user named: made if it is missing, else it must be empty (kUsage) unless `force`, which takes away
-/// the files of a former run and leaves all others.
+/// Makes a folder that the user named, if it is missing. An existing one must be empty (else kUsage). With `force` it
+/// need not be: the files of a former run are removed, and all others stay.
 Status make_output_folder(const std::filesystem::path& path, bool force);
 
 }  // namespace cxlab

@@ -79,7 +79,7 @@ class Reader {
   std::uint64_t size_ = 0, at_ = 0, record_start_ = 0;
   std::uint8_t opcode_ = 0;
   std::string content_;  ///< of the record
-  std::string chunk_;    ///< records of the chunk under way
+  std::string chunk_;    ///< records of the current chunk
   std::size_t chunk_at_ = 0;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;

@@ -49,7 +49,7 @@ class Writer {
   struct Channel {
     std::string topic, record;
     std::uint32_t sent = 0;
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> index = {};  ///< in the chunk under way: time, place
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> index = {};  ///< in the current chunk: time, place
   };
   struct Chunk {
     std::uint64_t begin = 0, end = 0, start = 0, size = 0, index_size = 0, compressed = 0, uncompressed = 0;

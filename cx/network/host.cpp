@@ -14,7 +14,8 @@ namespace {
 
 std::uint32_t number(LinkId link) { return static_cast<std::uint32_t>(link); }
 
-/// Of the k-th client inside the episode that a host has accepted, which has no port of its own.
+/// A made-up port for the k-th client inside the episode that a host has accepted: such a client has no port of its
+/// own.
 std::uint16_t port_of_client(std::uint32_t k) { return static_cast<std::uint16_t>(49152 + k % 16384); }
 
 }  // namespace

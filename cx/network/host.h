@@ -6,9 +6,9 @@
 //   const net::LinkId peer = (*host)->open_datagrams(4444, 4445);
 //   (*host)->send(peer, bytes);
 //
-// Everything travels as posts of the participant on the bus: it arrives when other posts do
-// (docs/reference/contracts.md), is part of the input log, and the handler runs when the participant takes what waits
-// for it. There is one machine: every name of a host means it, and its address is 127.0.0.1.
+// Everything travels as posts of the participant on the bus. It arrives when other posts do
+// (docs/reference/contracts.md) and is part of the input log. The handler runs when the participant takes its waiting
+// deliveries. There is one machine: every name of a host means it, and its address is 127.0.0.1.
 
 #include <cstdint>
 #include <functional>
@@ -64,14 +64,14 @@ class Host {
 
   /// Sends to all links that receive on `send_port`, itself excluded, and receives what is sent to `receive_port`.
   LinkId open_datagrams(std::uint16_t send_port, std::uint16_t receive_port);
-  /// Of several servers on a port the first has the clients.
+  /// Opens a server. If a port has several servers, the first one gets the clients.
   LinkId listen(std::uint16_t port);
   /// kConnected or kClosed follows.
   LinkId connect(std::uint16_t port, bus::Causes causes = {});
 
   /// A datagram, or the next bytes of a stream. False if there is no such link, or its stream is not connected.
   bool send(LinkId link, std::string_view bytes, bus::Causes causes = {});
-  /// Of datagrams: whether anybody else would receive them now, in the episode or outside of it.
+  /// Whether anybody else, inside or outside of the episode, would receive a datagram of this link now.
   bool is_heard(LinkId link) const;
   /// Nothing more comes from the link. The other side of a stream is told; a server closes its streams.
   void close(LinkId link, bus::Causes causes = {});

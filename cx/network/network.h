@@ -45,7 +45,7 @@ class Network {
   void closed(const Host::Link& link);
   std::size_t users(Host::LinkKind kind, std::uint16_t port) const;
   bool others_receive(std::uint16_t port, const Host& host) const;
-  /// Of the hosts with other links than `link` of `sender` that receive there, else of the gateway.
+  /// The endpoints of the hosts that receive there, without `link` of `sender`; the gateway's if there is none.
   std::vector<bus::EndpointId> receivers(std::uint16_t port, const Host& sender, LinkId link) const;
   struct Server {
     const Host* host;

@@ -296,21 +296,21 @@ std::vector<Error> Parameters::in_vain() const {
   for (const auto& [name, value] : values_) {
     if (!value.given || value.asked_for) continue;
     if (value.at_run_time) {
-      out.push_back(input_error(
-          "parameter '" + name +
-          "' was set while the run went on and nobody asked for it since: rules that have read it before go on with "
-          "the old value, which a global or a fact of theirs may hold"));
+      out.push_back(input_error("parameter '" + name +
+                                "' was set during the run, but nothing has read it since. Rules that read it before go "
+                                "on with the old value, "
+                                "for example in a global or a fact"));
       continue;
     }
     std::vector<std::string> others = names();
     std::erase_if(others, [&word = name](const std::string& other) {
-      // Of names in the same group, what is behind the group counts.
+      // Names of the same group are compared without the group.
       std::size_t group = 0;
       for (std::size_t i = 0; i < std::min(word.size(), other.size()) && word[i] == other[i]; ++i)
         if (word[i] == '.') group = i + 1;
       return word == other || nearest_word(word.substr(group), {other.substr(group)}).empty();
     });
-    out.push_back(input_error("parameter '" + name + "' was set and nobody asked for it" + did_you_mean(name, others),
+    out.push_back(input_error("parameter '" + name + "' was set, but nothing reads it" + did_you_mean(name, others),
                               value.file, value.line));
   }
   return out;

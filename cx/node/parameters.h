@@ -48,7 +48,7 @@ class Parameters {
   /// Sets a parameter; `yaml` is its value as YAML.
   Status set(const std::string& name, const std::string& yaml, const Origin& origin);
   void put(const std::string& name, Parameter value) { values_[name] = std::move(value); }
-  /// Those that were set beside the file and never asked for: where each is, and the nearest of the other names.
+  /// The given parameters that nothing read: the place of each, and the nearest of the other names.
   std::vector<Error> in_vain() const;
   /// All names, sorted.
   std::vector<std::string> names() const;

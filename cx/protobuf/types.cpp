@@ -39,7 +39,7 @@ struct Types::Reader final : proto::compiler::SourceTree, proto::compiler::Multi
       return nullptr;
     }
     if (!*source) {
-      // Those that everybody may import are part of the library.
+      // The files that every file may import are part of the library.
       const proto::FileDescriptor* known = proto::DescriptorPool::generated_pool()->FindFileByName(file);
       if (!known || !file.starts_with("google/protobuf/")) return nullptr;
       source = std::optional(Types::Source{known->DebugString(), file});

@@ -60,7 +60,7 @@ struct Frame {
 };
 
 inline constexpr std::size_t kFrameHeader = 8, kMessageHeader = 4;
-/// The largest payload of a stream's frame that is taken.
+/// The largest accepted payload of a stream's frame.
 inline constexpr std::size_t kLargestPayload = 16 << 20;
 /// The largest datagram.
 inline constexpr std::size_t kLargestDatagram = 65507;

@@ -50,7 +50,7 @@ bool within(const Expectation& e, const explain::FactVersion& version) {
   return version.from <= e.until && (version.until > e.after || version.from >= e.after);
 }
 
-/// What is wrong, or nothing.
+/// The fault, or an empty text.
 std::string judge_fact(const Expectation& e, const Play& play) {
   const auto pattern = *explain::Pattern::parse_plain(e.text, play.spec().file, e.line);
   const explain::FactVersion* found = nullptr;
@@ -148,8 +148,9 @@ bool contains(const std::string& found, const std::string& wanted) {
 
 namespace {
 
-/// What CLIPS says against a pattern that no fact of its template can match: a value of another type, one that is not
-/// allowed, a template with slots as an ordered fact. Asked in an engine of its own that has the templates alone.
+/// The objection of CLIPS to a pattern that no fact of its template can match. Its value may have another type or may
+/// not be allowed, or a template with slots is written as an ordered fact. A separate engine, which has only the
+/// templates, answers.
 class ImpossiblePatterns {
  public:
   explicit ImpossiblePatterns(const RuleEngine& rules) {

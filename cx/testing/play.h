@@ -39,9 +39,9 @@ class Play final : private Server, private cx::LogSink {
   Wall wall() const;
   /// Activation. Errors of kind kInput are mistakes in rule files or the configuration.
   Status begin();
-  /// Deactivation, then the agent is gone.
+  /// Deactivates the agent and removes it.
   Status end();
-  /// Of what has gone.
+  /// The coverage of the removed agent.
   const explain::Coverage& coverage() const { return coverage_; }
   /// After `begin`: all that is still to come is that of another story of the same agent (`same_agent`).
   Status go_on_as(const StorySpec& spec);
@@ -54,7 +54,7 @@ class Play final : private Server, private cx::LogSink {
   StandIns& stand_ins() { return stand_ins_; }
   const StandIns& stand_ins() const { return stand_ins_; }
   cx::EnvironmentManager& manager() { return *manager_; }
-  /// That of the environment that the story looks at.
+  /// The engine of the environment that the story looks at.
   RuleEngine& engine() const { return environment_->engine(); }
   const explain::History& history() const { return *history_; }
   const explain::History& history_of(const RuleEngine& engine) {

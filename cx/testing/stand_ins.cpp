@@ -27,7 +27,7 @@ struct StandIns::Served {
   std::size_t taken = 0;
 };
 
-/// What has been taken and is answered later.
+/// A goal or call that was taken and is answered later.
 struct StandIns::Ending {
   bool is_canceling(const bus::Bus& bus) const {
     return action && bus.server_goal_status(endpoint, taken.goal) == bus::GoalStatus::kCanceling;
@@ -171,7 +171,7 @@ Status StandIns::add(const StandIn& given) {
   Served* raw = server.get();
   if (Status s = read_types(*raw); !s) return s;
   if (const auto old = servers_.find(given.name); old != servers_.end()) {
-    // The endpoint stays, so that what is under way ends well.
+    // The endpoint stays, so that running goals end well.
     if (old->second->stand_in.action != given.action || old->second->stand_in.type != given.type)
       return input_error(given.name + ": served as " + old->second->stand_in.type + " before, not as " + given.type,
                          given.file, given.line);

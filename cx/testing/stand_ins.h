@@ -17,7 +17,7 @@ namespace cxlab::testing {
 struct Outcome {
   enum class Kind { kSucceed, kFail, kReject, kNever };
   Kind kind = Kind::kSucceed;
-  SimTime takes{};     ///< from the tick in which it is taken
+  SimTime takes{};     ///< counts from the tick that takes it
   SimTime longest{};   ///< more than `takes`: chance decides between the two
   std::string result;  ///< fields of the result or response, YAML; `success` follows the kind where it is not given
   int line = 0;
@@ -30,8 +30,8 @@ struct UnderWay {
   int line = 0;
 };
 
-/// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last; the first ones are
-/// those of goals that are under way.
+/// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last. The first outcomes
+/// belong to goals that run when the story begins.
 struct StandIn {
   bool action = true;
   std::string name, type;

@@ -65,7 +65,8 @@ struct StorySpec {
   std::vector<Line> given;
   SimTime begins{};              ///< time of the first tick
   SimTime given_at{};            ///< when facts are given: not before `begins`
-  bool moment = false;           ///< `given` is all that there is then, and what it would fire has fired
+  bool moment = false;           ///< at `given_at` only the facts of `given` exist, and the activations that they cause
+                                 ///< count as fired
   std::vector<Line> calls;       ///< expressions, evaluated before facts are given
   std::filesystem::path golden;  ///< a recorded run: nothing else is given, and it must go as it went then
   std::vector<StandIn> stand_ins;

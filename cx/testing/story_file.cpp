@@ -68,7 +68,7 @@ Outcome read_outcome(yaml::Map& map) {
   return outcome;
 }
 
-/// Goals that are under way, and how they end.
+/// Reads the goals that run when the story begins, and how they end.
 void read_under_way(const yaml::Value& list, StandIn& out) {
   for (const yaml::Value& item : list.as_list()) {
     yaml::Map map = item.as_map();
@@ -96,7 +96,8 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
   for (const Outcome& o : out.outcomes)
     if (!out.action && o.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
   if (const yaml::Value list = map.get("under_way")) {
-    if (!out.action || step) list.fail("only goals of `skills` can be under way when a story begins");
+    if (!out.action || step)
+      list.fail("found `under_way` here, expected it only in `skills`: only goals can run when a story begins");
     read_under_way(list, out);
   }
   map.finish();
@@ -241,16 +242,15 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     for (const yaml::Value& item : expect.as_list()) spec.expect.push_back(read_expectation(item));
 }
 
-/// Goals that are under way are sent at the first tick, and facts are given later, when they have been answered.
+/// Running goals are sent at the first tick. Facts are given later, when these goals have been answered.
 void check_under_way(const yaml::Map& map, StorySpec& spec) {
   spec.given_at = std::max(spec.given_at, spec.begins);
   if (spec.given_at > spec.begins && !spec.moment) map.fail("given_at_s is for stories with `moment: true`");
   for (StandIn& stand_in : spec.stand_ins) {
     if (stand_in.under_way.empty()) continue;
     if (!spec.moment || spec.given_at == spec.begins)
-      return map.fail(
-          stand_in.name +
-          ": goals can be under way only in a story with `moment: true` and a `given_at_s` after `begins_s`");
+      return map.fail(stand_in.name +
+                      ": `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`");
     for (std::size_t i = 0; i < stand_in.under_way.size(); ++i)  // they count from `given_at_s` on
       for (SimTime* t : {&stand_in.outcomes[i].takes, &stand_in.outcomes[i].longest}) *t += spec.given_at - spec.begins;
   }

@@ -166,7 +166,7 @@ Status StoryFacts::answer(cx::Environment& environment) const {
   return {};
 }
 
-/// The fact, in which handles and ids of goals that are under way are those of the goals of the story; empty: it has
+/// The fact with the handles and ids of this story's goals in place of those of recorded running goals. Empty if it has
 /// none.
 std::string StoryFacts::with_goals(const std::string& fact) const {
   std::string out = fact;

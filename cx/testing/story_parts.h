@@ -41,9 +41,9 @@ class StorySteps final : public Server {
   std::size_t next_ = 0;
 };
 
-/// Makes and takes away the facts of a story in the environment that it looks at: those that are given at their time,
-/// those of its steps at theirs, when messages have become facts and before any rule fires. Goals that are under way
-/// then it sends at the first tick, and until then no rule fires.
+/// Asserts and retracts the facts of a story in the environment that the story looks at, each at its time. It acts when
+/// messages have become facts and before any rule fires. It sends running goals at the first tick, and no rule fires
+/// until the facts are given.
 class StoryFacts final : public cx::RunControl {
  public:
   /// It outlives this.
@@ -54,7 +54,7 @@ class StoryFacts final : public cx::RunControl {
   bool before_each_firing() const override { return false; }
 
  private:
-  /// A goal that is under way.
+  /// A running goal.
   struct Sent {
     const StandIn* server;
     const UnderWay* goal;

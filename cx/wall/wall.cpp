@@ -395,9 +395,9 @@ Status raise_wall(const Wall& wall) {
   const char* open = files   ? "start programs, open sockets and signal processes"
                      : calls ? "read and change all files of this user"
                              : "do what this user can";
-  return resource_error(std::string("rules are checked by cxlab alone, and not confined by the kernel as well (") +
-                        (files ? calls : files).error().message + "): where a fault of cxlab lets them, they can " +
-                        open + "; cxlab doctor says what the kernel has");
+  return resource_error(std::string("only cxlab checks the rules, and the kernel does not confine them as well (") +
+                        (files ? calls : files).error().message + "): if a fault of cxlab lets them, they can " + open +
+                        "; cxlab doctor shows what the kernel has");
 }
 
 }  // namespace cxlab

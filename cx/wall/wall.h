@@ -1,15 +1,16 @@
 #pragma once
 // The second wall around the rules of a stranger. The first one are the checks of `cx::Files` and of the functions that
 // rules call; this one holds even if a fault in the program lets rules run code of their own. The process gives up, for
-// good and in all its threads, what it does not need: Landlock leaves it the files that the run names, seccomp the
-// system calls that a run makes. So nothing starts a process, opens a socket or signals another process any more.
+// good and in all its threads, what it does not need. Landlock leaves it only the files that the run names, and seccomp
+// only the system calls that a run makes. So nothing starts a process, opens a socket or signals another process any
+// more.
 //
 //   Wall wall;
 //   wall.read = {package, configuration};
 //   wall.write = {run_folder};
 //   if (Status s = raise_wall(wall); !s) warn(s.error());
 //
-// What a run needs from outside is opened before: sockets, ffmpeg, `Servant`s (cx/base/servant.h).
+// A run opens what it needs from outside before: sockets, ffmpeg, `Servant`s (cx/base/servant.h).
 
 #include <filesystem>
 #include <string>

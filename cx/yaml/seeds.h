@@ -8,7 +8,7 @@
 
 namespace cxlab::yaml {
 
-/// A list of seeds, each once, or a range of at most 100000: "0..29". What is wrong is reported at the value.
+/// A list of seeds, each once, or a range of at most 100000: "0..29". An error is reported at the value.
 std::vector<std::uint64_t> read_seeds(const Value& value);
 
 }  // namespace cxlab::yaml

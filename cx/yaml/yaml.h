@@ -28,7 +28,7 @@ class Reader;
 /// million values: whoever walks through it must come to an end.
 YAML::Node load(const std::string& text);
 
-/// What is wrong with a text that yaml-cpp does not read, with the line; a tab in the indentation is named.
+/// The error of a text that yaml-cpp does not read, with the line. It names a tab in the indentation.
 Error syntax_error(const YAML::Exception& thrown, const std::string& text, const std::string& file);
 
 /// A struct that lists its keys, for reading and for writing:
@@ -54,7 +54,7 @@ class Value {
   std::string text() const;
   /// The text in quotes, or what else stands there: "a list".
   std::string found() const;
-  /// The value as YAML text, e.g. for a bus message.
+  /// The value as YAML text, for example for a bus message.
   std::string dump() const;
 
   // Each reports an error with path and line if the value is not what is asked for, and then returns the default.
@@ -77,8 +77,8 @@ class Value {
   std::string path_;
 };
 
-/// A mapping that is read key by key; `finish` reports the keys that nobody asked for: first those that are near a key
-/// that was asked for. A near miss of a missing required key is reported in that key's error.
+/// A mapping that is read key by key. `finish` reports the unused keys, first those that resemble a key that was read.
+/// A near miss of a missing required key is reported in that key's error.
 class Map {
  public:
   Value get(std::string_view key);      ///< may be missing

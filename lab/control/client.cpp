@@ -37,7 +37,7 @@ struct ControlClient::State {
   std::function<void(const Event&)> on_event = [](const Event&) {};
   std::optional<Event> last_stop;  // that nobody waited for yet
 
-  static Error gone() { return resource_error("the run has ended, or let this terminal go"); }
+  static Error gone() { return resource_error("the run ended or closed the connection"); }
 
   Status send(const Json& request) {
     std::error_code error;

@@ -37,14 +37,14 @@ class ControlClient {
   void on_event(std::function<void(const Event&)> call);
 
   Expected<Answer> carry_out(const std::string& line);
-  /// A question of a program: a JSON object with "ask" and what belongs to it, without its id. Gives the answer's text,
-  /// also JSON; an error of kind kInput where the run refuses it, of kind kResource where the run has gone.
+  /// A question of a program: a JSON object with "ask" and its arguments, without an id. Gives the answer's text, also
+  /// JSON. Fails with kInput if the run refuses the question, and with kResource if the run has ended.
   Expected<std::string> ask(const std::string& question);
   /// Words that begin so.
   Expected<std::vector<std::string>> completions(const std::string& begun);
   /// Waits until the run stops or ends.
   Expected<Event> wait_for_stop();
-  /// Takes the events that have come; an error when the run has gone.
+  /// Takes the events that have come; an error when the run has ended.
   Status take_events();
   /// To wait for input, as with poll.
   int descriptor() const;

@@ -258,7 +258,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, rest); }},
       {"build", "CONSTRUCT", "adds a rule or another construct; (defrule ...) alone does the same",
        [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kBuild, rest); }},
-      {"assert", "FACT", "asserts, e.g. assert (order (id 3))",
+      {"assert", "FACT", "asserts, for example assert (order (id 3))",
        [](D& d, const std::string& rest) { return d.act(cx::ControlAct::Verb::kEval, "(assert " + rest + ")"); }},
       {"retract", "N|PATTERN", "retracts a fact by its index, or all that match",
        [](D& d, const std::string& rest) -> A {

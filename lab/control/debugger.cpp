@@ -333,7 +333,7 @@ std::optional<Debugger::Where> Debugger::place() const {
   return here;
 }
 
-/// What `place` will say there; none if no firing that was recorded tells which rule comes next.
+/// The answer of `place` there; none if no recorded firing tells which rule comes next.
 std::optional<Debugger::Where> Debugger::seen(Target target) const {
   const Visit& visit = visits_[target.visit];
   Where there{visit.place, visit.environment == kNoEnvironment ? selected_ : environment_names_[visit.environment]};
@@ -399,7 +399,7 @@ void Debugger::answer(const ControlLines::Line& line) {
     return lines_.send(line.client, json_text(out));
   }
   const auto command = text_in("line"), begun = text_in("complete");
-  // What was evaluated is undone first, and what is asked about the place where the person is, is asked there.
+  // First undo what a person evaluated. A question about the person's place is asked at that place.
   if (changed_ || time_is_there_ || (shown_ && asks_about_place(command.value_or("")))) return play_up_to_here();
   if (!request.is_object() || !request.contains("id") || !(command || begun)) return refuse(kExpected);
   if (begun) {

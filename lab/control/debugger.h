@@ -1,9 +1,9 @@
 #pragma once
 // Stops a run where a person wants, and answers what the person asks: the other side of `cxlab attach`.
 //
-// A recorded run is played again for the same commands, and time goes back as well. What is known of a place that was
-// passed tells where it is; only a question about it plays the run again, at full speed up to its tick, and there from
-// firing to firing. What a person evaluates is undone in the same way.
+// A recorded run is played again for the same commands, and time goes back as well. The debugger notes the places that
+// it passes, so it finds them without a replay. Only a question about a place plays the run again: at full speed up to
+// its tick, and there from firing to firing. A replay also undoes what a person evaluates.
 //
 // A request is a line of JSON, {"id": 3, "line": "facts order"} or {"id": 4, "complete": "fac"}; its answer has the
 // same id: {"id": 3, "ok": true, "text": "...", "goes_on": false}, {"id": 4, "words": ["facts"]}. Programs ask for
@@ -47,7 +47,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     bool recorded = false;                              ///< the run has ended, and is played again
     std::string address;                                ///< for `note`
     cx::LogSink* log = nullptr;                         ///< takes each line too; may be none
-    std::function<bool()> over = [] { return false; };  ///< whether the run shall end, also while it is stopped
+    std::function<bool()> over = [] { return false; };  ///< whether the run must end, also while it is stopped
     std::function<void(std::string_view)> note = [](std::string_view) {};  ///< for the person who started the run
     std::function<void(bool)> waits = [](bool) {};                         ///< called when a wait begins and ends
   };
@@ -58,8 +58,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   using Look = std::function<Expected<std::string>(const std::string& what)>;
   /// What there is to see, for programs.
   using LookJson = std::function<Expected<Json>(const std::string& what)>;
-  /// Why a rule has not fired; nothing where this is known only after the run has been played once more, with a witness
-  /// of `followed_rule`.
+  /// Why a rule has not fired; nothing if the run must first be played again, with a witness of `followed_rule`.
   using WhyNot = std::function<std::optional<Expected<explain::WhyNot>>(cx::Environment&, const ConstructInfo& rule,
                                                                         const explain::Wanted&)>;
   struct Knowledge {
@@ -74,11 +73,11 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   void end(std::string_view how);
 
   // --- A recorded run
-  /// It is played from its start, once more.
+  /// It is played again from its start.
   void begin_again();
   /// It has been played to its end: the person looks and asks there, until it is to be played again or they leave.
   void stay_at_end(SimTime t, const Status& how);
-  /// Set while the rest of what is played is of no use: the person wants to be somewhere before it, or has left.
+  /// Set while playing on is useless: the person wants to be at an earlier place, or has left.
   const std::atomic<bool>& gives_up() const { return gives_up_; }
   bool has_left() const { return left_; }
   /// A tick is over, which is a place of its own: what questions about a time see.
@@ -104,8 +103,8 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     bool once = false;                           // of `until`
   };
   static constexpr std::int64_t kAfterTick = -2;  // `fired` of a place where a tick is over
-  /// Where the recorded run came by: a tick, the beginning of a run of the rules, or the end of a tick. Each pass sees
-  /// the same ones.
+  /// A place that the recorded run passed: a tick, the beginning of a run of the rules, or the end of a tick. Each pass
+  /// sees the same places.
   struct Visit {
     cx::ControlPlace place;
     std::uint32_t environment = 0;  // in `environment_names_`; that of the end of a tick is none of them

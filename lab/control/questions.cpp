@@ -412,7 +412,7 @@ std::optional<Expected<Json>> Debugger::why_not_rule(cx::Environment& environmen
       followed_rule_ = name;
       found = knows_.why_not(environment, rule, wanted);
       if (!found) {
-        time_is_there_ = true;  // so that it is played anew
+        time_is_there_ = true;  // so that it is played again
         return std::nullopt;
       }
     } else {
@@ -436,7 +436,7 @@ std::optional<Expected<Json>> Debugger::why_not_rule(cx::Environment& environmen
   return Json{{"explanations", std::move(explanations)}};
 }
 
-/// What has happened so far, as far as it tells why a rule has not fired.
+/// The history so far, with the records that tell why a rule has not fired.
 explain::History Debugger::history_of(const inspect::Timeline& timeline, const std::string& rule) {
   explain::History history({.past_facts = false, .rule = rule});
   for (std::uint64_t n = timeline.begin(); n < timeline.end(); ++n)

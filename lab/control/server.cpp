@@ -40,13 +40,13 @@ constexpr const char* kFull =
 
 using Socket = asio::generic::stream_protocol::socket;
 
-/// Takes away a socket that was left by a run that has gone; what else is there stays.
+/// Removes a socket that an ended run left behind. Fails if anything else is there.
 Status make_room(const std::string& path) {
   std::error_code error;
   const auto there = std::filesystem::symlink_status(path, error);
   if (there.type() == std::filesystem::file_type::not_found) return {};
   if (there.type() != std::filesystem::file_type::socket)
-    return resource_error("is there and is no socket; give --control-at another path", path);
+    return resource_error("exists and is no socket; give --control-at another path", path);
   asio::io_context context;
   asio::local::stream_protocol::socket probe(context);
   probe.connect(asio::local::stream_protocol::endpoint(path), error);

@@ -1,6 +1,7 @@
 #pragma once
-// What was sent on the bus, as topics of a bag: publications under their names; services and actions as the events that
-// service introspection of ROS 2 publishes (`NAME/_service_event`), feedback and status of actions.
+// The messages of the bus, as topics of a bag: publications under their names, feedback and status of actions, and
+// calls of services and actions. Calls become the events that service introspection of ROS 2 publishes
+// (`NAME/_service_event`).
 
 #include <cstdint>
 #include <map>

@@ -6,7 +6,7 @@ namespace cxlab::lab {
 
 namespace {
 
-/// Those that begin with a prefix.
+/// The topics that begin with a prefix.
 std::vector<std::string> below(const std::vector<std::string>& topics, const std::string& prefix) {
   std::vector<std::string> out;
   for (const std::string& topic : topics)

@@ -18,7 +18,7 @@ Expected<bus::Registry> own_types() {
   return out;
 }
 
-/// Those of the run's copies come before them.
+/// The types of a run: those of its own copies first, then those of cxlab.
 Expected<bus::Registry> types_of(const Run& run, const fs::path& folder) {
   auto out = own_types();
   if (!out) return out;

@@ -33,7 +33,7 @@ class McapExport {
   std::unique_ptr<BusChannels> bus_;
   std::unique_ptr<SceneChannels> scene_;  ///< none: the run has no scene
   std::unique_ptr<StoryChannels> story_;
-  std::unique_ptr<PictureChannel> pictures_;  ///< none: nobody asked for them
+  std::unique_ptr<PictureChannel> pictures_;  ///< none: the bag has no pictures
 };
 
 }  // namespace cxlab::lab

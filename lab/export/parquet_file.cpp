@@ -111,7 +111,7 @@ class ParquetFile final : public TableFile {
   }
 
  private:
-  /// A column of the group under way.
+  /// A column of the current group.
   struct ColumnData {
     std::string values;
     std::string levels;     ///< runs of cells that are there (1) or empty (0)

@@ -17,7 +17,7 @@ class SceneTimes {
     next_ = tick_not_before(std::max(stretch.from, reader_.begin()), kScenePeriod);
     end_ = std::min(stretch.to, reader_.end());
   }
-  /// Tells of all scenes before `t`.
+  /// Reports all scenes before `t`.
   Status before(SimTime t, const std::function<Status(const Scene&)>& see) {
     for (; next_ <= end_ && next_ < t; next_ += kScenePeriod) {
       const auto scene = reader_.at(next_);

@@ -116,7 +116,7 @@ void SceneChannels::put_poses(const Scene& scene) {
 
 Status SceneChannels::put_markers(const Scene& scene) {
   std::map<std::string, std::vector<const Entity*>> kinds;
-  for (const auto& [kind, _] : last_markers_) kinds[kind];  // one whose last entity has gone is told, too
+  for (const auto& [kind, _] : last_markers_) kinds[kind];  // a kind whose last entity was removed is reported, too
   for (const Entity& entity : scene.entities) kinds[entity.kind].push_back(&entity);
   for (const auto& [kind, entities] : kinds) {
     std::string made_of;

@@ -16,7 +16,7 @@ class StoryTables final : public PassListener {
 
   bool wants(RecordKind kind) const override { return kind == RecordKind::kSkill || kind == RecordKind::kReferee; }
   Status hear(const JournalRecord& record) override;
-  /// Those that are not over before the stretch; one that has not ended `runs`.
+  /// The skills that are not over before the stretch; one that has not ended `runs`.
   PlainTable skills() const;
   const PlainTable& points() const { return points_; }
 

@@ -14,8 +14,8 @@
 
 namespace cxlab::lab {
 
-/// Processes: skills (a thread a robot), one for each kind of entities in the scene that have a state (a thread an
-/// entity), orders, referee, points, and each environment (a thread a rule).
+/// Its processes are: skills (a thread for each robot), orders, referee, points, and each environment (a thread for
+/// each rule). Each kind of entities with a state is a process too (a thread for each entity).
 class TraceExport final : public PassListener {
  public:
   static Expected<std::unique_ptr<TraceExport>> create(const Run& run, const Stretch& stretch,

@@ -1,17 +1,17 @@
 #pragma once
 // Decides, game by game, whether figures lie above or below 0, and stops asking once that is certain.
 //
-// A group-sequential test with the boundaries of Haybittle (1971) and Peto (1976): of N planned games, it looks after
-// each tenth of them whether p <= 0.001, and after the last one whether p <= 0.04. Nine early looks and the last one
-// are wrong with a probability of at most 9 * 0.001 + 0.04 < 5 % together, because that of a union is at most the sum;
-// no assumption about how looks depend on each other is needed. Several questions at once are corrected by Holm at each
-// look, so the 5 % are those of all answers together.
+// A group-sequential test with the boundaries of Haybittle (1971) and Peto (1976) for N planned games. After each tenth
+// of them it looks whether p <= 0.001, and after the last one whether p <= 0.04. Together, the ten looks are wrong with
+// a probability of at most 9 * 0.001 + 0.04 < 5 %, because the probability of a union is at most the sum. This holds
+// however the looks depend on each other. Several questions at once are corrected by Holm at each look, so the 5 % are
+// those of all answers together.
 //
-// What it assumes: N is fixed before the first look, and games are independent of each other. Differences in pairs:
-// that without a difference either sign is as likely (sign_flip_p), then it holds exactly, for any distribution. The
-// mean against a number: no test holds for all distributions (Bahadur and Savage, 1956); Hall's is near its level for
-// figures that are skewed like an exponential distribution or less (mean_p; docs/reference/sweep-statistics.md has what
-// was measured).
+// It assumes that N is fixed before the first look, and games are independent of each other. For differences in pairs
+// it assumes that both signs are equally likely if nothing differs (sign_flip_p). The test is then exact for any
+// distribution. For the mean against a number, no test holds for all distributions (Bahadur and Savage, 1956). Hall's
+// is near its level for figures that are skewed like an exponential distribution or less (mean_p;
+// docs/reference/sweep-statistics.md has measurements).
 
 #include <cstddef>
 #include <optional>

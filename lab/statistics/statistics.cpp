@@ -169,7 +169,7 @@ constexpr std::size_t kAllFlips = 16;  ///< differences of which all flips are t
 
 /// The share of all flips whose sum is as far from 0.
 double share_of_all_flips(Values sizes, double found) {
-  // In the order of a Gray code, so that each flip changes one sign. The sum is made anew now and then, for its
+  // In the order of a Gray code, so that each flip changes one sign. The sum is computed again now and then, because of
   // rounding.
   const std::uint64_t flips = std::uint64_t{1} << sizes.size();
   std::vector<double> signed_sizes(sizes.begin(), sizes.end());

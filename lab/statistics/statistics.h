@@ -28,7 +28,7 @@ double mean(Values values);
 double median(Values values);
 /// The mean of the middle half: a quarter of the values, rounded down, is left out at each end.
 double interquartile_mean(Values values);
-/// Of a sample: the squares are divided by n - 1.
+/// The sample standard deviation: the sum of squares is divided by n - 1.
 double standard_deviation(Values values);
 
 struct Interval {
@@ -77,8 +77,8 @@ Counts count_signs(Values differences);
 /// pairs of two strategies between which nothing differs, however their figures are distributed. All flips are tried
 /// for up to 16 differences, else random ones.
 double sign_flip_p(Values differences, const Resampling& flips = {.resamples = 99999});
-/// How probable a mean at least as far from 0 is if the true mean is 0: by Student's t and by Hall's correction of it
-/// for skewness, whichever is more cautious. 1 for fewer than `kFewestForMean` values.
+/// The probability of a mean at least as far from 0 if the true mean is 0. It is the larger one of Student's t test and
+/// of Hall's correction for skewness. 1 for fewer than `kFewestForMean` values.
 double mean_p(Values values);
 inline constexpr std::size_t kFewestForMean = 10;
 /// Holm's correction: the p of each, so that with `adjusted <= a` in all of them a false one is among them with

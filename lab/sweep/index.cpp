@@ -245,7 +245,7 @@ Expected<std::vector<IndexedRow>> read_index(const fs::path& file) {
   in.each("PRAGMA user_version", [&version](auto row) { version = sqlite3_column_int(row, 0); });
   if (in.status() && version != kIndexSchema)
     return input_error("is an index of version " + std::to_string(version) + ", expected " +
-                           std::to_string(kIndexSchema) + "; cxlab bench SUITE --collect DIR --out DIR writes it anew",
+                           std::to_string(kIndexSchema) + "; cxlab bench SUITE --collect DIR --out DIR rebuilds it",
                        file.string());
   std::map<std::string, std::string> compared;  // by world
   std::set<std::string> of_machine;

@@ -1,7 +1,7 @@
 #pragma once
 // runs.sqlite: the rows of a sweep as an SQLite database, for pandas, DuckDB and Datasette. The schema is documented in
-// docs/reference/sweeps.md. It is made from the rows anew each time, and replaced whole, so that it never has a journal
-// of SQLite's beside it, which who may only read it could not take back after a kill.
+// docs/reference/sweeps.md. Each time it is rebuilt from the rows and replaced as a whole. So no SQLite journal ever
+// lies beside it, which a reader without the right to write could not roll back after a kill.
 
 #include <filesystem>
 #include <vector>

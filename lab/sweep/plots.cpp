@@ -20,7 +20,7 @@ constexpr std::size_t kMostDots = 300;  ///< games of a strategy that are drawn 
 constexpr double kRowHeight = 20, kTop = 24, kCharacter = 7, kWidth = 520;
 constexpr double kBelow = 6;  ///< games lie so far below their mean, which would hide them
 
-/// Of series, readable on white and on black.
+/// Colours of series, readable on white and on black.
 constexpr const char* kSeries[] = {"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1",
                                    "#76b7b2", "#d4a800", "#9c755f", "#ff9da7", "#8c8c8c"};
 constexpr const char* kDashes[] = {"", "6 3", "2 2", "8 3 2 3"};

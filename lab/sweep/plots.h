@@ -1,7 +1,7 @@
 #pragma once
-// Drawings of sweeps, as SVG for a page or a paper. Colours stand in attributes, which every program reads; each
-// element has a class as well, by which a page gives it other colours. Of more games than a drawing can show it has
-// quantiles, so its size does not grow with the sweep.
+// Drawings of sweeps, as SVG for a page or a paper. Colours are attributes, which every program reads. Each element
+// also has a class, by which a page gives it other colours. If a sweep has more games than a drawing can show, the
+// drawing has quantiles: its size does not grow with the sweep.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace cxlab::lab {
 
-/// A line for each strategy and scenario: the figure of each game in grey, and above them their mean with its 95 %
+/// A line for each strategy and scenario, with the figure of each game in grey. Above them is their mean with its 95 %
 /// interval, in the colour that the strategy has in `profile_plot`. A dashed line shows the mean of the first strategy,
 /// or of `against`. An empty metric is the one that the world compares. Scenarios with different metrics are an error.
 Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string& metric, const std::string& against,

@@ -27,7 +27,7 @@ struct Figure {
   bool of_machine = false;  ///< as of its Metric
 };
 
-/// What is different wherever and whenever the same game is played. No comparison reads it.
+/// Figures that differ each time the same game is played. No comparison reads them.
 struct Circumstances {
   double cpu_s = 0;  ///< of its process
   double peak_rss_mb = 0;

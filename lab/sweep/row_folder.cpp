@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kUnfinished = ".part";
 
-/// Of the first agent whose configuration or package lies in a repository; without agents, of the scenario.
+/// The commit of the first agent whose configuration or package lies in a repository; if none does, that of the
+/// scenario.
 std::string commit_of_agent(const Scenario& scenario) {
   const fs::path home = scenario.file.parent_path();
   std::vector<fs::path> folders;

@@ -15,8 +15,9 @@ namespace cxlab::lab {
 /// the least and the most. An empty metric is the one that the world compares.
 Expected<Table> score_table(const std::vector<Row>& rows, const std::string& metric,
                             const Catalogue& catalogue = shipped());
-/// A line for each strategy and scenario: mean, interval and least of the metric that the world compares, the means of
-/// its other metrics that have a title, and the difference from the first strategy, or from `against`.
+/// A line for each strategy and scenario. It has mean, interval and least of the metric that the world compares, and
+/// the means of its other metrics that have a title. The last column is the difference from the first strategy, or from
+/// `against`.
 Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& against,
                                const Catalogue& catalogue = shipped());
 /// A line for each strategy and scenario: the share of games that reach each of some thresholds.

@@ -87,7 +87,7 @@ struct Suite {
   std::size_t size() const;
   /// By scenario, strategy, game and seed. Reads the scenarios where the suite has games.
   std::vector<Cell> cells() const { return cells(1, size()); }
-  /// Those of these numbers, both included: whoever plays a few of a million does not make them all.
+  /// The cells with these numbers, both included: a caller that plays a few of a million need not make them all.
   std::vector<Cell> cells(std::size_t first, std::size_t last) const;
   /// Loads every scenario with every strategy, and with every game, so that a misspelt override or a missing file does
   /// not cost a night of failed episodes.

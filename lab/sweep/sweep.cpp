@@ -171,7 +171,7 @@ class CellPlayer {
         folder_(folder),
         matcher_(*suite.catalogue, program_digest()) {}
 
-  /// The rows of all cells, or those that there were before a stop. `tables`: the tables grow with them.
+  /// The rows of all cells, or those that existed before a stop. With `tables`, the tables grow with them.
   Expected<std::vector<Row>> rows(bool tables) {
     find_rows();
     if (!open_.empty())
@@ -265,9 +265,9 @@ class CellPlayer {
     return has_new_rows ? grow_tables() : Status();
   }
 
-  /// Writes the tables of the rows so far, unless they were written a short while ago: a writing that takes a second
-  /// is followed by a hundred seconds without one, so all of them take at most a hundredth of the sweep. They are
-  /// replaced whole, so a reader, and whoever kills this process, leaves and finds a complete index.
+  /// Writes the tables of the rows so far, unless they were written a short while ago. After a write that takes a
+  /// second, the next hundred seconds have none, so all writes take at most a hundredth of the sweep. Tables are
+  /// replaced as a whole, so the index is complete at any time, even after a kill.
   Status grow_tables() {
     constexpr double kShare = 0.01;
     if (!tables_grow_ || progress_.done == progress_.total) return {};  // the whole tables come next

@@ -18,7 +18,7 @@ struct SweepRecord {
   std::filesystem::path path;  ///< as it was named
   std::vector<IndexedRow> rows;
 };
-/// That of a folder with an index; of any other folder or file of rows (read_rows) one without commands.
+/// Reads the record of a folder with an index. For any other folder or file of rows (read_rows) it has no commands.
 Expected<SweepRecord> read_sweep(const std::filesystem::path& path, const Catalogue& catalogue = shipped());
 
 struct SweepPageOptions {

@@ -13,7 +13,7 @@ namespace cxlab::lab {
 
 class ViewServer {
  public:
-  /// Port 0: one that is free. kResource where it is taken. The view outlives the server.
+  /// Port 0 means any free port. Fails with kResource if the port is in use. The view must outlive the server.
   static Expected<std::unique_ptr<ViewServer>> open(Viewer& view, std::uint16_t port);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;

@@ -52,7 +52,7 @@ ViewReply view_script(const std::string& name) {
 ViewReply view_scene(const std::filesystem::path& run, std::size_t from) {
   constexpr const char* kBytes = "application/octet-stream";
   auto bytes = read_file(run / "scene.bin");
-  if (!bytes) return {200, kBytes};  // a world without a scene, or a run that has just begun
+  if (!bytes) return {200, kBytes};  // a world without a scene, or a run that began a moment ago
   const std::size_t end = whole_bytes(*bytes);
   return {200, kBytes, bytes->substr(std::min(from, end), end - std::min(from, end))};
 }

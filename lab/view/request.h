@@ -1,5 +1,5 @@
 #pragma once
-// What comes in over HTTP, and what goes out, whatever library carries it.
+// Requests and answers over HTTP, independent of the library that carries them.
 
 #include <map>
 #include <string>

@@ -31,7 +31,7 @@ std::string seconds_in_digits(double t) {
   return digits;
 }
 
-/// The result of a run that has just ended is written a moment later.
+/// The result is written a moment after the run ends.
 constexpr int kTriesOfResult = 100;
 bool is_unfinished(const std::filesystem::path& run) {
   const auto text = read_file(run / "result.json");
@@ -136,7 +136,8 @@ void Visit::hang_up() {
   set_to_.reset();
 }
 
-/// What plays the run has gone: says why, and the next question starts it anew. No error for a live run that ended.
+/// The process that plays the run has ended. Says why; the next question starts it again. No error for a live run that
+/// ended.
 Visit::Answer Visit::lost() {
   if (client_ && live_) {
     (void)client_->take_events();  // those that came before it ended
@@ -237,7 +238,7 @@ Visit::Answer Visit::asked(const Json& question) {
   if (text) return {std::nullopt, false, parse_json(*text)};
   if (text.error().kind != ErrorKind::kResource) return {text.error(), false, {}};
   Answer gone = lost();
-  // A live run has just ended: the question goes to what it left.
+  // A live run ended meanwhile: the question goes to its folder.
   if (gone.error) return gone;
   if (const Status there = connect(); !there) return {there.error(), true, {}};
   return asked(question);

@@ -1,12 +1,13 @@
 #pragma once
 // A makespan that no plan can beat.
 //
-// Critical path: every fact has an earliest time, the latest of the conditions of its quickest achiever and the time
-// that this takes (temporal h-max, Haslum and Geffner 2001); the same for pairs of facts (pair_times.h). Then
-// activities, sets of actions of which every plan has one (all achievers of a landmark): the times of pairs right after
-// each of their actions are how far apart two activities must begin and how long the plan then continues, and no order
-// of them is shorter than sequencing.h computes. Robots, machines and places that only one can have at a time need not
-// be known: they show as times between beginnings. Actions that need facts that are never true together are left out.
+// Critical path: every fact has an earliest time. It is the latest time of the conditions of its quickest achiever,
+// plus the time that this achiever takes (temporal h-max, Haslum and Geffner 2001). Pairs of facts have such times too
+// (pair_times.h). An activity is a set of actions of which every plan has one: all achievers of a landmark. The times
+// of pairs right after each of these actions tell how far apart two activities must begin, and how long the plan then
+// continues. No order of activities is shorter than sequencing.h computes. The bound need not know which robots,
+// machines and places only one action can use at a time: they show as times between beginnings. Actions that need facts
+// that are never true together are left out.
 
 #include "planner/ground/budget.h"
 #include "planner/schedule/timeline.h"

@@ -130,7 +130,7 @@ void HappeningTask::add_conditional(const GroundAction& action, int begin, int e
   }
 }
 
-/// Which happenings make false what actions under way need over all.
+/// Finds the happenings that make a condition over all of a running action false.
 void HappeningTask::find_breaks(const GroundTask& task, const ById<int>& action_of_run, const ById<int>& end_of_run,
                                 Budget& budget) {
   ById<std::vector<int>> holders(task.facts.size());  // by fact: runs

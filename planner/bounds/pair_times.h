@@ -3,22 +3,23 @@
 // of PDDL 2.1).
 //
 // Atoms are the facts and, for each durative action, that it is running. No plan has atoms p and q together before
-// `time(p, q)`. A happening at time t (a beginning, an end, an instantaneous action, an event) that adds p leaves q
-// beside it only if q was true before t together with all that the happening needs, and is not removed by it; it
-// removes that b is running if it makes false what b needs over all. A beginning also needs what must hold from then
-// on, unless some beginning can add it: two actions that begin at one instant may each add what the other needs. For a
-// run of an action and an atom there is a second time: the earliest end of a run during which the atom was true at some
-// time.
+// `time(p, q)`. A happening is a beginning, an end, an instantaneous action, or an event. Let a happening at time t add
+// p. Then q is true beside p only if q was true before t, together with all that the happening needs, and the happening
+// does not remove q. It removes the atom that b is running if it makes false what b needs over all. A beginning also
+// needs what must hold from then on, unless some beginning can add it: two actions that begin at one instant may each
+// add what the other needs. For a run of an action and an atom there is a second time: the earliest end of a run during
+// which the atom was true at some time.
 //
 // Why no plan is quicker, by induction over the instants of a plan. Let p and q be true right after instant t. If
-// nothing changed them at t they were true before. If x added p and q was true before, q was true with all that x
-// needs, because needs are read right before t and nothing else at t touches them. If x added p and y added q, x may be
-// taken to happen before y: what y needs was true before t and x does not touch it, so it is true beside p. That order
-// fails only where x and y are ends and each makes false what the other needs over all, since over all spares the
-// instant of the end. Such ends are happenings of their own, both at once. Those in which both also change the same
-// fact are left out (`assumes_order`): validators differ on whether they may share an instant, and no plan with them
-// bears any shift. Runs of one ground action may overlap if its beginning can happen while it runs. What is conditional
-// may add and never removes. Numbers are not followed: comparisons hold from `released` on.
+// nothing changed them at t they were true before. Assume that x added p and q was true before. Then q was true with
+// all that x needs, because needs are read right before t and nothing else at t touches them. Assume that x added p and
+// y added q. Then we may say that x happens before y. The needs of y were true before t, and x does not touch them, so
+// they are true beside p. That order fails only where x and y are ends and each makes false what the other needs over
+// all, since over all spares the instant of the end. Such ends are happenings of their own, both at once. Those in
+// which both also change the same fact are left out (`assumes_order`): validators differ on whether they may share an
+// instant, and no plan with them bears any shift. Runs of one ground action may overlap if its beginning can happen
+// while it runs. A conditional effect may add and never removes. Numbers are not followed: comparisons hold from
+// `released` on.
 
 #include <cstdint>
 #include <vector>

@@ -56,8 +56,8 @@ class Sequences {
     return {found.begin(), found.end()};
   }
 
-  /// Of those with a late enough head and a long enough tail: the first head, the shortest times to a next one, the
-  /// last tail.
+  /// A bound from the activities with a late enough head and a long enough tail: the first head, plus the shortest
+  /// times to a next one, plus the last tail.
   PairTime by_sum(const std::vector<int>& group) const {
     PairTime most = 0;
     for (const int first : group)

@@ -414,7 +414,8 @@ class Explainer {
       gaps[i].text += ", one way to " + std::string(wanted ? "" : "break ") + text + ",";
   }
 
-  /// Of a conjunction: the parts that are out of reach alone; without any, those of one choice.
+  /// Finds the parts of a conjunction that are out of reach alone. If no part is, finds those that are out of reach
+  /// with the nearest choice of objects.
   void find_in_all(const std::vector<std::pair<const Condition*, bool>>& parts, const Choices& choices,
                    std::vector<Gap>& gaps) {
     const std::size_t before = gaps.size();

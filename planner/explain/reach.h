@@ -1,7 +1,7 @@
 #pragma once
-// What can come about in a problem at most, judged by its own conditions and effects: nothing is ever undone, and
-// numbers go as far as they like in each direction in which they move. The same relaxation as planner/ground has, over
-// actions with their names and conditions as they are written.
+// Everything that could become true in a problem, by a relaxation: nothing is undone, and each number goes as far as it
+// likes in each direction in which it moves. The planner's grounding (planner/ground) uses the same relaxation; here
+// actions keep their names and their conditions as written.
 
 #include <functional>
 #include <optional>

@@ -60,8 +60,8 @@ class Grounder {
   }
 
  private:
-  /// What is never true can be left out, but not where one action deletes it and another asks for its absence: the two
-  /// must not share an instant.
+  /// A fact that is never true can be left out, but not if one action deletes it and another asks for its absence: the
+  /// two must not share an instant.
   void find_absences() {
     ById<char> asked(task_.domain.predicates.size(), 0), deleted(asked);
     const auto ask = [&](const TimedCondition& condition) {

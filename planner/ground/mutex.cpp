@@ -81,8 +81,8 @@ class Pairs {
     Operator end{action.end.facts, action.at_end.add, action.at_end.remove};
     end.needs.push_back(begun);
     for (const ConditionalEffects& conditional : action.conditional) {
-      // A condition that does not hold removes nothing. What is added comes on top of what the others of the same
-      // happening add, so it leaves beside it all that the happening needs.
+      // An effect whose condition does not hold removes nothing. A conditional addition joins the other additions of
+      // its happening, so everything that the happening needs can be true beside it.
       for (auto [op, when, effects] : {std::tuple{&begin, &conditional.start, &conditional.at_start},
                                        {&end, &conditional.end, &conditional.at_end}}) {
         if (effects->add.empty()) continue;

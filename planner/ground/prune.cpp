@@ -159,7 +159,7 @@ void drop_copies(GroundTask& task, Budget& budget) {
   compact(task.actions, keep);
 }
 
-/// Numbers without a value that keep the goal out of reach. Of the actions those stay that would help.
+/// Numbers without a value that keep the goal out of reach. Keeps only the actions that would help.
 void find_missing_values(GroundTask& task, const Relaxation& relaxation, Budget& budget) {
   const Relaxation with_values(task, budget, true);
   if (budget.over() || !with_values.reaches(task.goal)) return;

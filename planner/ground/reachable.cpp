@@ -110,8 +110,8 @@ class Join {
 
   Pattern make_pattern(const Action& action) const {
     Pattern pattern;
-    // What must hold later may be brought about by the action itself or by others that overlap it, so that only facts
-    // that cannot change count at the end, and over all those that no action adds which begins in the same instant.
+    // The action itself, or another one that overlaps it, may make a later condition true. So at the end only facts
+    // that cannot change count. Over all, the facts count that no action adds which begins in the same instant.
     const ById<char>& later = result_.fluent;
     ById<char> at_once(later.size(), 0);
     for (const Effect& effect : action.effects)

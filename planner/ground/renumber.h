@@ -1,5 +1,5 @@
 #pragma once
-// Removes from a ground task what nothing asks for, and numbers the rest anew.
+// Removes what nothing in a ground task needs, and renumbers the rest.
 
 #include <vector>
 
@@ -27,7 +27,7 @@ ById<int> compact(std::vector<Item>& items, const std::vector<char>& keep) {
 void drop_facts(GroundTask& task);
 /// Comparisons and numbers that nothing asks for. Changes nothing if the budget ends.
 void drop_numbers(GroundTask& task, Budget& budget);
-/// Those that only the metric reads last.
+/// Numbers that only the metric reads come last.
 void put_significant_numbers_first(GroundTask& task);
 
 }  // namespace cxlab::planner

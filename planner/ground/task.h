@@ -1,9 +1,9 @@
 #pragma once
 // A planning task without variables: facts are bits, numeric fluents are slots, every action is written out.
 //
-// Conditions are conjunctions of facts that are true: where a problem asks for the absence of a fact, the fact has a
-// complement, a fact of its own that every effect keeps opposite. Disjunctions that cannot be split over several
-// actions are derived facts.
+// A condition is a conjunction of facts that must be true. If a problem asks for the absence of a fact, the fact has a
+// complement: a second fact that every effect keeps opposite. Disjunctions that cannot be split over several actions
+// are derived facts.
 
 #include <algorithm>
 #include <cmath>
@@ -127,8 +127,8 @@ struct GroundEffects {
   bool empty() const { return add.empty() && remove.empty() && numbers.empty(); }
 };
 
-/// Conditions and effects by time. Of effects under a condition, `start` is read when the action begins, the others at
-/// their time; effects at the start have a condition at the start only.
+/// Conditions and effects by time. A condition of an effect is read at its own time, `start` when the action begins.
+/// Effects at the start have a condition at the start only.
 struct ConditionalEffects {
   GroundCondition start, over_all, end;
   GroundEffects at_start, at_end;
@@ -146,8 +146,9 @@ struct ContinuousEffect {
   GroundExpression rate;
 };
 
-/// What no plan depends on, but validators hold against happenings at one time: a condition names a fact that is always
-/// so, or that another part of the condition makes unimportant; an effect changes what nothing needs.
+/// A use of a fact or number on which no plan depends, but which validators count when happenings share an instant. A
+/// condition names a fact that never changes, or one that another part of the condition makes unimportant. Or an effect
+/// changes what nothing needs.
 struct IdleTouch {
   int key = -1;  ///< a fact, or behind all facts a number, or behind all numbers one of GroundTask::others
   bool at_end = false;
@@ -214,8 +215,9 @@ struct GroundNumber {
   std::vector<ObjectId> objects;
 };
 
-/// What conditions of an action of the domain read through derived predicates, as validators judge it: every fact of
-/// the predicates, and every number of the functions, that they are derived from. Empty lists: nothing.
+/// The facts and numbers that conditions of an action of the domain read through derived predicates, as validators
+/// judge it. They read every fact of the predicates, and every number of the functions, from which these are derived.
+/// Empty lists: nothing.
 struct SchemaReads {
   Symbols start, over_all, end;
 };

@@ -1,7 +1,7 @@
 #pragma once
-// Search over orders of happenings (starts, ends and events), with a zone of times for each: complete for what numbers
-// linear in time can do, and it comes to an end where the moments that differ are finitely many. For small problems in
-// which the order of whole actions says too little.
+// Search over orders of happenings (starts, ends and events), with a zone of times for each. It is complete for numbers
+// that are linear in time, and it ends if the number of different moments is finite. It is for small problems in which
+// the order of whole actions says too little.
 
 #include <functional>
 #include <map>

@@ -130,8 +130,8 @@ std::optional<double> change_of(const LinearForm& gap, const GroundEffects& effe
 
 }  // namespace
 
-/// How many copies of `action` the gap of a comparison has room for at once, where each takes of it at its start and
-/// where nothing but the ends of what runs gives back, and no more than it took; none: not known.
+/// How many copies of `action` the gap of a comparison has room for at once, if each copy takes a part of the gap at
+/// its start. Only the ends of actions may give back, and no more than they took; else the number is not known (none).
 std::optional<double> Moments::room(const LinearForm& gap, const GroundAction& action) const {
   const auto touches = [&](int number) {
     return std::ranges::find(gap.weights, number, &std::pair<int, double>::first) != gap.weights.end();
@@ -591,7 +591,7 @@ void append(const GroundEffects& more, GroundEffects& to) {
   to.numbers.insert(to.numbers.end(), more.numbers.begin(), more.numbers.end());
 }
 
-/// Of several alike only the last one counts: who keeps clear of it keeps clear of those before.
+/// Among several alike only the last one counts: a distance from it is also a distance from those before.
 void note(Moment& moment, Moment::Recent happening) {
   std::erase_if(moment.recent, [&](const Moment::Recent& recent) {
     return recent.action == happening.action && recent.at_end == happening.at_end && recent.fired == happening.fired;
@@ -881,7 +881,8 @@ std::optional<ById<Micros>> Moments::times(const Moment& moment, int last) const
 
 // ---- what may come next --------------------------------------------------------------------------------------------
 
-/// Whether starting an action changes nothing for good that has not been done or is not under way.
+/// Whether starting an action is needless: all lasting changes that it makes are made already or come from a running
+/// action.
 bool Moments::is_needless(const Moment& moment, int action) const {
   if (!repeats_nothing_[action]) return false;
   const GroundAction& each = task_.actions[action];

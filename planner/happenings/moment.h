@@ -1,7 +1,7 @@
 #pragma once
-// What is known right after some happenings, without their exact times: facts, numbers as they depend on the times,
-// what runs, and the distances that the times must keep. A step from one moment to the next adds one happening: the
-// start or the end of an action or an event, later than the last one or at the same instant.
+// The state right after some happenings, without their exact times: facts, numbers as they depend on the times, running
+// actions, and the distances that the times must keep. A step from one moment to the next adds one happening: a start
+// or an end of an action, or an event. It is later than the last one or at the same instant.
 
 #include <optional>
 #include <span>
@@ -83,8 +83,8 @@ class Moments {
  public:
   struct Options {
     Micros separation = kSeparation;
-    /// Asks for less than PDDL does, so that what cannot be reached has no plan: where rounding could decide, it
-    /// decides for a plan, and copies beyond the first are not followed one by one.
+    /// Asks for less than PDDL does, so that a goal out of reach has no plan. If rounding could decide, it decides for
+    /// a plan. Copies beyond the first are not followed one by one.
     bool relaxed = false;
     bool certain = false;          ///< what only validators keep apart counts where it is certain
     int copies = 3;                ///< of one action that run at once, at most

@@ -1,6 +1,6 @@
 #pragma once
-// What is known about the distances of some points in time: a zone, as of timed automata (Dill 1989; Bengtsson and Yi
-// 2004). Always closed: every distance is as narrow as all of them together make it.
+// A zone holds what is known about the distances of some points in time, as in timed automata (Dill 1989; Bengtsson and
+// Yi 2004). It is always closed: every distance is as narrow as all of them together make it.
 
 #include <span>
 #include <vector>

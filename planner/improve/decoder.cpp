@@ -33,7 +33,7 @@ void Decoder::keep(const DecodedPlan& plan) {
   }
 }
 
-/// What is left of the list is all behind the first steps, which the kept plan has, too.
+/// Prepares to schedule the list from step `same` on: the kept plan has the same steps before.
 void Decoder::set_out(const Sequence& list, std::size_t same) {
   scratch_.assign(kept_state(same), kept_state(same + 1));
   running_.clear();
@@ -119,7 +119,7 @@ bool Decoder::decode(const Sequence& list, double most_cost, DecodedPlan& plan) 
     place(plan, plan.order.size() - 1);
     if (too_dear(most_cost)) return false;
   }
-  if (end < plan.order.size()) {  // scheduled once more without the rest
+  if (end < plan.order.size()) {  // scheduled again without the rest
     plan.order.resize(end);
     scratch_ = end_;
     shifted_ = true;

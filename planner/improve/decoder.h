@@ -47,7 +47,7 @@ class Decoder {
   bool decode(const Sequence& list, double most_cost, DecodedPlan& plan);
   /// Lists that begin as this plan does are decoded from where they differ, until another one is kept.
   void keep(const DecodedPlan& plan);
-  /// Of the kept plan, before a step.
+  /// The state of the kept plan before a step.
   const Word* kept_state(std::size_t step) const {
     return &kept_states_[step * static_cast<std::size_t>(simulator_.words())];
   }

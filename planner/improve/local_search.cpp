@@ -110,7 +110,7 @@ void LocalSearch::make_move(Sequence& list) {
 }
 
 void LocalSearch::pull(Sequence& list, int step, int to) const {
-  // Providers between `to` and the step come along, unless what they provide is already true at `to`.
+  // Providers between `to` and the step move with it, unless what they provide is already true at `to`.
   const Word* state = decoder_.kept_state(static_cast<std::size_t>(to));
   const GroundTask& task = simulator_.task();
   std::vector<int> facts, comparisons;

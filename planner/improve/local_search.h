@@ -1,6 +1,6 @@
 #pragma once
-// Shorter plans from a plan: local search over the order and the choice of its actions, accepting what is no worse than
-// some moves ago (late acceptance, Burke and Bykov 2017).
+// Makes shorter plans from a plan, by local search over the order and the choice of its actions. It accepts a plan that
+// is no worse than the one some moves ago (late acceptance, Burke and Bykov 2017).
 
 #include <functional>
 #include <vector>

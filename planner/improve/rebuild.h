@@ -1,6 +1,6 @@
 #pragma once
-// Shorter plans from a plan: takes out what belongs together, lets a search fill the gap in another way, and keeps the
-// result if it is no worse (large neighbourhood search).
+// Makes shorter plans from a plan (large neighbourhood search). It takes out steps that belong together and lets a
+// search fill the gap in another way. It keeps the result if it is no worse.
 
 #include "cx/base/random.h"
 #include "planner/improve/local_search.h"

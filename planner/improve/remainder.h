@@ -1,5 +1,6 @@
 #pragma once
-// What is left to do of a plan under execution, judged by the state alone: how far it has come need not be known.
+// The remaining steps of a plan under execution, judged by the state alone: the caller need not know how far the plan
+// has come.
 
 #include <span>
 #include <vector>

@@ -23,12 +23,12 @@ struct ExternalPlanner {
 /// interpreter that has it.
 ExternalPlanner up_engine(const std::filesystem::path& script, const std::string& python, const std::string& engine);
 
-/// Runs the command: {domain} and {problem} are files that it reads, {plan} is the file that it writes, in the format
-/// of PDDL 2.1, {timeout} the wall time in seconds after which it is ended with all that it started. What it prints
-/// goes to stderr. A plan that our validator does not accept (with 0.1 ms between happenings) is none: the answer's
-/// reason names what is wrong with it. Its units are 0. Fails if the command cannot be run (the shell ends with 126 or
-/// 127; the error ends with the remedy), wrote a plan that cannot be read or, with `our_codes`, ended with a code that
-/// is no answer.
+/// Runs the command. {domain} and {problem} are files that it reads, and {plan} is the file that it writes, in the
+/// format of PDDL 2.1. The word {timeout} is the wall time in seconds after which the command is ended with all that it
+/// started. Its output goes to stderr. A plan that our validator does not accept (with 0.1 ms between happenings) is
+/// none: the answer's reason names the fault. The answer's units are 0. Fails if the command cannot be run (the shell
+/// ends with 126 or 127; the error ends with the remedy) or if it wrote a plan that cannot be read. With `our_codes`,
+/// fails too if it ended with a code that is no answer.
 Expected<PlanAnswer> find_plan_with(const ExternalPlanner& planner, const Task& task, double timeout_s);
 
 /// The same by a servant that runs this one command and nothing else, also where this process starts no programs any

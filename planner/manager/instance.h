@@ -82,7 +82,7 @@ class Instance {
   /// kInput where the predicate is derived.
   Status set(const Fact& fact, bool value);
   void set_value(const Fact& number, double value);
-  /// Those of `wanted` that are not there yet; an error if one of them cannot be.
+  /// The objects of `wanted` that do not exist yet; an error if one of them cannot be made.
   Expected<std::vector<Object>> new_objects(const std::vector<ObjectName>& wanted) const;
   void add_objects(const std::vector<Object>& objects);
   /// By object of the problem, 1 if it stays when `gone` are removed; an error if one of them cannot be removed.
@@ -93,14 +93,14 @@ class Instance {
   bool advance(double seconds);
 
   // --- Goals, by name
-  Status create_goal(const std::string& name);  ///< anew if it is there
+  Status create_goal(const std::string& name);  ///< replaces an existing one
   GoalInstance* goal(const std::string& name);
   /// The names for a filter as they were written first; an error if one is not known.
   Expected<Names> known_names(Names GoalInstance::* filter, const Names& names) const;
 
   // --- Actions in the state of now
   enum class When {
-    kStart,    ///< conditions at the start, and those over all just after the effects at the start
+    kStart,    ///< conditions at the start, and those over all right after the effects at the start
     kAtStart,  ///< conditions at the start alone
     kOverAll,
     kEnd,

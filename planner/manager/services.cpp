@@ -187,8 +187,9 @@ struct PddlManager::Services {
     if (const auto there = manager.instances_.find(name); there != manager.instances_.end()) {
       manager.log(cx::LogLevel::kWarn, "pddl instance '" + name + "' is there already and is replaced");
       if (there->second.owner != caller)
-        manager.replaced_.push_back(manager.options_.node.full_name() + ": pddl instance '" + name +
-                                    "' is replaced by that of another one who asks, expected a manager for each agent");
+        manager.replaced_.push_back(manager.options_.node.full_name() +
+                                    ": another client replaced the pddl instance '" + name +
+                                    "', expected a manager for each agent");
     }
     manager.instances_[name] = {*std::move(instance), manager.bus_.now(), caller, {}};
     return {};

@@ -80,7 +80,7 @@ class Stn {
   bool keeps_clear_of_events() const;
   template <class Visit>
   void for_each_limit(int step, bool at_end, const Visit& visit) const;
-  /// Of happenings that conflict.
+  /// The least distance of two happenings that conflict.
   Micros separation(std::uint8_t a, std::uint8_t b) const {
     return Touches::conflict_at_instant(a, b) ? kSeparation : hold_separation_;
   }

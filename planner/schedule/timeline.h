@@ -1,11 +1,11 @@
 #pragma once
 // When each action of a sequence begins if all begin as early as they may.
 //
-// A happening touches keys: the facts and numbers that it reads or changes (a fact and its complement are one key, a
-// derived fact stands for all that it is derived from). Two happenings that touch a key keep the order of the sequence
-// and kSeparation if one changes what the other reads, or both change it in ways that do not commute. So each reads the
-// same values as in the sequence, and a plan that is right one action after the other is right as scheduled. What only
-// validators keep apart (IdleTouch) is kept apart in the same way.
+// A happening touches keys: the facts and numbers that it reads or changes. A fact and its complement are one key. A
+// derived fact stands for all that it is derived from. Two happenings conflict if one changes a key that the other
+// reads, or if both change it in ways that do not commute. They then keep the order of the sequence and kSeparation. So
+// each reads the same values as in the sequence, and a plan that is right one action after the other is right as
+// scheduled. What only validators keep apart (IdleTouch) is kept apart in the same way.
 
 #include <span>
 #include <vector>
@@ -47,7 +47,7 @@ class Touches {
   std::span<const Touch> of_event(int event) const { return events_[event]; }
   /// What an effect under conditions changes where it comes about; not where they always count.
   std::span<const Touch> of_conditional(int action, int effect) const { return conditional_[action][effect]; }
-  /// Of an action, or of the event e as -2 - e.
+  /// The touches of an action, or of the event e, whose id is -2 - e.
   std::span<const Touch> of_happening(int id) const { return id < 0 ? of_event(-2 - id) : of(id); }
   /// Whether an event makes the goal false.
   bool breaks_goal(int event) const;

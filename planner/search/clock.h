@@ -3,9 +3,9 @@
 // that time. For what cannot be cut into parts without times, because numbers change all along or an end remembers its
 // beginning.
 //
-// A decision is taken when something has just happened, when a step may end for the first time, and when a comparison
-// turns. Greedy best-first by the relaxed task in which actions are cut (the better of the state as it is and as it
-// will be when all that runs has ended).
+// The search decides right after each happening, when a step may end for the first time, and when a comparison turns.
+// Greedy best-first by the relaxed task in which actions are cut (the better of the state as it is and as it will be
+// when all that runs has ended).
 
 #include <functional>
 #include <vector>

@@ -64,7 +64,7 @@ class Propagation {
     return true;
   }
 
-  /// Those of all parts of the goal, ascending.
+  /// The landmarks of all parts of the goal, ascending.
   std::vector<int> of_goal() const {
     std::vector<Word> all(words_, 0);
     for (const int atom : relaxed_.goal()) {

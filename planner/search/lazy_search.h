@@ -1,6 +1,7 @@
 #pragma once
-// Greedy best-first search over whole actions, one after the other: lazy evaluation, the queues of the relaxed plan and
-// of the landmarks in turn, actions of the relaxed plan preferred (LAMA, Richter and Westphal 2010).
+// Greedy best-first search over whole actions, one after the other, as in LAMA (Richter and Westphal 2010). It
+// evaluates states lazily, takes from the queues of the relaxed plan and of the landmarks in turn, and prefers actions
+// of the relaxed plan.
 //
 // Sequences miss what needs actions to overlap; see split.h and clock.h. What they contain need not happen in their
 // order: the timeline decides.
@@ -46,7 +47,8 @@ class PathCheck {
   virtual ~PathCheck() = default;
   /// `path` has been accepted but for its last step; `state` is the state that it leads to.
   virtual bool accepts(const Sequence& path, const Word* state) = 0;
-  /// Of the path accepted last: equal states with different signatures are different, for time matters to them.
+  /// The signature of the path accepted last. Equal states with different signatures are different, because their times
+  /// matter.
   virtual Word signature() const = 0;
   /// `path` has been accepted and leads to the goal.
   virtual bool accepts_goal(const Sequence& path) = 0;

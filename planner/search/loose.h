@@ -1,6 +1,7 @@
 #pragma once
-// How far the goal seems from a state in which actions run: the relaxed task in which every action is two, its
-// beginning and its end (the better of the state as it is and as it will be when all that runs has ended).
+// Estimates how far the goal is from a state in which actions run. It uses the relaxed task, in which every action is
+// two: its beginning and its end. It takes the better of two states: the present one, and the one after all running
+// actions have ended.
 
 #include <optional>
 #include <span>

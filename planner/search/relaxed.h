@@ -88,7 +88,7 @@ class RelaxedHeuristic {
   int evaluate(const Word* state, int next_event = 0);
   /// Actions whose conditions hold in the last state; ascending.
   const std::vector<int>& applicable() const { return applicable_; }
-  /// Those of them that the relaxed plan contains.
+  /// The applicable actions that the relaxed plan contains.
   const std::vector<int>& preferred() const { return preferred_; }
   /// Actions of the relaxed plan, and events as -2 - k.
   const std::vector<int>& relaxed_plan() const { return plan_; }

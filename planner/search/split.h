@@ -13,8 +13,8 @@
 
 namespace cxlab::planner {
 
-/// Whether others may need an action to be under way: it makes true for its duration what it ends itself, or its end or
-/// its duration needs what its beginning does not.
+/// Whether other actions may need this action to run. This is so if it makes something true only while it runs, or if
+/// its end or its duration needs what its beginning does not.
 bool is_envelope(const GroundTask& task, const GroundAction& action);
 /// Whether an action can be cut: not if its end remembers its beginning or numbers change all along.
 bool can_be_cut(const GroundTask& task, const GroundAction& action);
@@ -36,14 +36,13 @@ SplitTask split(const GroundTask& task, const std::vector<char>& cut);
 /// Whether effects read how long the action lasts.
 bool reads_duration(const GroundAction& action);
 
-/// A task in which every action with a duration is two, its beginning and its end: time is left out, an action that has
-/// begun once may end at any time and often. `hold`: its end asks for its condition over all.
+/// A task without times, in which every action with a duration is two: its beginning and its end. An action that has
+/// begun once may end at any time, and often. With `hold`, its end asks for its condition over all.
 GroundTask loosened(const GroundTask& task, bool hold);
 /// How often an action ends that has begun in an untimed task.
 enum class Ends : std::uint8_t {
   kOften,    ///< any time: enough where what is removed does not count
-  kAsBegun,  ///< once, and before the goal, unless it began anew while it was running: then the last of its parts is an
-             ///< end
+  kAsBegun,  ///< once, and before the goal; if it began again while it was running, the last of its parts is an end
 };
 /// The same without conditions over all, as a proof: it has every plan as a sequence, and more, so what cannot be
 /// reached there cannot be reached. Nothing if an action cannot be cut.

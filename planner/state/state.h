@@ -1,5 +1,6 @@
 #pragma once
-// What is true and what numbers are, at one instant; and how conditions are evaluated and effects collected in it.
+// The state at one instant: the true facts and the values of numbers. Also evaluates conditions and collects effects in
+// it.
 
 #include <algorithm>
 #include <cstdint>
@@ -76,7 +77,8 @@ struct Change {
   const Effect* effect = nullptr;
 };
 
-/// Evaluates parts of a task. Outlived by domain and problem; made anew when objects are added or removed.
+/// Evaluates parts of a task. Domain and problem must outlive it. The caller makes a new one when objects are added or
+/// removed.
 class Evaluator {
  public:
   /// `meter`, which may be none, outlives this; when it is over, every answer is meaningless.

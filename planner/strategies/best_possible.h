@@ -10,7 +10,7 @@ class BestPossible {
   BestPossible(const GroundTask& ground, const Objective& objective, Budget& budget)
       : ground_(ground), objective_(objective), budget_(budget) {}
 
-  /// Computes the bound anew, for longer than the last time.
+  /// Computes the bound again, for longer than the last time.
   void raise();
   /// Whether some bound of the makespan would prove that no plan has a better metric.
   bool may_prove(const Incumbent& best) const { return proves(best, objective_.bound(best.makespan())); }

@@ -14,12 +14,12 @@ struct Turn {
   std::int64_t units = 0;   ///< of work, at most
 };
 
-/// In one of so many rounds the search of round 0 continues; in the others a search starts anew.
+/// In every fourth round the search of round 0 continues; in the others a new search starts.
 inline bool continues_first(const Turn& turn) { return turn.round % 4 == 0; }
 
 class PlanningContext {
  public:
-  /// Prepares the search over whole actions. What is passed by reference must outlive the context.
+  /// Prepares the search over whole actions. Arguments passed by reference must outlive the context.
   PlanningContext(const Task& task, const PlanOptions& options, Budget& budget, GroundTask ground,
                   Incumbent::Clock::time_point began = Incumbent::Clock::now());
   PlanningContext(const PlanningContext&) = delete;

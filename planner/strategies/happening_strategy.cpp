@@ -77,7 +77,7 @@ bool HappeningStrategy::prove(const Turn& turn) {
     if (end == SearchEnd::kBudget) return false;
     const bool proved = end == SearchEnd::kExhausted && proof_->complete();
     proof_.reset();
-    // Where it seems that there is a plan, the durations of more copies may rule it out.
+    // If a plan seems possible, the durations of more copies may still rule it out.
     proof_ended_ = proved || end != SearchEnd::kFound || copies_of_proof_ == kMostCopies;
     if (proof_ended_) return proved;
     copies_of_proof_ = kMostCopies;

@@ -28,7 +28,7 @@ class Incumbent {
 
   bool exists() const { return plan_.has_value(); }
   const TimedPlan& plan() const { return *plan_; }
-  /// Of the objective; infinite where no plan exists.
+  /// The value of the objective; infinite while no plan is known.
   double value() const { return value_; }
   Micros makespan() const { return makespan_; }
   /// The problem's metric with the sign that makes less better; not a number where it is undefined.

@@ -8,7 +8,7 @@ namespace cxlab::planner {
 /// Which actions are cut, so that others can happen between their beginning and their end.
 enum class Cut {
   kNothing,     ///< the timeline decides afterwards which actions overlap
-  kEnvelopes,   ///< actions that others can need to be under way
+  kEnvelopes,   ///< actions that others can need to run
   kEverything,  ///< all that can be cut
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Strategy: when every search has ended without a plan, prove that there is none, if that can be proved.
+// Strategy: when every search has ended without a plan, try to prove that no plan exists.
 
 #include "planner/strategies/context.h"
 

@@ -187,7 +187,7 @@ void Execution::explain_fact(const Condition& atom, const Frame& frame, bool wan
   violation.advice =
       validator_.fluents().predicates[fact.predicate]
           ? advice_for_fact(fact, text, wanted, spoiler, violation)
-          : "no action changes " + predicate.name + ": choose other arguments, or mend :init of " + problem_.file;
+          : "no action changes " + predicate.name + ": choose other arguments, or fix :init of " + problem_.file;
 }
 
 std::string Execution::advice_for_fact(const Fact& fact, const std::string& text, bool wanted, const Happening* spoiler,

@@ -7,7 +7,7 @@
 
 namespace cxlab::planner {
 
-/// What was found out by moving steps. `holds` and `breaks` bracket the plan's tolerance to a thousandth of itself.
+/// The result of moving steps. `holds` and `breaks` bracket the plan's tolerance to a thousandth of itself.
 struct Robustness {
   double holds = 0;                    ///< s: every sample with shifts up to this was valid
   double breaks = 0;                   ///< s: a sample with shifts up to this was not; 0 = none up to the limit

@@ -1,7 +1,7 @@
 #pragma once
 // Checks plans. Their meaning is that of PDDL 2.1 (Fox and Long, 2003), as the validator VAL implements it.
 //
-// Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read just
+// Starts, ends, instantaneous actions and events from outside are happenings. A condition at start or end is read right
 // before its happening, `over all` in the open interval between. Happenings closer than epsilon must not interfere:
 // none reads or writes what another writes, except that several may increase and decrease one number. A condition reads
 // all facts that it names, also those that the rest of it makes unimportant. The goal must hold after the last step and

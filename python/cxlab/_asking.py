@@ -1,7 +1,7 @@
 """The program `cxlab` at work for this process: commands that end, and `cxlab ask`, which stays.
 
-What plays the rules of a run is a process of its own, because it gives up its rights for good before the first rule of
-a stranger runs (docs/reference/contracts.md, The second wall).
+A separate process plays the rules of a run, because it gives up its rights for good before the first rule of a stranger
+runs (docs/reference/contracts.md, The second wall).
 """
 
 from __future__ import annotations

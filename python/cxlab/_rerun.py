@@ -30,7 +30,7 @@ class Rerun(Run):
 
     @property
     def what_was_done(self) -> Any:
-        """What was done at the time: t_s, env, what."""
+        """The changes that were made at the time: t_s, env, what."""
         return self._frame(
             [{"t_s": one["t"], "env": one["env"], "what": one["what"]} for one in self.answer.get("changes", ())],
             ("t_s", "env", "what"),

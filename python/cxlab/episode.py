@@ -233,7 +233,7 @@ class Episode:
         """Add a construct: a rule, a function, a template."""
         self._core.build(construct, env)
 
-    # --- The bus. What is sent goes out in the next tick, from the node /python.
+    # --- The bus. Messages go out in the next tick, from the node /python.
 
     @property
     def topics(self) -> dict[str, Endpoint]:
@@ -290,10 +290,9 @@ class Episode:
     # --- What there is to see
 
     def scene(self) -> dict[str, npt.NDArray[Any]]:
-        """What there is to see now: arrays of NumPy of one length n, a row for each entity in order of `id`.
-
-        id (int64), kind, name, state (str), x, y, z (float64, m, in the world), yaw (float64, rad, -pi to pi),
-        carried_by (int64, id of the carrier, 0: none), place (str, where on its carrier).
+        """The entities that a picture shows now, as NumPy arrays of one length n, a row for each entity in order of `id`.
+        The arrays are id (int64), kind, name, state (str), x, y, z (float64, m, in the world) and yaw (float64, rad, -pi to pi).
+        Carried entities have carried_by (int64, id of the carrier, 0: none) and place (str, where on its carrier).
         """
         return self._core.scene()
 

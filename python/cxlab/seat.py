@@ -72,7 +72,7 @@ class Bus:
     """The bus, as a seat has it.
 
     Names are those of ROS: relative ones get the namespace "/", "~" is the seat. Types are those of packages that the run
-    knows, "turtlesim/msg/Pose". Messages are dicts of fields; missing ones have their defaults. What is sent goes out when
+    knows, "turtlesim/msg/Pose". Messages are dicts of fields; missing ones have their defaults. Messages go out when
     the turn of the seat to decide comes.
     """
 

@@ -250,7 +250,7 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
             if task.impossible:
                 yield result(Status.UNSOLVABLE_PROVEN, reason=task.impossible)
                 return
-            for apart in (False, True):  # once more, with locks, if actions overlapped themselves and must not
+            for apart in (False, True):  # again, with locks, if actions overlapped themselves and must not
                 rest = None if timeout is None else timeout - (time.monotonic() - began)
                 if rest is not None and rest <= 0:
                     yield result(Status.TIMEOUT, reason="the time ended before the search began")

@@ -9,7 +9,7 @@
 namespace cxlab::pddl {
 
 /// Real paths of regular files `*.pddl`: those beside the scenario and in folders there, and those in folders that a
-/// rule file of a package names by an absolute path. What is hidden, and what is a link, is not among them.
+/// rule file of a package names by an absolute path. Hidden files and links are left out.
 std::set<std::filesystem::path> files(const Scenario& scenario);
 
 }  // namespace cxlab::pddl

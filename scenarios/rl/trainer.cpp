@@ -12,10 +12,10 @@ namespace {
 
 constexpr const char* kPackage = "cx_rl_interfaces";
 constexpr SimTime kPatience = std::chrono::seconds(5);  // with an agent that does not serve reset_env, or a space
-/// After the spaces: CX's trainer makes its net of them first, so that agents of any rate have done what they do at the
+/// The time after the spaces. CX's trainer first makes its net of them, so that agents of any rate have finished their
 /// start.
 constexpr SimTime kGetReady = std::chrono::seconds(1);
-/// Without an answer, and with an action that the agent has accepted: nothing more is hoped for.
+/// The trainer gives up after so long without an answer, and so long after the agent accepted an action.
 constexpr SimTime kHangs = std::chrono::seconds(10), kHangsAtWork = std::chrono::seconds(300);
 constexpr SimTime kPoll = std::chrono::milliseconds(100);
 /// A robot that was left idle is asked about again.
@@ -38,7 +38,7 @@ std::vector<std::string> texts_of(const bus::MessageView& message, const char* f
   return texts;
 }
 
-/// Of an array of Observation or Action.
+/// The elements of an array of Observation or Action, as texts.
 std::vector<std::string> grounded_of(const bus::MessageView& message, const char* field) {
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < message.size(field); ++i) {
@@ -296,7 +296,7 @@ void Trainer::ask_for_spaces(SimTime now) {
       std::string names;
       for (const std::string& name : not_served_) names += (names.empty() ? "" : ", ") + name;
       log(cx::LogLevel::kInfo,
-          "nobody serves " + names + ": the training begins without, where CX's trainer would wait");
+          "nobody serves " + names + ": the training begins without them, while CX's trainer would wait");
     }
     return;
   }
@@ -472,8 +472,8 @@ void Trainer::publish_decision(const std::string& outcome) {
   }
   if (!unknown.empty() && !strange_) {
     strange_ = true;
-    log(cx::LogLevel::kWarn,
-        "the agent's spaces lack " + unknown.front() + "; it is left out, as are others of which no line follows");
+    log(cx::LogLevel::kWarn, "the agent's spaces lack " + unknown.front() +
+                                 "; it is left out, and so are others, without a further warning");
   }
   wait_ = {};  // not for the agent
   bus_.publish(clients_->decisions, std::move(message));

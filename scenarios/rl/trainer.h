@@ -1,8 +1,8 @@
 #pragma once
-// The side that trains in the reinforcement learning interfaces of CX (package cx_rl_interfaces): it resets the agent's
-// world after it has asked for the spaces, as CX's trainer does, looks at what the agent observes, chooses one of the
-// actions that a free robot can execute, and takes the reward; episode by episode. Several robots may be at work at
-// once. In mode EXECUTION it chooses actions only when the agent asks for one.
+// The side that trains in the reinforcement learning interfaces of CX (package cx_rl_interfaces). Like CX's trainer, it
+// asks for the spaces and then resets the agent's world. In each episode it reads the agent's observation, chooses one
+// of the actions that a free robot can execute, and takes the reward. Several robots may be at work at once. In mode
+// EXECUTION it chooses actions only when the agent asks for one.
 //
 // With the policy `external` somebody else chooses: each choice is a message cxlab_msgs/msg/RlDecision on ~/decisions,
 // and the answer an RlDecisionMade on ~/decisions/made. A seat that answers is in the input log, so the run replays.
@@ -87,7 +87,7 @@ class Trainer final : public Server {
 
   void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }
   SimTime patience() const;
-  /// Nobody serves reset_env, and nothing was said of that.
+  /// Nobody serves reset_env, and this was not reported yet.
   bool lacks_agent() const;
   /// Asks for the next space, or goes on without one that the agent does not serve; sets when the training begins.
   void ask_for_spaces(SimTime now);

@@ -48,7 +48,7 @@ struct Config {
   }
 };
 
-/// What is wrong with the values, if anything.
+/// The fault of the values, if they have one.
 Status validate(const Config& config);
 /// Whether a turtle can have that name: parts of letters, digits and '_' that begin with no digit, with '/' between
 /// them.

@@ -22,7 +22,7 @@
 
 namespace cxlab::turtlesim {
 
-/// What has happened to a turtle so far; killed turtles are included.
+/// The story of a turtle so far; killed turtles are included.
 struct TurtleStory {
   std::string name;
   bool alive = true;

@@ -249,7 +249,7 @@ Status TurtleWorld::apply(const TurtleWrite& write) {
   switch (write.verb) {
     case TurtleVerb::kSpawn:
       if (spawn(v[0], v[1], v[2]) != write.turtle)
-        return input_error("the log of the turtles counts them in another way");
+        return input_error("the log of the turtles numbers them differently");
       break;
     case TurtleVerb::kKill: kill(write.turtle); break;
     case TurtleVerb::kDrive: drive(write.turtle, v[0], v[1], v[2]); break;

@@ -211,7 +211,7 @@ void LedgerWorld::arrive(StationId id) {
   plan_arrival(id);
 }
 
-/// What was left of each way comes later.
+/// The rest of each way happens later than planned, so each way gets a new number.
 void LedgerWorld::go_on() {
   World::go_on();
   for (Belt& belt : belts_)

@@ -19,7 +19,7 @@ class Font {
   static Expected<Font> load(bool large);
 
   int height() const { return height_; }
-  /// What is no printable ASCII counts as a question mark, a whole character of UTF-8 as one.
+  /// Each UTF-8 character that is not printable ASCII counts as one question mark.
   int width(std::string_view text) const;
   /// The text, or as much of its beginning as is not wider than that, with "..." behind it.
   std::string fitted(std::string_view text, int width) const;

@@ -73,7 +73,7 @@ class Placer {
     }
     return false;
   }
-  /// Of places of the same distance the one whose middle is nearest to that of the body.
+  /// Among places at the same distance, the best is the one whose middle is nearest to that of the body.
   long badness(std::size_t i, const Box& box) const {
     const long dx = box.middle_x() - wishes_[i].body.middle_x(), dy = box.middle_y() - wishes_[i].body.middle_y();
     return dx * dx + dy * dy;

@@ -12,8 +12,8 @@ namespace {
 constexpr double kReleaseHeight = 0.0002;  ///< a new piece appears this high above its place
 constexpr double kPlaceHeight = 0.06;      ///< a piece nearer than that above or below a place takes it up
 
-/// A new holder counts when it was seen in so many ticks on end: a piece that is gripped while it still stands on the
-/// belt, or bounces once, changes hands once.
+/// A new holder counts after so many ticks in a row. So a piece that a gripper takes while it still stands on the belt,
+/// or that bounces once, changes hands only once.
 constexpr int kHolderTicks = 3;
 
 /// Whether a point in a station's frame is on its belt.
@@ -132,8 +132,8 @@ void MujocoWorld::update_holder(Piece& piece) {
 void MujocoWorld::carry(const Piece& piece, bool gripped) {
   Body& body = bodies_[body_of(piece.id)];
   const bool on = gripped && piece.holder == Holder::kGripper;
-  // What has no weight can go to sleep in the air when the fingers open: awake it is seen that nothing touches it, and
-  // falls.
+  // A carried piece has no weight, so it can sleep in the air when the fingers open. An awake piece is seen to touch
+  // nothing, and falls.
   if (body.carried && !gate_.is_awake(body_of(piece.id))) gate_.wake(body_of(piece.id));
   if (on == body.carried) return;
   body.carried = on;

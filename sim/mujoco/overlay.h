@@ -1,6 +1,6 @@
 #pragma once
-// What is drawn over a picture: a label with name and signal lights for each machine and robot, each piece as a column
-// of its colours, and a legend above. First all of it gets its place, then it is painted.
+// The drawing over a picture: a label with name and signal lights for each machine and robot, each piece as a column of
+// its colours, and a legend above. First every part gets its place, then all are painted.
 
 #include <array>
 #include <optional>
@@ -73,7 +73,7 @@ struct Overlay {
 int place_legend(const Legend& legend, const FactoryModel& factory, const mjrContext& gl, const Box& picture,
                  Overlay& overlay);
 
-/// What is drawn around the pieces, machines and robots of a world.
+/// The input of a drawing over a picture.
 struct OverlayInput {
   const PhysicsGate& world;
   const FloorPlan& plan;

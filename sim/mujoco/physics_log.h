@@ -28,7 +28,7 @@ enum class WriteKind : std::uint8_t {
 /// Controls are whole multiples of this (m/s, rad/s, m): a motor's command has a resolution, and the log stays small.
 inline constexpr double kControlUnit = 1e-5;
 
-/// One write before the step of that number is taken.
+/// One write, made before the step of that number.
 struct PhysicsWrite {
   std::int64_t step = 0;
   WriteKind kind{};

@@ -218,7 +218,8 @@ struct Aim {
 }  // namespace
 
 // Turns the view so that the whole field, with all that stands on it, fills as much of the free part of the picture as
-// possible: it looks the more steeply the higher that part is, and along the field where that is upright.
+// possible. The higher that part is, the more steeply the camera looks down. If the part is upright, the camera looks
+// along the field.
 void Renderer::fit(const Box& free, bool from_above) {
   const Pose2 middle{(plan_.min_x + plan_.max_x) / 2, (plan_.min_y + plan_.max_y) / 2, 0};
   const double half_length = (plan_.max_x - plan_.min_x) / 2, half_width = (plan_.max_y - plan_.min_y) / 2;

@@ -216,7 +216,7 @@ std::optional<SkillResult> FaultySkills::sense(SimTime now) {
       slips_at_ = now + slip->after;
     }
   }
-  drop_due(now);  // of what has just been taken
+  drop_due(now);  // also a piece that was taken in this tick
   return deliver(std::move(result), now);
 }
 

@@ -20,7 +20,7 @@
 
 namespace cxlab::sim {
 
-/// What shall go wrong with robots and their skills, and the seed of its chance. Read when the fleet is made.
+/// The faults of robots and their skills, and the seed of their chance. The fleet reads them when it is made.
 struct FleetFaults {
   std::span<const Fault> faults;
   std::uint64_t seed = 0;

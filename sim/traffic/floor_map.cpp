@@ -26,7 +26,7 @@ double octile(const Vec2& a, const Vec2& b) {
   return way.maxCoeff() + 0.4142135623730951 * way.minCoeff();
 }
 
-/// Those in which the point lies shrink until it is outside.
+/// Shrinks the keepouts that contain the point until it is outside.
 std::vector<Keepout> shrunk(std::span<const Keepout> keepouts, const Vec2& p) {
   std::vector<Keepout> outside(keepouts.begin(), keepouts.end());
   for (Keepout& k : outside) k.radius = std::min(k.radius, distance(p, k.around) - 0.002);

@@ -15,7 +15,7 @@ constexpr SimTime kTimeMargin{300'000'000};
 constexpr SimTime kSample{100'000'000};
 constexpr SimTime kDelayStep{200'000'000};
 constexpr SimTime kWorthADetour{1'000'000'000};
-constexpr SimTime kGrace{1'000'000'000};  ///< a robot that has just ended a skill is not sent away at once
+constexpr SimTime kGrace{1'000'000'000};  ///< a robot that ended a skill is not sent away for so long
 constexpr SimTime kRetry{2'000'000'000};
 constexpr SimTime kYieldFor{20'000'000'000};
 constexpr double kReachOfASample = 0.25;  ///< m: further than a robot drives within kTimeMargin

@@ -27,13 +27,13 @@ class Traffic {
   void request(RobotId robot, const Pose2& goal, std::optional<Segment> work, SimTime now);
   /// Ends the request, or the work at its goal; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);
-  /// Where the robot really is. If that is far off its motion, the robot brakes and is planned anew.
+  /// Where the robot really is. If that is far from its planned motion, the robot brakes and gets a new plan.
   void observe(RobotId robot, const Pose2& pose, SimTime now);
   /// The robot drives at that share of its speed from now on; at 0 it stands where it is, and others drive around it.
   void set_speed(RobotId robot, double share, SimTime now);
   /// Motions that are planned from now on take so many times as long (> 0).
   void stretch(RobotId robot, double times) { at(robot).stretch = times; }
-  /// The robot was halted on its way and stands there: what it drives for is planned anew.
+  /// The robot was halted on its way and stands there: its request gets a new plan.
   void halted(RobotId robot, const Pose2& pose, SimTime now);
   /// People have put the robot there: it stands, without a request, and others brake that would meet it.
   void set_down(RobotId robot, const Pose2& pose, SimTime now);
@@ -56,7 +56,7 @@ class Traffic {
   bool waiting(RobotId robot, SimTime now) const {
     return at(robot).wants && (!at(robot).moving || now < at(robot).motion.start());
   }
-  /// The motion under way, or the last one; nullptr before the first.
+  /// The current motion, or the last one; nullptr before the first.
   const Trajectory* motion(RobotId robot) const { return at(robot).motion.empty() ? nullptr : &at(robot).motion; }
   /// Grows with each new motion of the robot.
   std::uint32_t motion_number(RobotId robot) const { return at(robot).motions; }
@@ -89,7 +89,7 @@ class Traffic {
     std::optional<Segment> work;
     std::uint64_t order = 0;  ///< of the request
     std::optional<std::size_t>
-        yields_to;  ///< the robot whose way it left; it does not drive back before that one has gone
+        yields_to;  ///< the robot whose way it left; it drives back only after that one has passed
     SimTime yields_until{};
     double speed = 1;    ///< share of the limits
     double stretch = 1;  ///< of the time of its motions

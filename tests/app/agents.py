@@ -1,4 +1,4 @@
-"""Agents of the CLIPS-Executive as `cxlab env` runs them: what they see, and what is said of wrong ones."""
+"""Agents of the CLIPS-Executive as `cxlab env` runs them: what they see, and the errors for wrong ones."""
 
 import subprocess
 import unittest

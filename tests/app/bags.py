@@ -62,7 +62,7 @@ class Bags(Lab):
         said = self.cxlab("why-not", "one", "turn-to-visitor", "--at", 9).stdout
         self.assertIn("(visitor (direction -1.0))", said)
         self.cxlab("facts", "one", "--at", 7)
-        self.assertIn("the bag is not there any more", self.cxlab("rerun", "one", "--out", "four", code=3).stderr)
+        self.assertIn("the bag is missing", self.cxlab("rerun", "one", "--out", "four", code=3).stderr)
         # Another bag in its place: the hashes differ, and it is named.
         self.floor(until=5)
         said = self.cxlab("rerun", "one", "--out", "five", code=1)
@@ -77,7 +77,7 @@ class Bags(Lab):
             self.assertIn("1 passed", self.cxlab("test", f"at{at}.story.yaml").stdout)
         text = (self.folder / "at2.5.story.yaml").read_text()
         self.assertIn("turtle1/rotate_absolute", text)
-        # What should have happened is missing until the rule is mended.
+        # The expected firing is missing until the rule is fixed.
         story = self.folder / "at5.5.story.yaml"
         story.write_text(story.read_text() + "    - {fires: turn-to-visitor, within_s: 8}\n")
         self.cxlab("test", story, code=1)

@@ -108,7 +108,7 @@ NUMBERS = """(deffacts wanted
 (defrule apply (pddl-action (id ?n&:(eq ?n 0))) => (assert (pddl-action-get-effect (action ?n) (apply TRUE))))
 (defrule look (time ?t&:(> ?t 5.0)) (not (looked)) => (assert (looked)) (facts))
 """
-# Templates defined anew with the slots and values of CX alone, and strict types.
+# Templates redefined with only the slots and values of CX, and strict types.
 OVERRIDES = """
 (deftemplate pddl-instance (slot name (type SYMBOL)) (slot domain (type STRING)) (slot problem (type STRING)) (slot directory (type STRING))
   (slot state (type SYMBOL) (allowed-values PENDING LOADED ERROR)) (slot busy-with (type SYMBOL) (default FALSE)) (slot error (type STRING)))
@@ -386,7 +386,7 @@ class Blocksworld(unittest.TestCase):
         for left in ["goal-response", "wrapped-result", "cancel-goal", "(pddl-asked", "ros-msgs-response", "cleaning up ... goal"]:
             self.assertNotIn(left, log)
 
-    def test_templates_may_be_defined_anew_with_the_slots_of_cx_alone(self):
+    def test_templates_may_be_redefined_with_only_the_slots_of_cx(self):
         batch = 'batch: ["clips/cx_pddl_clips/deftemplates.clp", "overrides.clp", "clips/cx_pddl_clips/pddl-no-deftemplates.clp", "all.clp"]'
         log = self.facts_of(OVERRIDING, seconds=10, config=CONFIG.replace('batch: ["clips/cx_pddl_clips/pddl.clp", "all.clp"]', batch), overrides=OVERRIDES)
         for fact in [

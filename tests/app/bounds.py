@@ -15,7 +15,7 @@ LAYOUT = {"BS": "C_Z74", "RS1": "C_Z54", "CS1": "C_Z34", "DS": "C_Z14", "SS": "C
 # Handling less one sigma: pick 15.5 - 2 - 0.4, place 15.3 - 0.6, and of a drive what is more than 2.3 s:
 #   from a station to the next: 13.1 + 1.941 + 14.7 + 1.941 = 31.681; a carrier, at 0.1 m from the input: 13.1 + 14.7 = 27.8.
 # A C1 with a free ring takes 3 * 31.681 + 27.8 = 122.84 s of a robot. From ready to the next input: 10.8 + 16.641 = 27.441 s.
-# The first base is at RS1 after 34.370 s (2.993 m from the robot's start to the base station: 6.930 s), and the product delivered
+# The first base is at RS1 after 34.370 s (2.993 m from the robot's start to the base station: 6.930 s). The product is delivered
 # (21.502 + 27.441) + (21.694 + 27.441) + 5.284 s later, at 137.73 s.
 C1 = 30 + 10 + 5 + 2
 EXPLORATION, EXTRAS = 14, 16
@@ -137,7 +137,7 @@ class Bounds(Lab):
             "   delivery_begin: 0, delivery_end: 1200, delivery_gate: 1, quantity: 1, competitive: no}\n")
         self.assertIn(f"| flow, [1] | {bound} |", self.script("flow, [1].yaml"))
 
-    def test_what_cannot_be_used_is_said_in_one_line(self):
+    def test_an_unusable_file_is_reported_in_one_line(self):
         (self.folder / "run").mkdir()
         (self.folder / "part.yaml").write_text("ring_prices: {RING_BLUE: 0, RING_GREEN: 1, RING_ORANGE: 0, RING_YELLOW: 2}\n")
         (self.folder / "wrong.yaml").write_text("orders:\n  - {complexity: C7}\n")

@@ -1,7 +1,7 @@
 """Twenty-four agents with a fault each, of as many kinds, and the questions that lead from what one sees to the cause.
 
-Most agents are a shipped one with a small change. The questions are those of somebody who knows the agent's templates, but guesses
-no name of a rule: each name in a question stands in the game's result or in the answer before. docs/internals/tests-of-answers.md has the table.
+Most agents are a shipped one with a small change. Somebody who knows the agent's templates asks the questions, without guessing any name
+of a rule. Each name in a question stands in the game's result or in the answer before. docs/internals/tests-of-answers.md has the table.
 CXLAB_ALL=1 plays all of them; else one of each world and those of the planning agent that take a minute of its game.
 """
 

@@ -166,7 +166,7 @@ class ChangedRules(unittest.TestCase):
             shutil.rmtree(self.folder / f"after-{number}", ignore_errors=True)
 
     def first_difference(self, game):
-        """Of the two journals, line by line: the time of the first record of rules that is another one."""
+        """The time of the first record of rules that differs between the two journals."""
         def lines(folder):
             with open(folder / "journal.jsonl") as file:
                 return [line for line in file if line.startswith('{"stream":"env/agent"')]

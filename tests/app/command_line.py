@@ -327,7 +327,7 @@ class Signals(Lab):
         for number in [signal.SIGINT, signal.SIGTERM]:
             out, err = self.interrupted("plan", "d.pddl", "p.pddl", "--anytime", "--budget", 10**12, after="plan: ", number=number)
             self.assertIn("plan: interrupted", err)
-            self.assertIn(f"interrupted: by {number.name}; the best plan is that of then", err)
+            self.assertIn(f"interrupted: by {number.name}; the answer is the best plan so far", err)
             self.write("found.plan", out)
             judged = cxlab("validate", "d.pddl", "p.pddl", "found.plan", cwd=self.folder)
             self.assertEqual(judged.returncode, 0, judged.stdout)

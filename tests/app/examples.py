@@ -1,4 +1,4 @@
-"""Every example of the documentation and every scenario that comes along loads, runs and ends without a warning or an error."""
+"""Every example of the documentation and every shipped scenario loads, runs and ends without a warning or an error."""
 
 import json
 import os
@@ -43,7 +43,7 @@ BUILT_FIRST = ("docs/examples/own_plugins/", "docs/examples/own_seat/", "docs/ex
 
 
 def on_pages():
-    """The commands in the pages that run a file of ours."""
+    """The commands in the pages that run a file of the project."""
     commands = set()
     for page in [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]:
         text = page.read_text().replace("\\\n", " ")
@@ -55,7 +55,7 @@ def on_pages():
 
 
 def examples():
-    """All configurations and scenarios that come along."""
+    """All shipped configurations and scenarios."""
     files = set()
     for folder in ("docs/examples", "docs/templates", "scenarios"):
         for file in (SOURCE / folder).rglob("*.yaml"):

@@ -41,7 +41,7 @@ class Exports(Lab):
         self.assertEqual((self.folder / "one.mcap").read_bytes(), first[min(n for n in first if n.suffix == ".mcap")])
         self.assertFalse(list(self.folder.rglob("*.part")))
 
-    def test_trace_of_a_killed_run_has_what_was_under_way(self):
+    def test_trace_of_a_killed_run_has_the_running_skills(self):
         self.game("--journal", "full")
         lines = [line for line in (self.out / "journal.jsonl").read_text().splitlines() if json.loads(line)["t"] <= 100e9]
         (self.out / "journal.jsonl").write_text("".join(line + "\n" for line in lines))
@@ -128,7 +128,7 @@ class Exports(Lab):
             rows = [(r["stream"], int(r["n"])) for r in csv.DictReader(file)]
         self.assertEqual(rows, [(r["stream"], r["n"]) for r in self.records() if 30e9 <= r["t"] <= 60e9])
 
-    def test_what_is_missing_is_said(self):
+    def test_missing_parts_are_reported(self):
         self.game()
         said = self.cxlab("export", "out", "--mcap", "--trace").stderr
         self.assertIn("note: the run has no messages of the bus, because its journal has only decisions: cxlab run --journal full records them", said)

@@ -28,7 +28,7 @@ class GameFiles(Lab):
         return result["journal_hash"], (self.folder / out / "game.yaml").read_text()
 
     def error(self, text, line):
-        """What is said about a game file, at that line of it."""
+        """The error about a game file, at that line of it."""
         self.write("bad.yaml", text)
         said = self.cxlab("run", "rcll/game", "--quiet", "--out", "none", "--set", "world.game=bad.yaml", code=3).stderr
         self.assertIn(f"bad.yaml:{line}: ", said)
@@ -54,7 +54,7 @@ class GameFiles(Lab):
         self.assertIn('"world/game/g.yaml"', (self.folder / "out/files/index.jsonl").read_text())
         shutil.rmtree(self.folder / "games")
         self.cxlab("replay", "out", "--physics")
-        self.assertIn("files of the scenario have gone", self.cxlab("rerun", "out").stderr)
+        self.assertIn("files of the scenario are missing", self.cxlab("rerun", "out").stderr)
 
     def test_a_path_is_relative_to_the_scenario_or_to_where_the_option_was_given(self):
         self.write("scenario.yaml", WORLD)

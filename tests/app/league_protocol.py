@@ -1,5 +1,5 @@
-"""The protocol of the league: the small agent that comes along plays with it, and a program outside speaks it over
-sockets, with Python's protobuf and cryptography, and frames written here."""
+"""The protocol of the league: the small shipped agent plays with it, and a program outside speaks it over sockets.
+That program uses Python's protobuf and cryptography, and frames written here."""
 
 import json
 import pathlib

@@ -122,7 +122,7 @@ class Orders(unittest.TestCase):
                 told = {(round(s["done_s"], 6), s["machine"], s["step"]) for s in ask("orders", game)["steps"]
                         if s["machine"] and s["done_s"] is not None and s["step"].startswith(("RING", "CAP"))}
                 self.assertLessEqual(told, mounted)
-                # What is missing belongs to products of which no order is known for sure.
+                # The missing steps belong to products whose order is not known for sure.
                 self.assertGreaterEqual(len(told), 0.8 * len(mounted))
 
     def test_waits_of_the_steps_add_up_to_those_of_the_order(self):
@@ -380,7 +380,7 @@ class Pieces(unittest.TestCase):
 
 
     def test_each_move_and_work_is_told_with_its_place_and_its_robot(self):
-        # From where, to where (None: anywhere), and what is said of it: the first line that fits.
+        # From where, to where (None: anywhere), and the words for it: the first row that fits.
         words = [("dispenser", None, "came out"), (None, "gripper", "taken"), ("gripper", "floor", "dropped"),
                  (None, "floor", "fell"), (None, "crew", "taken away"), (None, "slide", "payment"),
                  (None, "gate", "through the gate"), ("gripper", None, "put down")]

@@ -295,7 +295,7 @@ class HooksInOrder(Installed):
         self.assertEqual((result["status"], result["reason"]["code"]), ("failed", "bug"))
         self.assertIn("rule talk", result["reason"]["message"])
 
-    def test_what_is_wrong_with_a_library_is_said_with_the_place_in_its_manifest(self):
+    def test_a_fault_of_a_library_is_reported_with_the_place_in_its_manifest(self):
         manifest = f"{self.folder}/broken/cxlab_plugins.yaml"
         said = self.broken("library: libnone.so\nplugins:\n  - class: test::Broken\n", 5)
         self.assertIn(f"{manifest}:1: library 'libnone.so' is not there (looked for {self.folder}/broken/libnone.so", said)

@@ -35,7 +35,7 @@ class Stories(unittest.TestCase):
         return f"- story: {name}\n  rules: door.clp\n  given: [{given}]\n{more}  expect: [{{{expect}}}]\n"
 
     def doors(self):
-        """Of two files, with four stories; two pass."""
+        """Two files with four stories; two stories pass."""
         self.write("door.clp", DOOR)
         self.write("bell.story.yaml", self.story("a bell opens", "(bell)", "fires: open, within_s: 1")
                    + self.story("a bell shuts", "(bell)", "fact: (door SHUT), within_s: 1"))
@@ -287,7 +287,7 @@ class FromAMoment(Stories):
         short = self.cxlab("new", "story", "run", "--at", "9", "--for", "1", "--out", "short.story.yaml")
         self.assertIn("note: it expects rules and facts only", short.stderr)
 
-    def test_goals_under_way_end_as_they_did(self):
+    def test_running_goals_end_as_they_did(self):
         self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
         self.assertEqual(self.cxlab("run", "carrier/scenario.yaml", "--tier", "timed", "--until", "60", "--out", "run", "--quiet").returncode, 0)
         under_way = 0
@@ -308,12 +308,12 @@ class FromAMoment(Stories):
             self.assertEqual(self.cxlab("test", "later.story.yaml").returncode, 1, "the goal of before ends too late")
         self.assertGreater(under_way, 2)
 
-    def test_a_goal_under_way_that_cannot_be_is_refused(self):
+    def test_an_impossible_running_goal_is_refused(self):
         goal = "{action: /a, type: cxlab_skills/action/Pick, under_way: [{handle: '<P>', takes_s: 1}]}"
-        for keys, skills, said in (("", f"skills: [{goal}]", "/a: goals can be under way only in a story with `moment: true` and a `given_at_s` after `begins_s`"),
+        for keys, skills, said in (("", f"skills: [{goal}]", "/a: `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`"),
                                    ("given_at_s: 1", "skills: []", "given_at_s is for stories with `moment: true`"),
                                    ("begins_s: 2, given_at_s: 1, moment: true", "skills: []", "given_at_s: found 1, expected no time before begins_s"),
-                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "only goals of `skills` can be under way")):
+                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "found `under_way` here, expected it only in `skills`")):
             self.write("bad.story.yaml", f"- {{story: bad, rules: [door.clp], {keys + ', ' if keys else ''}{skills}, expect: [{{fires: open, within_s: 3}}]}}\n")
             done = self.cxlab("test", "bad.story.yaml")
             self.assertEqual(done.returncode, 3, done.stdout)

@@ -180,7 +180,7 @@ class Questions(Lab):
         self.assertIn("(job (id 1) (state OPEN))  asserted at 0.000 s, by the start of the environment", whole)
         self.assertLess(whole.count("\n"), 20)
 
-    def test_why_of_a_fact_that_has_gone_and_of_a_firing(self):
+    def test_why_of_a_retracted_fact_and_of_a_firing(self):
         run = self.agent()
         gone = self.answer("why", run, "(work 1 a 2.0)")["steps"][0]
         self.assertEqual((gone["kind"], gone["t_s"]), ("retract", 2.0))
@@ -278,7 +278,7 @@ class WhyNot(Lab):
         run = self.agent()
         found = self.makers(run, "never")
         self.assertEqual(found["rules"], [])
-        # begin and end set the state to other values. Of two jobs that are as near the one asserted last is taken.
+        # begin and end set the state to other values. Both jobs are equally near, so the answer names the one asserted last.
         self.assertEqual((found["nearest_changed"]["by"], found["nearest_changed"]["t_s"]), ("rule end", 2.0))
         self.assertIn("no fact has matched (job (id ?id) (state LOST)) so far\n  no rule makes such a fact\n", self.cxlab("why-not", run, "never").stdout)
 
@@ -288,7 +288,7 @@ class WhyNot(Lab):
                          "(defrule switch (never) ?l <- (lamp) => (modify ?l (age 2) (state ON)))\n(defrule use (lamp (state ON) (age ?)) => )")
         self.assertEqual([r["rule"] for r in self.makers(run, "use")["rules"]], ["switch"])
 
-    def test_a_fact_that_has_gone_is_shown_as_it_was_last(self):
+    def test_a_retracted_fact_is_shown_as_it_was_last(self):
         run = self.agent("(deftemplate lamp (slot id) (slot state (default OFF)))\n(defrule make (not (made)) => (assert (made) (lamp (id 1))))\n"
                          "(defrule switch ?l <- (lamp (state OFF)) => (modify ?l (state ON)))\n(defrule break ?l <- (lamp (state ON)) => (retract ?l))")
         self.assertRegex(self.cxlab("why-not", run, "(lamp (id 1))").stdout,

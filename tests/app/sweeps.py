@@ -233,7 +233,7 @@ class Sweeps(Lab):
                 self.query(self.home / "r", "SELECT * FROM runs")
         for _ in range(100):
             done = self.bench("-j", 2, "--out", "r", code=None)
-            if done.returncode != 5:  # the last children of the killed sweep have gone
+            if done.returncode != 5:  # the last children of the killed sweep have ended
                 break
             time.sleep(0.1)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -437,7 +437,7 @@ class Sweeps(Lab):
         self.write("home/suite.yaml", "scenarios: [scenarios/game.yaml]\nseeds: [1]\n"
                    "grid:\n  watch:\n    facts: [\"agents[0].params.clips_manager.main.watch=[facts]\"]\n    rules: [\"agents[0].params.clips_manager.main.watch=[rules]\"]\n  agents[0].params.clips_manager.gian: [1]\n")
         done = self.bench("--out", "r")
-        self.assertIn("parameter 'gian' was set and nobody asked for it", done.stderr)
+        self.assertIn("parameter 'gian' was set, but nothing reads it", done.stderr)
         self.assertEqual(self.query(self.home / "r", "SELECT strategy FROM runs"), [("watch=facts gian=1",), ("watch=rules gian=1",)])
 
 

@@ -265,7 +265,7 @@ agents:
             self.assertEqual(self.cxlab("facts", run, "one", "--json").stdout, asked)
             self.assertEqual(self.answer("replay", run)["rules"]["differ"], [])
             again = self.cxlab("rerun", run, "--out", self.folder / "again", "--force", expect=None)
-            self.assertNotIn("have gone", again.stderr)
+            self.assertNotIn("are missing", again.stderr)
             self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
             played = json.loads((self.folder / "again/manifest.json").read_text())
             self.assertEqual(os.path.normpath(os.path.join(*(played[key] for key in ("out", "folder", "scenario")))), str(place / "game.yaml"))
@@ -280,7 +280,7 @@ agents:
         shutil.move(here / "runs/1", self.folder / "alone")
         shutil.rmtree(here)
         self.assertEqual(self.cxlab("facts", "alone", "one", "--json").stdout, asked)
-        self.assertIn("have gone", self.cxlab("rerun", "alone", "--out", self.folder / "last").stderr)
+        self.assertIn("are missing", self.cxlab("rerun", "alone", "--out", self.folder / "last").stderr)
         # A manifest of before names all absolutely.
         old = json.loads((self.folder / "alone/manifest.json").read_text())
         old["folder"], old["agents"][0]["packages"] = str(self.folder), {n: str(there / p) for n, p in old["agents"][0]["packages"].items()}
@@ -308,7 +308,7 @@ agents:
             (run / name).write_text(json.dumps(content))
         for command in [["rerun", run, "--out", self.folder / "again"], ["replay", run]]:
             printed = self.cxlab(*command, expect=1).stdout
-            self.assertRegex(printed, r"\n  not as then: C library: glibc 0.1, now glibc [0-9.]+\n")
+            self.assertRegex(printed, r"\n  not as in the run: C library: glibc 0.1, now glibc [0-9.]+\n")
             self.assertNotIn("digest", printed)
 
     def test_the_machine_is_known_by_what_its_functions_return(self):
@@ -561,7 +561,7 @@ agents:
             self.assertIn("the same: ", done.stdout)
             self.assertIn("the run's own copies", done.stderr)
 
-    def test_a_game_whose_agent_has_gone_is_rerun(self):
+    def test_a_game_whose_agent_is_missing_is_rerun(self):
         agent = self.folder / "rcll/agent"
         shutil.copytree(SOURCE / "scenarios/rcll/agent", agent)
         shutil.copy(GAME, agent.parent / "game.yaml")
@@ -575,7 +575,7 @@ agents:
         self.cxlab("env", config, "--until", 1, "--trust-rules", "--quiet", "--out", self.folder / "run")
         shutil.rmtree(config.parent.parent)
         error = self.cxlab("rerun", self.folder / "run", expect=3).stderr
-        self.assertIn("the configuration is not there any more: ", error)
+        self.assertIn("the configuration is missing: ", error)
         self.assertIn("cxlab replay", error)
 
     # --- render
@@ -606,7 +606,7 @@ agents:
         self.cxlab("render", run, "--at", 90, "--camera", "top", "--size", "640x400", "--out", self.folder / "again.png")
         self.assertTrue((self.folder / "again.png").read_bytes() == (run / "snapshots/0090.00-top.png").read_bytes())
 
-    def test_what_cannot_be_drawn_is_said(self):
+    def test_an_impossible_picture_is_an_error(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 2\n")
         self.cxlab("run", "empty.yaml", "--quiet", "--out", "empty")
         self.assertIn("empty world", self.cxlab("render", self.folder / "empty", "--at", 1, "--out", "x.png", expect=3).stderr)

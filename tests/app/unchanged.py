@@ -35,7 +35,7 @@ class Agents(Lab):
 
 
 class Ends(Lab):
-    """What goes wrong while the agent shuts down does not undo a game that was played to its end."""
+    """An error while the agent shuts down does not undo a game that was played to its end."""
 
     FAILURES = {
         "a rule error": ("(executive-finalize)", "(+ 1 (nth$ 1 (create$ a-word)))", "ARGACCES"),

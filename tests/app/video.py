@@ -203,7 +203,7 @@ class Film(Lab):
             time.sleep(0.05)
         self.fail("a part of a film is left")
 
-    def test_what_is_wrong_with_a_film_is_said(self):
+    def test_a_faulty_film_is_an_error(self):
         turtles = ["render", TURTLES, "--to", 1]
         self.run_game("run", until=2)
         for code, text, arguments in (
@@ -259,7 +259,7 @@ class Film(Lab):
         self.cxlab("run", "scenario.yaml", "--video", "film.mp4", "--out", "run", "--quiet", expect=4)
         self.assertTrue((self.folder / "finished").exists())
 
-    def test_what_cannot_be_filmed_is_said_before_the_run_begins(self):
+    def test_an_impossible_film_is_an_error_before_the_run_begins(self):
         run = ["run", TURTLES, "--out", "none", "--quiet", "--until", 1, "--set", "expect=[]"]
         self.write("empty/nothing", "")
         nowhere = os.environ | {"PATH": f"{self.folder}/empty"}

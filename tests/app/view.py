@@ -147,7 +147,7 @@ class Questions(View):
                 same(server.ask("rules", t=t), one("rules", *at))
                 same(server.ask("why_not", t=t, what="(job (id 2))"), one("why-not", "run", "(job (id 2))", "--at", t))
                 same(server.ask("why_not", t=t, what="(job (id 7))"), one("why-not", "run", "(job (id 7))", "--at", t))
-                # What was asserted to look at conditions is gone.
+                # Facts that were asserted to look at conditions are gone.
                 same(server.ask("facts", t=t), one("facts", *at))
                 for rule in ("begin", "never", "robbed", "end"):
                     asked = server.ask("why_not", t=t, what=rule)["explanations"]
@@ -578,7 +578,7 @@ class Live(View):
             if not events["live"]:
                 break
         self.assertIn("end", seen)
-        # What was live is a recorded run now.
+        # The live run is a recorded run now.
         self.assertEqual(server.go(t=1)["live"], False)
         self.assertEqual(server.ask("facts", t=2)["facts"], self.answer("facts", "run", "--at", 2)["environments"][0]["facts"])
         self.assertEqual(json.loads((self.folder / "run/result.json").read_text())["deterministic"], True)

@@ -137,7 +137,7 @@ class Wall(Behind):
 
 
 class Crashes(Behind):
-    """What is left of a run whose process crashes."""
+    """The rest of a run whose process crashes."""
 
     def test_run_that_crashes_names_signal_and_rule_and_keeps_its_folder(self):
         self.write("rules/rules.clp", "(defrule first => (assert (done)))\n(defrule fall\n  (done)\n  (time $? ?t&:(> ?t 0.5))\n  =>\n  (crash))\n")

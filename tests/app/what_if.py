@@ -30,7 +30,7 @@ class WhatIf(Lab):
         return json.loads(self.cxlab("rerun", of, "--quiet", "--json", "--out", out, *arguments, expect=expect).stdout)
 
     def lines(self, run, before):
-        """Of the journal, those before that time (s)."""
+        """The lines of the journal before that time (s)."""
         return [line for line in (self.folder / run / "journal.jsonl").read_text().splitlines() if json.loads(line)["t"] < before * 1e9]
 
     def hash(self, run):
@@ -116,10 +116,10 @@ class WhatIf(Lab):
         self.small_run()
         self.write("rules/rules.clp", RULES.replace("(id 1)", "(id 9)"))
         done = self.cxlab("rerun", "run", "--quiet", "--at", 1, "--then", "repair.clp", "--out", "again", expect=1)
-        self.assertRegex(done.stdout, r"^different before 1\.000 s: env/main at [-0-9.]+ s: then .*\(?.*1.*, now .*9.*\n  not the file of then: agents/0/packages/rules/rules\.clp\n")
+        self.assertRegex(done.stdout, r"^different before 1\.000 s: env/main at [-0-9.]+ s: then .*\(?.*1.*, now .*9.*\n  not the file of the run: agents/0/packages/rules/rules\.clp\n")
         self.assertEqual(json.loads(self.cxlab("rerun", "run", "--quiet", "--at", 1, "--json", "--out", "b", expect=1).stdout)["same_before"], False)
 
-    def test_what_is_wrong_is_said(self):
+    def test_wrong_input_is_an_error(self):
         self.small_run()
         self.write("unbalanced.clp", "(defrule a =>)\n(defrule b =>\n")
         self.write("unknown.clp", "(defrule a =>)\n(defrule b (order (idd 1)) =>)\n")

@@ -206,7 +206,7 @@ class Definitions(Workspace):
         self.assertIn("service /pddl_manager/add_fluents is not offered: ", said)
         self.assertEqual(said.count("is not offered"), 4)
 
-    def test_what_a_node_cannot_do_without_is_said(self):
+    def test_a_missing_need_of_a_node_is_an_error(self):
         said = self.play({"cxlab_skills/action/Pick.action": "string target\n---\nbool success\n---\n"}, "--with", "rcll", code=3)
         self.assertIn("src/cxlab_skills/action/Pick.action", said)
         self.assertIn("has no field 'error_code' (uint16), which cxlab needs", said)

@@ -460,7 +460,7 @@ ROWS["definitions"] = [
 
 
 def recorded(folder):
-    """A run whose rules decide by what a stimulus says. The files it was played from have gone: none lies beside the run."""
+    """A run whose rules decide by what a stimulus says. The files it was played from are missing: none lies beside the run."""
     there = pathlib.Path(folder)
     here = there / "gone"
     (here / "rules").mkdir(parents=True)

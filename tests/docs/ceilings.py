@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Exceptions of the tests of the documentation that still exist, each with its present size, which may only shrink.
 
-tests/docs/ceilings.py shrink     lowers each number of ceilings.txt to the present one, and removes what has reached its goal
-tests/docs/ceilings.py begin      writes the file anew: only for a new rule, because a test passes then whatever is found
+  tests/docs/ceilings.py shrink     lowers each number of ceilings.txt to the present one, and removes what has reached its goal
+  tests/docs/ceilings.py begin      writes the file again: only for a new rule, because a test passes then whatever is found
 """
 
 import sys

@@ -49,7 +49,7 @@ def declared():
 
 
 def problem_of(command):
-    """What is wrong with the name or an option of `cxlab ...`, or ""."""
+    """The fault of the name or an option of `cxlab ...`, or ""."""
     try:
         words = shlex.split(command, comments=True)[1:]
     except ValueError:

@@ -24,7 +24,7 @@ def links(text):
 
 
 def problem_of(page, target, exists, text_of):
-    """What is wrong with a link of a page, or ""."""
+    """The fault of a link of a page, or ""."""
     if re.match(r"[a-z+]+:", target):
         return ""
     path, _, anchor = target.partition("#")

@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""Finds wording that the project avoids, in pages, comments and string literals of C++, and comments and docstrings of CLIPS.
+"""Finds wording that the project avoids.
 
-tests/docs/prose.py [FILE ...]     lists the findings; without files: those of all, counted by file
+It reads pages, comments and string literals of C++, comments and docstrings of CLIPS and Python, and comments of shell, CMake and YAML.
+In tests only comments and docstrings of Python count, because their strings are data.
+
+  tests/docs/prose.py [FILE ...]     lists the findings; without files: those of all, counted by file
+
 As a test (python3 -m unittest prose) no file has more findings than its line in ceilings.txt allows, and a new file has none.
 
 The words to avoid are the right column of a table in docs/reference/glossary.md; constructions are in RULES below.
 """
 
+import ast
 import re
 import sys
 import unittest
@@ -26,7 +31,8 @@ RULES = [
     ("is-taken", r"\bis taken\.?$", "name the actor: 'cxlab uses it'"),
     ("like-of", r"\bas (?:\w+ )?of any other\b", "say it as a sentence of its own"),
 ]
-LEFT_OUT = ("docs/reference/glossary.md", "third_party/", "lab/pages/")
+LEFT_OUT = ("docs/reference/glossary.md", "third_party/", "lab/pages/", "tests/third_party/")
+WITH_HASHES = (".py", ".sh", ".cmake", ".yaml", ".yml", "CMakeLists.txt", "dev", ".ci/run")
 
 
 @lru_cache
@@ -60,13 +66,13 @@ TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|R"\w*\(.*?\)\w*"|"(?:[^"\\\n]|\\.)*"|\'(
 
 
 def texts_of_cpp(text):
-    """(line, text) of comments, neighbouring lines joined, and of string literals that hold a sentence or a part of one."""
-    comment, literal, last = [], [], 0
+    """(line, text) of comments, neighbouring lines joined, and of string literals without the commands of their examples."""
+    comment, literal, last, marker = [], [], 0, ""
 
     def flush():
         for kind in (comment, literal):
             if kind:
-                yield kind[0][0], " ".join(part for _, part in kind) if kind is comment else "".join(part for _, part in kind)
+                yield kind[0][0], " ".join(part for _, part in kind) if kind is comment else "".join(part for _, part in kind).partition("Examples:")[0]
                 kind.clear()
 
     for found in TOKEN.finditer(text):
@@ -78,8 +84,9 @@ def texts_of_cpp(text):
         if token.startswith("//"):
             if literal:
                 yield from flush()
+            before, marker = marker, re.match(r"//[/!<]*", token).group(0)
             part = re.sub(r"^//[/!<]*\s?", "", token)
-            if not part.strip() or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S", part):
+            if marker != before or not part.strip() or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S", part):
                 yield from flush()
             comment.append((line, part.strip()))
         elif token.startswith('"'):
@@ -107,13 +114,51 @@ def texts_of_clips(text):
             yield text.count("\n", 0, found.start()) + 1, " ".join(found.group(1).split())
 
 
+def comments_with_hashes(text):
+    """(line, text) of comments that begin with `#`; lines of their own are joined as long as they are not indented further."""
+    comment = []
+    for number, line in enumerate([*text.splitlines(), ""], 1):
+        found = re.match(r"\s*#(?!!)\s?(.*)$", line)
+        if comment and (not found or re.match(r"\s*(?:[-*]|\d+\.)\s|\s{2,}\S|$", found.group(1))):
+            yield comment[0][0], " ".join(part for _, part in comment)
+            comment = []
+        if found:
+            comment.append((number, found.group(1).strip()))
+        elif behind := re.search(r"\s{2}# ([^'\"]+)$", line):
+            yield number, behind.group(1)
+
+
+def texts_of_python(text):
+    """(line, text) of comments, and of the paragraphs and items of docstrings, without lines that are indented further, as those of a usage."""
+    yield from comments_with_hashes(text)
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            continue
+        indented = re.compile(" " * (node.body[0].col_offset + 2 if node.body else 0))
+        for paragraph in (ast.get_docstring(node, clean=False) or "").split("\n\n"):
+            for part in re.split(r"^ *- ", paragraph, flags=re.MULTILINE):
+                lines = part.splitlines() if part != paragraph else [line for line in part.splitlines() if not indented.match(line)]
+                yield node.body[0].lineno, " ".join(" ".join(lines).split())
+
+
+def texts_of(name, text):
+    if name.endswith(".py"):
+        return texts_of_python(text)
+    if name.endswith(WITH_HASHES):
+        return comments_with_hashes(text)
+    if name.startswith("tests/"):
+        sign = ";" if name.endswith(".clp") else "//"
+        text = "\n".join(line if line.lstrip().startswith(sign) else "" for line in text.splitlines())
+    return texts_of_clips(text) if name.endswith(".clp") else texts_of_cpp(text)
+
+
 def findings(name):
     """(line, rule, what is wrong) for a file."""
     text = (SOURCE / name).read_text()
     if name.endswith(".md"):
         spoken = sentences(text)
     else:
-        texts = texts_of_clips(text) if name.endswith(".clp") else texts_of_cpp(text)
+        texts = texts_of(name, text)
         spoken = ((line, sentence) for line, spoken_text in texts if len(words_of(spoken_text)) > 3
                   for sentence in re.split(r"(?<=[.!?])\s+(?=[A-Z`'])|;\s", plain(spoken_text)) if sentence)
     for line, sentence in spoken:
@@ -122,7 +167,8 @@ def findings(name):
 
 
 def files():
-    return [name for name in tracked("*.md", "*.cpp", "*.h", "*.clp") if not name.startswith(LEFT_OUT) and not name.startswith("tests/")]
+    kinds = ("*.md", "*.cpp", "*.h", "*.clp", *("*" + kind if kind.startswith(".") else kind for kind in WITH_HASHES), "*/CMakeLists.txt")
+    return [name for name in tracked(*kinds) if not name.startswith(LEFT_OUT) and not (name.startswith("tests/") and name.endswith(".md"))]
 
 
 @lru_cache
@@ -149,9 +195,15 @@ class Prose(unittest.TestCase):
             self.assertEqual(list(check_sentence(sentence)), [], sentence)
 
     def test_texts_are_found(self):
-        source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n'
-        self.assertEqual(list(texts_of_cpp(source)), [(1, "Runs it again."), (3, "later"), (4, "it is drawn")])
+        source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n// One\n/// Two\n"Do. Examples: cxlab"'
+        self.assertEqual(list(texts_of_cpp(source)), [(1, "Runs it again."), (3, "later"), (4, "it is drawn"), (6, "One"), (7, "Two"), (8, "Do. ")])
         self.assertEqual(list(texts_of_clips('; One\n; two.\n(defrule a "Do; it." =>)  ; "no\n')), [(1, "One two."), (3, "Do; it.")])
+        shell = '# One\n# two.\nset(a b)  # later\n#   cxlab run\necho "x # y"\n'
+        self.assertEqual(list(comments_with_hashes(shell)), [(1, "One two."), (3, "later"), (4, "cxlab run")])
+        python = '"""Does it.\n\n  usage\n\n- One\n  item.\n- Two."""\ndef f():\n    """It\n    goes."""\n    return "a # b"\n'
+        self.assertEqual([text for _, text in texts_of_python(python) if text], ["Does it.", "One item.", "Two.", "It goes."])
+        self.assertEqual(list(texts_of("tests/a.cpp", '// One\n"two";\n')), [(1, "One")])
+        self.assertEqual(list(texts_of("app/a.cpp", '// One\n"two";\n')), [(1, "One"), (2, "two")])
         self.assertGreater(len(words_to_avoid()), 10)
         self.assertEqual([text for _, text in paragraphs("a\nb\n\n| c |\n")], ["a b"])
 

@@ -1,5 +1,5 @@
-// MCAP files, messages as CDR, and a whole bag that is played to an agent which uses all that it has: what is read is
-// the same again after a way through bytes, and messages come in order of time.
+// MCAP files, messages as CDR, and a whole bag that is played to an agent which uses all of it. A message that is read
+// is the same after it was written and read again, and messages come in order of time.
 
 #include "cx/bag/bag_server.h"
 #include "cx/bag/recording.h"

@@ -1,5 +1,5 @@
-// Configurations of the environment manager: the first byte says how strict, the rest is the YAML. What is read lives
-// for two ticks, with all plugins of cxlab and the rules of an example, and ends.
+// Configurations of the environment manager: the first byte says how strict, the rest is the YAML. A configuration that
+// can be read lives for two ticks, with all plugins of cxlab and the rules of an example, and ends.
 
 #include <filesystem>
 #include <fstream>

@@ -46,7 +46,7 @@ std::span<std::uint8_t> counters_of(const char* file, std::uintptr_t base) {
 
 struct Counters {
   std::vector<std::span<std::uint8_t>> here;
-  /// Of the copy, one after the other, in memory of both.
+  /// The counters of the copy, one after the other, in memory that both share.
   std::span<std::uint8_t> of_copy;
 
   Counters() {

@@ -23,7 +23,7 @@
 #include "tests/fuzz/fuzz.h"
 
 /// CLIPS forgets small blocks on errors of many functions. Stacks of each block, and 256 MB of freed blocks that each
-/// input touches anew, would take a third of the time; ASAN_OPTIONS=malloc_context_size=9 shows who made and freed a
+/// input touches again, would take a third of the time; ASAN_OPTIONS=malloc_context_size=9 shows who made and freed a
 /// block.
 extern "C" const char* __asan_default_options() { return "detect_leaks=0:malloc_context_size=1:quarantine_size_mb=16"; }
 
@@ -301,7 +301,7 @@ constexpr const char* kForms[] = {
     R"x((progn (open "o" o "w") (printout o "([r1] of ROBOT (load #))" crlf) (close o) (restore-instances "o")))x",
     R"x((progn (dribble-on "d") @ (dribble-off)))x",
     R"x((progn (open "o" o "w") @ (printout o @) (close)))x",
-    // What is named first may go with what stands after it.
+    // The second text may remove the construct that the first one names.
     "(undefclass IDLE)",
     "(undeftemplate idle)",
     "(undefgeneric rests)",
@@ -574,7 +574,7 @@ struct Function {
   std::vector<unsigned> types;  ///< of the arguments
 };
 
-/// Of CLIPS itself, so that none is forgotten. Those with parsers of their own have forms above.
+/// The functions of CLIPS itself, so that none is forgotten. Those with separate parsers have forms above.
 const std::vector<Function>& all_functions() {
   static const std::vector<Function> functions = [] {
     // They end the input on purpose, or tell what differs between environments: how much memory is in use.

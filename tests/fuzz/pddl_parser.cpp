@@ -1,5 +1,5 @@
-// PDDL: the text up to a line `---` is the domain, the rest the problem. What is read is written, and reads back the
-// same.
+// PDDL: the text up to a line `---` is the domain, the rest the problem. A problem that can be read is written, and
+// reads back the same.
 
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"

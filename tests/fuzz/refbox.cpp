@@ -1,5 +1,5 @@
-// The referee box of a game and the node that speaks with one, both on a network on which strangers say what they like:
-// datagrams as they are, and frames of any type on each channel, encrypted with its key. A tick after each.
+// The referee box of a game and the node that speaks with one. Both are on a network on which strangers send anything:
+// raw datagrams, and frames of any type on each channel, encrypted with its key. A tick follows each.
 
 #include <google/protobuf/message.h>
 

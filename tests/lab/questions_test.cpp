@@ -320,7 +320,7 @@ void AnswersTest::compare_why_with_the_journal() {
     const auto inspectors = inspectors_at(t);
     const inspect::Inspector& asked = inspectors[chance() % inspectors.size()];
     const Ledger& journal = ledger_of(asked.name());
-    // A fact that is there, and any change of a fact, which may have gone.
+    // An existing fact, and any change of a fact, which may be retracted.
     const auto facts = asked.engine().facts();
     ASSERT_FALSE(facts.empty());
     const FactCopy& fact = facts[chance() % facts.size()];

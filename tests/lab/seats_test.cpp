@@ -326,7 +326,7 @@ TEST_F(SeatsTest, AWrongSeatIsRefused) {
   EXPECT_EQ(refusal({seat("late", script)}), "seat late: no table is free");
 }
 
-TEST_F(SeatsTest, WhatIsWrongWithAMessageIsSaidAtOnceAndNothingIsSent) {
+TEST_F(SeatsTest, AFaultOfAMessageIsReportedAtOnceAndNothingIsSent) {
   std::vector<std::string> errors;
   Script script;
   script.made = [&errors](SeatBus& bus) {

@@ -179,7 +179,7 @@ TEST_F(SweepTest, AFailedEpisodeHasARowWithItsError) {
   EXPECT_THAT(rows->front().errors.front(), HasSubstr("wrong"));
 }
 
-TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
+TEST_F(SweepTest, ARowReportsUnusedParameters) {
   scenario("game", kRules);
   const auto rows = play(*Suite::load(write(
       "suite.yaml",
@@ -187,7 +187,7 @@ TEST_F(SweepTest, ARowTellsOfParametersForWhichNobodyAsks) {
   ASSERT_TRUE(rows);
   EXPECT_TRUE(rows->front().counts());
   ASSERT_EQ(rows->front().warnings.size(), 1u);
-  EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set and nobody asked for it"));
+  EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set, but nothing reads it"));
 }
 
 TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {

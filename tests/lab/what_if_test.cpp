@@ -183,11 +183,11 @@ TEST_F(WhatIfTest, AParameterCountsFromThereOn) {
   replays("again");
 }
 
-TEST_F(WhatIfTest, AParameterThatNobodyAsksForIsAWarning) {
+TEST_F(WhatIfTest, AnUnusedParameterIsAWarning) {
   play();
   const Rerun again = what_if("again", {.at = 1, .set = {"clips_manager.unread=6"}});
   EXPECT_THAT(again.played.result.warnings,
-              ElementsAre(HasSubstr("'unread' was set while the run went on and nobody")));
+              ElementsAre(HasSubstr("'unread' was set during the run, but nothing has read it since")));
   EXPECT_THAT(what_if("asked", {.at = 1, .set = {"clips_manager.patience=6.5"}}).played.result.warnings, IsEmpty());
 }
 

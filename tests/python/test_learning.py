@@ -20,7 +20,7 @@ SHORT = 120.0  # s of a game
 
 
 def choices(seed, policy=preferred, until=SHORT, **more):
-    """All choices of a game, a short one if nothing else is said, and its result."""
+    """All choices of a game, by default a short one, and its result."""
     seen = []
     with ChoiceGame(seed=seed, tier="timed", until=until, **more) as game:
         while choice := game.next():

@@ -29,7 +29,7 @@ class Interfaces(Lab):
         return env
 
     def play(self, env, seed, steps=60):
-        """What comes of actions by chance, episode after episode."""
+        """Play random actions, episode after episode, and return what came of them."""
         chance = np.random.default_rng(seed)
         seen = []
         observation, info = env.reset(seed=seed)

@@ -53,7 +53,7 @@ class View(Browser):
             self.settled()
 
     def settled(self):
-        """What was asked is shown."""
+        """The page shows the answer."""
         time.sleep(0.3)
         self.until(lambda: self.js("document.querySelector('section.ask').getAttribute('aria-busy') === 'false'"))
         self.assertEqual(self.js("document.querySelector('.ask > [role=alert]').hidden || document.querySelector('.ask > [role=alert]').textContent"), True)

@@ -303,7 +303,7 @@ TEST_F(BuiltByCode, AnAgentPlaysInAWorldAndItsCopyOfTheScenarioReplays) {
   EXPECT_EQ(second.physics_hash, result.physics_hash);
 }
 
-TEST_F(BuiltByCode, WhatIsWrongIsSaidWithoutAPlace) {
+TEST_F(BuiltByCode, ErrorsNameNoPlace) {
   Scenario built;
   built.agents.push_back({.config = (folder_ / "nothing.yaml").string()});
   EpisodeOptions options;

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 constexpr double kRounding = 0.0011;  // m or rad: half a unit in each of three directions, and a little
 
 double distance(const Pose3& a, const Pose3& b) { return (a.position - b.position).norm(); }
-/// Of a turn from one to the other.
+/// The angle of a turn from one to the other.
 double angle(const Pose3& a, const Pose3& b) { return sim::relative_to(a, b).rotation.norm(); }
 
 /// The same entities, whose poses differ by rounding at most.
@@ -147,7 +147,7 @@ class SceneFile : public testing::Test {
     SimTime t{};
     SceneList list;  ///< asked for then
   };
-  /// Ticks of 20 ms, some of which are skipped; all that there was to see at each.
+  /// Writes ticks of 20 ms, some of which are skipped. Returns the scene of each.
   std::vector<Frame> write(const std::filesystem::path& path, unsigned seed, int ticks = 4000) {
     Made made(seed);
     std::mt19937 random(seed);

@@ -54,7 +54,7 @@ class BusTest : public ::testing::Test, protected TestBus {
       if (also) also(d);
     });
   }
-  /// What was taken since the last call.
+  /// The deliveries that were taken since the last call.
   std::vector<std::string> taken() { return std::exchange(log_, {}); }
   std::vector<std::string> deliver(ParticipantId p) {
     bus_.deliver(p);

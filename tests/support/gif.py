@@ -37,7 +37,7 @@ def unpack(data, bits):
 
 
 def read_gif(data):
-    """(width, height, [(hundredths, RGB bytes)]) of a file that loops for ever."""
+    """(width, height, [(hundredths, RGB bytes)]) of a file that loops without end."""
     assert data[:6] == b"GIF89a" and data[-1:] == b"\x3b", "no whole GIF"
     number = lambda at: data[at] | data[at + 1] << 8
     width, height = number(6), number(8)

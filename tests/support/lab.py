@@ -65,7 +65,7 @@ class Lab(unittest.TestCase):
         return json.loads((self.out / "result.json").read_text())
 
     def records(self):
-        """Of journal.jsonl, each line of which must be whole."""
+        """The records of journal.jsonl, each line of which must be whole."""
         text = (self.out / "journal.jsonl").read_text()
         self.assertTrue(text == "" or text.endswith("\n"), "the last line is whole")
         return [json.loads(line) for line in text.splitlines()]

@@ -1,8 +1,8 @@
 """Tests as rows: files, a command line, the exit code, and what stderr must say. Two rows at a time.
 
-The list beside the rows, NAME.said.txt, holds what a row's message must name, not its wording: file and line, the option or key, values in quotes
-(what was found, and the nearest name), the code of CLIPS, and what the rules of the row print. `form_of` checks the form of each message.
-`python3 NAME.py update` writes the list again after a message names other things on purpose; the commit says which and why."""
+The list beside the rows, NAME.said.txt, holds the things that a row's message must name, not its wording. These are file and line, the option or key,
+values in quotes (the found value and the nearest name), the code of CLIPS, and the output of the row's rules. `form_of` checks the form of each
+message. `python3 NAME.py update` writes the list again after a message names other things on purpose; the commit says which and why."""
 
 import concurrent.futures
 import dataclasses
@@ -74,7 +74,7 @@ NAMED = re.compile(r"\[[A-Z]+\d+\]|(?:[\w{}./-]*[\w}]\.\w+):\d+(?=:)|(?<![\w-])-
 
 
 def named(text):
-    """The parts of what was said that better wording leaves as they are. Rules of the row print with level info: these lines are kept whole."""
+    """The parts of a message that better wording leaves as they are. Rules of the row print with level info: these lines are kept whole."""
     parts = []
     for line in text.split(" / "):
         if printed := re.match(r"\[ *[\d.]+\] \[info\] \[main\] ?(.*)", line):
@@ -90,7 +90,7 @@ INSIDE = re.compile(r"\bstd::(?!exception\b)|\b0x[0-9a-f]{6,}|\bTraceback\b|term
 
 
 def form_of(row, text):
-    """What is wrong with the form of an error: it is one line that says what was found, without the inside of the program or a path of the machine."""
+    """The faults in the form of an error. An error is one line that says what was found, without internals of the program or a path of the machine."""
     lines = [line for line in text.split(" / ") if line.startswith("error")]
     if not lines:  # a story that fails, and a problem without a plan, are answers
         return [] if row.code in (0, 1, 10, 12, 23, 130, 143) or text.startswith("FAILED ") else ["no line begins with error:"]

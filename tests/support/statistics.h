@@ -1,5 +1,5 @@
 #pragma once
-// Whether counts come from one distribution. What comes out is compared with a limit for a level of 0.1 %.
+// Tests whether counts come from one distribution. The result is compared with a limit for a level of 0.1 %.
 
 #include <algorithm>
 #include <cmath>

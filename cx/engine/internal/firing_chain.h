@@ -28,8 +28,8 @@ class FiringChain {
     std::vector<Rule> rules;  ///< in the order in which they take turns, each once
     std::size_t turns = 0;    ///< how often the most frequent of them is on the path
   };
-  /// The rules that take turns on the path to the last firing: those that are on it at least `alike` times with facts
-  /// that differ in numbers only, else those that are on it at least `any` times.
+  /// The rules that take turns on the path to the last firing. These are the rules that appear on it at least `alike`
+  /// times with facts that differ only in numbers. If no rule does, they are those that appear at least `any` times.
   std::optional<Round> round(std::size_t alike, std::size_t any) const;
 
  private:

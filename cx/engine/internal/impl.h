@@ -45,14 +45,14 @@ struct Builtin {
 /// The name of the context in which rules fire.
 inline constexpr std::string_view kRun = "run";
 
-/// Of the innermost HostCall.
+/// The engine of the innermost HostCall.
 extern constinit thread_local RuleEngine* g_at_work;
 
-/// Of a text that is read as rules.
+/// Steps that each byte costs that CLIPS reads as rules.
 inline constexpr std::uint64_t kStepsOfAByte = 10;
-/// Of a text that is read, made or recorded.
+/// Bytes that cost one step when they are read, made or recorded.
 inline constexpr std::uint64_t kBytesOfAStep = 16;
-/// Of a text that a function makes: it is printed, hashed, and taken back.
+/// Steps that each text costs that a function makes: CLIPS prints it, hashes it, and reads it back.
 inline constexpr std::uint64_t kStepsOfAText = 2;
 
 struct RuleEngine::Impl {
@@ -63,7 +63,7 @@ struct RuleEngine::Impl {
 
   // --- Errors (errors.cpp) ---------------------------------------------------------------------------------------
 
-  /// The work under way, and for which construct or function; the innermost is last. Its caller owns the texts.
+  /// The work in progress, with its construct or function; the innermost is last. Its caller owns the texts.
   struct Context {
     ErrorSide side = ErrorSide::kLoad;
     std::string_view name;  ///< of a construct or a called function
@@ -108,7 +108,7 @@ struct RuleEngine::Impl {
   };
   std::vector<MessageStart> starts;
   std::string_view asserted_text;                  ///< being read by `assert-string`
-  const clips::Expression* carried_out = nullptr;  ///< the outermost call of a built-in function under way
+  const clips::Expression* carried_out = nullptr;  ///< the outermost running call of a built-in function
   std::set<std::string> known_errors;              ///< keys of engine.errors_
 
   void capture(const char* text);
@@ -131,7 +131,7 @@ struct RuleEngine::Impl {
   /// (kind, name) -> places in `constructs`: one for each module, in order of definition.
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> construct_index;
   std::vector<std::optional<ConstructInfo>> constructs;
-  /// Those that a name stands for, with or without its module.
+  /// The constructs that a name stands for, with or without its module.
   std::vector<const ConstructInfo*> named(std::string_view kind, std::string_view name) const;
   void forget(const std::string& kind, const std::string& module, const std::string& name);
   struct LhsCall {
@@ -146,7 +146,7 @@ struct RuleEngine::Impl {
   std::set<std::string> reported_lhs;
   std::vector<Error> notes;
 
-  OnLoadError on_load_error = OnLoadError::kKeepGoing;  ///< of the load under way, which files loaded by it follow
+  OnLoadError on_load_error = OnLoadError::kKeepGoing;  ///< of the running load; the files that it loads follow it
 
   KeepSame keep_same = KeepSame::kNothing;
   bool is_there_already(const Form& form) const;
@@ -180,9 +180,9 @@ struct RuleEngine::Impl {
   bool modified_again = false;
   std::vector<const void*> old_slots;
 
-  /// Retracted facts and the former values of changed slots, kept until nothing can use them any more: CLIPS does not
-  /// retain the arguments of a function while it evaluates the next one or runs a deffunction, and frees what a fact no
-  /// longer holds when any inner deffunction returns.
+  /// Retracted facts and former values of changed slots, kept until nothing can use them. CLIPS does not retain an
+  /// argument of a function while it evaluates the next one or runs a deffunction. When any inner deffunction returns,
+  /// CLIPS frees the values that no fact holds any longer.
   std::vector<clips::Fact*> kept_facts;
   std::vector<clips::TypeHeader*> kept_values;
   /// To be called where no function is being evaluated, but for the one that called C++.
@@ -235,9 +235,10 @@ struct RuleEngine::Impl {
   bool exit_requested = false;
   bool broken = false;  ///< CLIPS cannot free what is in disorder: the environment stays
   bool anything_left() const;
-  void count_firings(std::int64_t most);  ///< anew; from here on a loop ends there, with `limit_reached`
+  void count_firings(std::int64_t most);  ///< starts the count again; `most` firings later the loop ends with
+                                          ///< `limit_reached`
 
-  /// Of what rules do, where somebody asked for it.
+  /// Counts what rules do; null where nobody wants the counts.
   std::unique_ptr<RuleCounter> counter;
 
   // --- Loops and limits (limits.cpp) -----------------------------------------------------------------------------
@@ -312,7 +313,8 @@ struct RuleEngine::Impl {
       look_at_limits();
   }
   std::int64_t look_again_at = 0;
-  /// Calls of deffunctions and generic functions under way, and where on the stack the outermost began.
+  /// Number of running calls of deffunctions and generic functions, and the place on the stack where the outermost
+  /// began.
   int calls = 0;
   std::uintptr_t calls_begin = 0;
   bool leaving_calls = false;  ///< they were nested too deep: the messages of CLIPS at each level are dropped

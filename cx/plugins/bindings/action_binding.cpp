@@ -96,7 +96,7 @@ void ActionBinding::add_server() {
   };
   asks("server-goal-handle-is-canceling", "Whether the client wants the goal cancelled.",
        [](S s) { return s == S::kCanceling; });
-  asks("server-goal-handle-is-executing", "Whether the goal is under way.", [](S s) { return s == S::kExecuting; });
+  asks("server-goal-handle-is-executing", "Whether the goal is executing.", [](S s) { return s == S::kExecuting; });
   asks("server-goal-handle-is-active", "Whether the goal has not ended.",
        [](S s) { return s == S::kAccepted || s == S::kExecuting || s == S::kCanceling; });
   add("server-goal-handle-execute", "v", ";e", F::kActing, "Begins a deferred goal.", [this](Call& call) {

@@ -1,6 +1,6 @@
 #pragma once
 // The bindings of one message, service or action in one environment: docs/reference/plugins/bindings.md. `P` in
-// comments is the prefix of the interface, e.g. "std-msgs-string".
+// comments is the prefix of the interface, for example "std-msgs-string".
 
 #include <map>
 #include <string>
@@ -16,7 +16,8 @@ class Binding : public BusConnection {
       : BusConnection(environment, std::move(logger), std::move(prefix), /*bound=*/true) {}
 
  protected:
-  /// Adds P-`create`, P-`destroy`, P-`fields`get-field, P-`fields`set-field. What is left of them are `what`(s).
+  /// Adds P-`create`, P-`destroy`, P-`fields`get-field, P-`fields`set-field. Messages that rules have not destroyed are
+  /// counted as `what`(s).
   void add_fields(const std::string& what, const std::string& create, const std::string& destroy,
                   const std::string& fields, const bus::MessageType& type);
 };
@@ -82,7 +83,7 @@ class ActionBinding final : public Binding {
   /// Fails a call for which the goal is in the wrong state.
   void fail_state(Call& call, const ServedGoal& goal, const char* expected);
   bool is_open(const std::string& server, bus::EndpointId endpoint) const;
-  /// Nobody can end the goal any more; its client shall not wait for ever.
+  /// Aborts a goal that nobody can end any more, so that its client stops waiting.
   void abort_unended(const ServedGoal& goal, LogLevel level, const char* why);
 
   const bus::ActionType& type_;

@@ -127,7 +127,7 @@ std::optional<Integer> whole(const ValueRef& value) {
   } else {
     return std::nullopt;
   }
-  // Of 64 bits without a sign the upper half wraps, as it does when it is read.
+  // The upper half of unsigned 64-bit numbers wraps, as it does when they are read.
   if constexpr (sizeof(Integer) < sizeof number)
     if (number < std::numeric_limits<Integer>::min() || number > std::numeric_limits<Integer>::max())
       return std::nullopt;

@@ -1,6 +1,6 @@
 #pragma once
-// What one environment has open on the network: peers for datagrams, a server for streams, clients of servers. What
-// comes from them becomes facts (docs/reference/plugins/protobuf.md).
+// The open connections of one environment on the network: peers for datagrams, a server for streams, clients of
+// servers. Messages from them become facts (docs/reference/plugins/protobuf.md).
 
 #include <cstdint>
 #include <functional>
@@ -72,7 +72,7 @@ class ProtobufPeers {
     bool connected = false;
     pb::StreamReader reader = {};
   };
-  /// Where something came from, as the facts tell it.
+  /// The source of a message, as its facts name it.
   struct Source {
     std::string_view client_type, host;
     std::int64_t port = 0, id = 0;
@@ -87,7 +87,7 @@ class ProtobufPeers {
   void note(std::string_view name, std::string_view content, RecordRef cause);
   void assert_received(const pb::Frame& frame, pb::MessagePtr message, const Source& source, RecordRef cause);
   void assert_failed(pb::MessageKey key, const Source& source, const std::string& why, RecordRef cause);
-  /// Of a message's sender.
+  /// The address of a message's sender.
   Value address(const Source& source) const;
   void assert_ordered(const std::string& name, std::initializer_list<Value> values);
   std::map<std::int64_t, Stream>::iterator find(net::LinkId link);

@@ -1,8 +1,8 @@
 #pragma once
 // The endpoints that rules of one environment have opened through one plugin: publishers, subscriptions, clients,
-// services, action clients, the messages that came from them, and the functions and facts for all of these. The generic
-// plugin and the bindings of interfaces share them. They differ in names, and a binding has one type, where each call
-// of the generic plugin names its own.
+// services and action clients. It holds their messages too, and defines the functions and facts for all of these. The
+// generic plugin and the bindings of interfaces share this class. The names of their functions differ. A binding has
+// one type, while each call of the generic plugin names its type.
 
 #include <array>
 #include <initializer_list>
@@ -111,7 +111,7 @@ class BusConnection {
   const Goal* goal_of(Call& call);
   /// As CX for an unknown handle: an ERROR line, and the rule continues.
   void unknown_handle(Call& call, const std::string& what);
-  /// Of a goal that was accepted and has not ended; none otherwise.
+  /// The handle of a goal that was accepted and has not ended; none otherwise.
   Handle handle_of(const std::string& server, const bus::GoalId& id) const;
 
   // --- Facts and log

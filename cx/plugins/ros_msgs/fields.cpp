@@ -131,7 +131,7 @@ MessageView Fields::source(const Field& field, const ValueRef& value, Fault& fau
     return {};
   }
   if (warned_.emplace(field.nested->name(), found.type().name()).second)
-    warn_(text + ": it has the same fields, so it is taken");
+    warn_(text + ": it has the same fields, so it is accepted");
   return {field.nested, found.memory()};
 }
 

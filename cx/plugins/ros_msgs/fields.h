@@ -35,9 +35,9 @@ class Fields {
   Fields(MessageStore& store, bool strict, std::function<void(const std::string&)> warn)
       : store_(store), strict_(strict), warn_(std::move(warn)) {}
 
-  /// Gives the field as the result of the call: booleans are TRUE and FALSE, whole numbers INTEGER, others FLOAT, a
-  /// char is a STRING of one character, a nested message a handle into its parent, an array a multifield. `expected`:
-  /// the type that the message must have, null for any.
+  /// Gives the field as the result of the call. A boolean is TRUE or FALSE, a whole number an INTEGER, any other number
+  /// a FLOAT, and a char a STRING of one character. A nested message is a handle into its parent, an array a
+  /// multifield. `expected`: the type that the message must have, null for any.
   std::optional<FieldFault> give(Call& call, Handle message, const ValueRef& field,
                                  const bus::MessageType* expected = nullptr);
 

@@ -21,7 +21,7 @@ class RosInterface final : public BusConnection {
 
 void RosInterface::add_all() {
   using F = FunctionKind;
-  add("create-message", "e", ";sy", F::kActing, "A new message of a type, e.g. std_msgs/msg/String.",
+  add("create-message", "e", ";sy", F::kActing, "A new message of a type, for example std_msgs/msg/String.",
       [this](Call& call) {
         if (const auto* type = message_type(call, call.arg(0))) call.give_handle(store_.create(*type, owner_));
       });

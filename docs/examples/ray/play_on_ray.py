@@ -91,7 +91,7 @@ def main():
     if todo:
         ray.init(address=options.address, runtime_env={"working_dir": str(ship)} if ship else None, log_to_driver=False,
                  include_dashboard=False if options.address is None else None)
-        # One processor a task. A task whose machine has gone is played anew by Ray, one that raises is not.
+        # One processor for each task. Ray plays a task again if its machine is lost, but not if the task raises.
         task = ray.remote(num_cpus=1, max_retries=options.retries)(play_cells)
         at_once = options.tasks_at_once or max(2, 2 * int(ray.cluster_resources().get("CPU", 1)))
         limits = ["--time-limit", options.time_limit] if options.time_limit else []

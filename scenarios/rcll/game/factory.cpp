@@ -13,7 +13,7 @@ namespace {
 constexpr SimTime kGameStatePeriod = std::chrono::seconds(1);
 constexpr SimTime kRobotInfoPeriod = std::chrono::milliseconds(2500);
 
-/// Those of overtime too, where there is one.
+/// All orders, including those of overtime if there is one.
 Schedule all_orders(const Game& game) {
   Schedule schedule = game.schedule;
   if (game.overtime) schedule.orders.push_back(*game.overtime);

@@ -3,9 +3,9 @@
 // `/order_info`, `/ring_info`, `/robot_info`), on change and periodically; each team has a channel for its machines
 // (team_channel.h).
 //
-// In a tick: `sense` reports what the machines did, `judge` gives points and releases orders, `act` strikes faults,
-// takes goals, lets the machines work and has robots carried off the field or back. It acts after the skills of the
-// robots, so that it sees what they did in that tick.
+// In a tick, `sense` reports what the machines did. `judge` gives points and releases orders. `act` strikes faults,
+// takes goals, lets the machines work, and has robots carried off the field or back. It acts after the skills of the
+// robots, so it sees what they did in that tick.
 //
 // Machines, referee, maintenance and faults go by the floor's clock, which stands while the game is paused; topics by
 // simulated time. The service `/set_game_state` of the node "referee" pauses the game and lets it go on.

@@ -11,7 +11,7 @@ namespace {
 constexpr double kGrid = 0.05;             ///< m
 constexpr double kRobotWithMargin = 0.27;  ///< m, radius that robots of the league plan with
 
-/// What is free around a disc, m; negative: as far as it would have to go at least.
+/// The free space around a disc, m. If it is negative, the disc would have to move at least so far.
 double margin_of(const sim::FloorPlan& plan, const sim::Vec2& p, double radius) {
   return std::min({p.x() - radius - plan.min_x, plan.max_x - (p.x() + radius), p.y() - radius - plan.min_y,
                    plan.max_y - (p.y() + radius), plan.clearance(p) - radius});

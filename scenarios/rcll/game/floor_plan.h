@@ -15,8 +15,8 @@ namespace cxlab::rcll {
 /// their insertion areas, cyan's first.
 sim::FloorPlan make_floor_plan(const Layout& layout, const std::vector<Team>& teams, int robots);
 
-/// Spots that a round robot cannot serve: the pose before the machine is not connected with the team's insertion area
-/// for a disc of `radius` (m), or the working pose does not fit. In order of ids.
+/// Spots that a round robot of `radius` (m) cannot serve. It cannot get from the team's insertion area to the pose
+/// before the machine, or it does not fit at the working pose. In order of ids.
 std::vector<sim::SpotId> unreachable_spots(const sim::FloorPlan& plan, double radius);
 
 /// Draws a layout, again until every spot can be served; with the referee box's rules the first draw counts, and some

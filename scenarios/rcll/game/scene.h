@@ -30,7 +30,7 @@ class GameScene {
   void list(SceneList& list);
 
  private:
-  /// Texts are made anew only when what they say has changed.
+  /// A text is made again only when its content has changed.
   struct MachineText {
     MachineState state{};
     sim::Lights lights;

@@ -144,7 +144,7 @@ bool has_bar(const PageLanes& lanes, const Kind& kind) {
   return false;
 }
 
-/// Those of the candidates that the lanes show.
+/// Adds the candidates that the lanes show.
 void add_key(PageLanes& lanes, std::initializer_list<PageLanes::Key> candidates) {
   for (const PageLanes::Key& one : candidates)
     if (has_bar(lanes, one.kind)) lanes.key.push_back(one);

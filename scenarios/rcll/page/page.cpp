@@ -39,7 +39,7 @@ const std::vector<PageKind>& kinds() {
       {kLateKind, "#e69f00", "#8f6200", true},
       {kLostKind, "#d5421e", "#b8330f", true},
       {kOpenKind, "#9a9a9a", "#5a5a5a"},
-      // Of points, as parts of a sum.
+      // Kinds of points, as parts of a sum.
       {"delivery", "", "#0072b2"},
       {"ring", "", "#009e73"},
       {"cap", "", "#a07000"},

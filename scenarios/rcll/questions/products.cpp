@@ -106,8 +106,8 @@ bool is_payment(const GameStory& story, const PieceStory& piece, const Fate& fat
   return !was_held && !fate.is_over() && will_be_payment(story, piece);
 }
 
-/// Adds what the product waited for from one machine to the next, which shall do what is `wanted`. `until`: the end of
-/// what is known of it, where it did not get there.
+/// Adds the waits of the product from one machine to the next, which has to do what is `wanted`. `until` is the end of
+/// its known story if it did not get there.
 void add_waits_between(const GameStory& story, const Visit& at, const Visit* next, const std::string& wanted,
                        const Order& order, SimTime until, std::vector<Waiting>& out) {
   if (!at.done) return;

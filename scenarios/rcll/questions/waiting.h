@@ -19,11 +19,11 @@ struct Waiting {
 struct Needed {
   const MachineStory* machine = nullptr;  ///< nullptr: not known; then only the game itself can be in the way
   bool take = false;                      ///< a workpiece at its output; else that it takes one in
-  std::string part;                       ///< what it shall do: "RING_BLUE", "CAP_GREY", "delivery"; empty: not known
+  std::string part;                       ///< the work to do: "RING_BLUE", "CAP_GREY", "delivery"; empty: not known
   const Order* order = nullptr;
   std::string_view robot;  ///< who asks
-  bool on_belt = false;    ///< the workpiece lies there: what the machine takes to draw it in is no wait, but "belt"
-  /// Of a stretch in which the machine is ready and nobody is in the way.
+  bool on_belt = false;    ///< the workpiece lies there: the time to draw it in is "belt", not a wait
+  /// The reason for a stretch in which the machine is ready and nobody is in the way.
   Waiting otherwise{{}, "agent", "the agent had not given the next command"};
 };
 

@@ -172,7 +172,7 @@ pb::MessagePtr Controllers::machines() const {
   return message;
 }
 
-/// Those that lie on the belts of machines.
+/// The workpieces that lie on the belts of machines.
 pb::MessagePtr Controllers::workpieces() const {
   auto message = context_.make("WorkpieceInfo");
   Fields info(*message);

@@ -1,6 +1,5 @@
 #pragma once
-// Controllers of a game: programs of the jury, over TCP. They need no key, hear all that there is, and command the
-// game.
+// Controllers of a game: programs of the jury, over TCP. They need no key, hear everything, and command the game.
 //
 //   are sent   what goes out on the public channel, RingInfo, MachineReportInfo; MachineInfo and RobotInfo with what
 //              teams must not know; WorkpieceInfo, AttentionMessage

@@ -55,7 +55,7 @@ class LeagueLink {
 
   Channel& everybody() { return *everybody_; }  ///< the public channel
   Channel& team() { return *team_; }
-  /// That of a robot of the team, from 1.
+  /// Opens the channel of a robot of the team; `number` counts from 1.
   Channel open_robot(int number);
   pb::MessagePtr make(const std::string& type) const { return types_->make(type); }
   const pb::Types& types() const { return *types_; }

@@ -28,7 +28,7 @@ class LeagueRobot {
   /// The last beacon of the robot; may be none.
   google::protobuf::Message* beacon() const { return beacon_.get(); }
   void take(google::protobuf::Message& message);
-  /// Sends the task under way again.
+  /// Sends the current task again.
   void repeat();
 
  private:
@@ -64,7 +64,7 @@ class LeagueRobot {
   const Skill* active_ = nullptr;
   bus::GoalId goal_{};
   std::string target_;
-  std::deque<Part> parts_;  ///< the first is under way
+  std::deque<Part> parts_;  ///< the first is the current one
   pb::MessagePtr task_;     ///< that was sent last
   pb::MessagePtr seen_;     ///< the last MachineReport
   pb::MessagePtr beacon_;

@@ -92,7 +92,7 @@ void put_text(proto::Message& message, const Descriptor& field, std::string_view
     reflect.SetString(&message, &field, std::string(text));
 }
 
-/// Of a field, or of an element of a list.
+/// The number in a field, or in an element of a list.
 Number number_of(const proto::Message& message, const Descriptor& field, int index) {
   const proto::Reflection& reflect = *message.GetReflection();
   const auto read = [&](auto one, auto of_list) {

@@ -31,7 +31,7 @@ struct Moment {
   static Moment of(double epoch, SimTime now);
 };
 
-/// The fields of a message, by name. A name that there is not is a bug of ours (asserts), except for `has`.
+/// The fields of a message, by name. The name must exist (asserts), except for `has`.
 class Fields {
  public:
   explicit Fields(google::protobuf::Message& message) : message_(&message) {}
@@ -66,7 +66,7 @@ class Fields {
 /// Fills the fields that have the same name on both sides: texts become enumerations, seconds a Time, poses a Pose2D
 /// of this moment. Empty texts and negative numbers for fields without a sign mean "not known" and are left out.
 void fill(google::protobuf::Message& to, const bus::MessageView& from, const Moment& now);
-/// The other way round. What is not set keeps the default of the bus.
+/// The other way round. Fields that are not set keep the default of the bus.
 void fill(const bus::MessageView& to, google::protobuf::Message& from);
 
 }  // namespace cxlab::rcll

@@ -1,15 +1,15 @@
 #pragma once
-// The referee box on the network of a game (docs/reference/rcll-protocol.md): what the factory says on the bus goes out
-// as messages of the league, what teams send becomes instructions, reports and requests on the bus, what controllers
-// send becomes calls of the factory. It judges nothing.
+// The referee box on the network of a game (docs/reference/rcll-protocol.md). It sends the factory's messages on the
+// bus as messages of the league. Messages of teams become instructions, reports and requests on the bus, and messages
+// of controllers become calls of the factory. It judges nothing.
 //
 //   public channel     GameState, OrderInfo, RobotInfo, VersionInfo, BeaconSignal; takes BeaconSignal
 //   team's channel     team_peer.h
 //   streams (TCP)      controllers.h
 //   robots             robot_peer.h
 //
-// Teams are told what the league tells them, whatever `information` says of the topics. Nothing happens, and nothing
-// is read, before anybody listens or sends.
+// Teams are told what the league tells them, whatever `information` says of the topics. It does nothing, and reads
+// nothing, before anybody listens or sends.
 
 #include <cstdint>
 #include <filesystem>

@@ -93,7 +93,7 @@ std::string RobotPeer::take(const Fields& task) {
     return {};
   }
   if (task.has("pause_task") && task.integer("pause_task") != 0) {
-    if (!same || !under_way_) return "a pause of a task that is not under way";
+    if (!same || !under_way_) return "a pause of a task that is not running";
     paused_ = true;
     stop_skill();
     return {};

@@ -1,10 +1,10 @@
 #pragma once
-// A robot on the network, as in the league's simulations: it takes an AgentTask from its agent, carries it out with its
-// skills, and answers with the same task and what came of it, again every second until the next one. Once a second it
-// says where it is (BeaconSignal), and in exploration which machines it has seen (MachineReport).
+// A robot on the network, as in the league's simulations. It takes an AgentTask from its agent and carries it out with
+// its skills. It answers with the same task and its outcome, again every second until the next one. Once a second it
+// sends its pose (BeaconSignal), and in exploration the machines that it has seen (MachineReport).
 //
-// One task at a time: the same task_id again is the same task, another one cancels what is under way. A task that
-// pauses ends its skill; when it goes on the skill begins anew.
+// It has one task at a time: the same task_id again is the same task, another one cancels the current task. A task that
+// pauses ends its skill; when it goes on, the skill begins again.
 
 #include <array>
 #include <cstdint>
@@ -82,11 +82,11 @@ class RobotPeer {
   Identity identity_;
   Channel channel_;
   std::map<std::string_view, Action> actions_;
-  pb::MessagePtr task_;     ///< under way, or the last one
-  pb::MessagePtr waiting_;  ///< that follows when the skill under way has ended
+  pb::MessagePtr task_;     ///< the current one, or the last one
+  pb::MessagePtr waiting_;  ///< that follows when the current skill has ended
   bool under_way_ = false, cancels_ = false, paused_ = false;
   bool stops_ = false;      ///< the skill was told to end before its time
-  std::deque<Step> steps_;  ///< the first is under way
+  std::deque<Step> steps_;  ///< the first is the current one
   std::optional<bus::GoalId> goal_;
   std::deque<std::pair<std::int64_t, bool>> finished_;  ///< the last tasks: their ids, whether they were successful
   std::uint64_t beacons_ = 0;

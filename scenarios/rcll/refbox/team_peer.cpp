@@ -76,7 +76,8 @@ void TeamPeer::prepare(const Fields& message) {
                              " s ago");
   bus::Message goal(*action_->goal);
   goal->set("machine", message.text("machine"));
-  // A delivery station without its instruction is asked for an order that there is not; others lack their fields.
+  // If the instruction of a delivery station is missing, the goal names an order that does not exist. Goals for other
+  // machines lack their fields.
   goal->set("order_id", std::int64_t{std::numeric_limits<std::uint32_t>::max()});
   const auto part = [&](const char* name) -> std::optional<Fields> {
     if (!message.has(name)) return std::nullopt;
@@ -157,7 +158,7 @@ void TeamPeer::speak(const bus::SharedMessage& rings) {
 
 SimTime TeamPeer::next_due() const { return std::min({machine_rate_.next, ring_rate_.next, report_rate_.next}); }
 
-/// Those of the team, as the league tells it of them.
+/// The team's machines, as the league tells the team about them.
 pb::MessagePtr TeamPeer::machines() const {
   auto message = context_.make("MachineInfo");
   Fields info(*message);

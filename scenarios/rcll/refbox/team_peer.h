@@ -35,7 +35,7 @@ class TeamPeer {
  private:
   struct Instructed {
     std::string machine;
-    bool busy = false;  ///< it was not idle: what is said to it is ignored without a word
+    bool busy = false;  ///< it was not idle: the instruction is ignored silently
   };
   void prepare(const Fields& message);
   bool is_stale(const Fields& message);
@@ -54,7 +54,7 @@ class TeamPeer {
   std::optional<std::int64_t> clock_ahead_;  ///< s: of the team's clock, by its youngest message
   const bus::ActionType* action_ = nullptr;
   bus::EndpointId instruct_{}, report_{};
-  std::map<bus::GoalId, Instructed> instructed_;  ///< goals under way
+  std::map<bus::GoalId, Instructed> instructed_;  ///< running goals
 };
 
 }  // namespace cxlab::rcll

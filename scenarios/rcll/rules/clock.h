@@ -19,7 +19,7 @@ enum class GameState : std::uint8_t { kRunning, kPaused };
 template <>
 inline constexpr std::array<std::string_view, 2> kNames<GameState>{"RUNNING", "PAUSED"};
 
-/// Set-up, then production; each starts the game's time anew. Production ends before `production_end`. The referee
+/// Set-up, then production; each starts the game's time again. Production ends before `production_end`. The referee
 /// moves both: for overtime, and when a controller says so.
 struct GameClock {
   SimTime production_begin{};

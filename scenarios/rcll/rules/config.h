@@ -36,8 +36,8 @@ struct RuleChoices {
   bool delivery_may_wait = false;      ///< rulebook: a DS waits for its window without limit, else 20 s
   bool down_stops_work = false;        ///< rulebook: a machine that is down stands still, else its hardware goes on
   bool second_keeps_points = false;    ///< rulebook: the second competitive delivery costs no more than it is worth
-  /// Rulebook: points that a person gives: a machine instructed without a workpiece, a workpiece dropped or put on
-  /// the other team's machine.
+  /// Rulebook: points that a person gives, for a machine instructed without a workpiece, and for a workpiece dropped or
+  /// put on the other team's machine.
   bool by_hand = false;
   bool overtime_at_nil = true;      ///< referee box: overtime also when no team has a point
   bool sudden_death = false;        ///< rulebook: an overtime that ends even goes on until a team leads
@@ -132,7 +132,7 @@ struct RingPriceConfig {
   }
 };
 
-/// A game as a file (docs/reference/game-files.md). What is missing is drawn from the seed.
+/// A game as a file (docs/reference/game-files.md). Missing parts are drawn from the seed.
 struct GameFile {
   std::optional<bool> mirrored;                       ///< false: the halves of the field may differ
   std::optional<std::vector<PlacedMachine>> layout;   ///< all fourteen machines

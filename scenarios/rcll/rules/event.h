@@ -1,7 +1,7 @@
 #pragma once
-// What happens in a game, as the referee writes it down (docs/reference/journal.md): typed events. `write` and
-// `read_event` are the only places that know how a record spells one, and both go by the lists of fields below. Whoever
-// tells of a game, while it is played or afterwards, reads these.
+// The typed events of a game, as the referee records them (docs/reference/journal.md). Only `write` and `read_event`
+// know how a record spells an event, and both use the lists of fields below. Every part that reports on a game, during
+// it or afterwards, reads these events.
 
 #include <array>
 #include <cstdint>

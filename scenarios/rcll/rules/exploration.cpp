@@ -75,7 +75,7 @@ std::vector<std::int64_t> Exploration::report_machine(sim::StationId machine, co
 
 std::vector<std::int64_t> Exploration::report_type(Team team, const MachineReport& entry) {
   const auto said = [&](const TypeFeedback& f) { return f.team == team && f.type == entry.type; };
-  // What was said of a zone before counts.
+  // An earlier report of the zone counts.
   if (std::ranges::any_of(feedback_, [&](const TypeFeedback& f) { return said(f) && f.zone == entry.zone; })) return {};
   const auto there = std::ranges::find_if(plan_.stations, [&](const sim::Station& s) {
     return s.kind == entry.type && (by_type_ || team_of(s) == team) && to_string(zone_of(s)) == entry.zone;

@@ -1,10 +1,10 @@
 #pragma once
-// The first 180 s of production: a team reports where its machines stand. What is right is published to it and may be
-// instructed; what is wrong costs points. Afterwards all machines are known.
+// The first 180 s of production: a team reports where its machines stand. A machine that is reported correctly is
+// published to the team and may be instructed. A wrong report costs points. Afterwards all machines are known.
 //
-// Of zone and rotation of a machine the first value counts. Zone right +1, wrong -1; rotation right +1, wrong -1, and
-// neither when the zone is wrong. An entry without a name says that a machine of that type stands in a zone: right, and
-// the team is told its name; wrong -1.
+// The first reported zone and the first rotation of a machine count. A right zone gives +1, a wrong one -1; a right
+// rotation +1, a wrong one -1, and nothing if the zone is wrong. An entry without a name says that a machine of that
+// type stands in a zone. If it is right, the team learns the name; if it is wrong, it costs 1.
 //
 // The referee box lets a team report as many machines of a type as it has. A machine of either team that an entry
 // names, or that stands where an entry says, is one of them; so is each wrong entry of a type. The rulebook allows
@@ -54,7 +54,7 @@ class Exploration {
   /// Judges an entry; what it earns, point by point (each 1 or -1).
   std::vector<std::int64_t> report(Team team, const MachineReport& entry, SimTime now);
 
-  /// What is wrong with an entry that names no machine of the team, type or zone, and is not judged; else empty.
+  /// The fault of an entry that names no machine of the team, type or zone, and is not judged; else empty.
   std::string nonsense(Team team, const MachineReport& entry) const;
 
   bool over(SimTime now) const { return !on_ || now > clock_.at(kLength); }

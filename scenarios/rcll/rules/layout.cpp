@@ -330,8 +330,8 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const s
 
 namespace {
 
-/// Of two machines in zones that mirror each other. At a border the referee box turns the one on magenta's half so that
-/// its shelf or slide can be reached.
+/// Whether two machines in zones that mirror each other face opposite ways. At a border the referee box turns the one
+/// on magenta's half so that its shelf or slide can be reached.
 bool face_opposite_ways(const Placement& one, const Placement& two) {
   const auto& [cyan, magenta] = one.zone.half == Team::kCyan ? std::tie(one, two) : std::tie(two, one);
   const Pose pose{{cyan.zone.column, cyan.zone.row}, cyan.rotation};

@@ -210,7 +210,7 @@ class Machine {
   /// Sends a command; `time`: of kOperate and kTakeIn.
   void send(Command command, SimTime now, sim::World& world, SimTime time = {});
   void enter(MachineState state, SimTime now);
-  /// The same state with another command: the time after which it counts as stuck begins anew.
+  /// The same state with another command: the time after which it counts as stuck begins again.
   void restart_phase(SimTime now) { phase_start_ = now; }
   /// READY-AT-OUTPUT if the workpiece has come to rest there; the job is done.
   void present(SimTime now, const sim::World& world);
@@ -218,7 +218,7 @@ class Machine {
   void finish_job() { job_.open = false; }
   /// A new piece in the middle of the belt, or nothing yet.
   std::optional<sim::PieceId> dispense(SimTime now, sim::World& world, const sim::Stack& stack);
-  /// Posts once that there is no spare piece, until there is one again.
+  /// Posts a missing spare piece once, until there is one again.
   std::optional<sim::PieceId> took(const Expected<sim::PieceId>& piece, SimTime now);
   MachineEvent& post(MachineEvent::Kind kind, SimTime now);
   MachineEvent& post(MachineEvent::Kind kind, SimTime now, const sim::Piece& piece);

@@ -101,7 +101,7 @@ using Machines = std::vector<std::unique_ptr<Machine>>;
 Machines make_machines(const sim::FloorPlan& plan, MachineContext& context);
 /// The machine of that name; nullptr if there is none.
 Machine* find_machine(const Machines& machines, std::string_view name);
-/// The error that there is none, with the nearest name.
+/// The error for an unknown name, with the nearest name.
 std::string unknown_machine(const Machines& machines, const std::string& name);
 
 }  // namespace cxlab::rcll

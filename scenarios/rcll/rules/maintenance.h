@@ -46,7 +46,7 @@ class Maintenance {
     int number = 0;  ///< in its team, from 1
     RobotDuty duty = RobotDuty::kActive;
     int cycles = 0;  ///< maintenances so far
-    // Of the maintenance under way.
+    // The current maintenance:
     SimTime since{}, needs{};  ///< its begin; how long people need
     bool asked_for = false;    ///< by the team, which must ask for its end, too
     bool asked_back = false;
@@ -68,7 +68,7 @@ class Maintenance {
   SimTime next_due() const;
 
   const std::vector<Robot>& robots() const { return robots_; }
-  /// Of the 120 s; 0 when it is not in maintenance.
+  /// The rest of the 120 s; 0 when it is not in maintenance.
   SimTime remaining(const Robot& robot, SimTime now) const;
   /// Grows with every change of a robot's duty.
   std::uint64_t changes() const { return changes_; }

@@ -85,8 +85,8 @@ class GameReferee {
 
   /// Looks at one tick: pieces that changed hands, and what the machines did since the last look.
   void judge(SimTime now, std::span<const sim::HolderChange> changes, std::span<const MachineEvent> events);
-  /// Judges one entry of a team's report of where its machines stand. What is wrong with one that names nothing that
-  /// there is; else empty.
+  /// Judges one entry of a team's report of where its machines stand. Returns the fault of an entry that names nothing
+  /// that exists; else empty.
   std::string take_report(Team team, const MachineReport& entry, SimTime now);
   /// A report on the team's channel that is not in its colour is denied; the reason.
   std::string deny_report(Team team, const std::string& color, SimTime now);

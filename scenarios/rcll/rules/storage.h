@@ -31,7 +31,7 @@ class Storage {
   static Storage at_start();
 
   static bool exists(const Slot& slot);
-  /// Of a slot that exists; empty optional = empty slot.
+  /// The content of a slot, which must exist; an empty optional means an empty slot.
   std::optional<Content>& at(const Slot& slot);
   const std::optional<Content>& at(const Slot& slot) const;
   /// The filled slot that one must empty first.

@@ -1,6 +1,6 @@
 #pragma once
-// What pictures tell of a game: time, points, orders that have been published. It is read from the game's events, those
-// of a game that is played (EventLog::listen) and those of a recorded one alike.
+// The facts of a game that pictures show: time, points, and published orders. The board reads them from the game's
+// events, both of a running game (EventLog::listen) and of a recorded one.
 
 #include <array>
 #include <cstdint>

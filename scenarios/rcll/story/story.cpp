@@ -46,7 +46,7 @@ auto find_named(Named& list, std::string_view name) -> decltype(list.data()) {
   return nullptr;
 }
 
-/// The game as the run's own file has it: it stays when the file that the scenario names has gone.
+/// The game from the run's own file, which stays even if the file that the scenario names is removed.
 Expected<Game> recorded_game(const AskedRun& run) {
   WorldConfig config = run.scenario.world.get<WorldConfig>();
   const std::filesystem::path file = run.folder / "game.yaml";

@@ -358,7 +358,7 @@ TEST_F(BagServices, AnotherRequestThanRecordedIsAWarning) {
   EXPECT_THAT(taken(), ElementsAre("1 1 one"));
   EXPECT_THAT(warnings_,
               ElementsAre("/s: call 1 of this run is not that of the recording: found {data: true}, recorded "
-                          "{data: false}; it gets the response to that one"));
+                          "{data: false}; it gets the recorded response"));
 }
 
 TEST_F(BagServices, AgentThatServesIsAsked) {
@@ -531,7 +531,7 @@ TEST_F(BagActions, AnotherGoalThanRecordedIsAWarning) {
   send(8);
   play(3);
   EXPECT_THAT(warnings_, ElementsAre("/f: goal 1 of this run is not that of the recording: found {order: 8}, recorded "
-                                     "{order: 3}; it meets what happened to that one"));
+                                     "{order: 3}; the bag answers it like the recorded one"));
 }
 
 TEST_F(BagActions, AgentThatServesGetsGoalsAndCancels) {

@@ -218,7 +218,7 @@ TEST_F(ServiceTest, ASecondServerIsToldWithBothOwners) {
           "action '/s' has more than one server: /first answers, /first only once that is gone"));
 }
 
-TEST_F(ServiceTest, AnswersToAClientThatHasGoneAreDropped) {
+TEST_F(ServiceTest, AnswersToAClientThatLeftAreDropped) {
   const auto a = environment("a"), server = node("server");
   const auto client = *bus_.create_client(a, "s", *set_bool_, note_responses());
   const auto service = *bus_.serve(server, "s", *set_bool_, keep_requests());

@@ -75,7 +75,7 @@ std::vector<Finding> found_in(const std::vector<Source>& sources, Outside out = 
   return base.ok() ? without_allowed(examine(*base), sources) : std::vector<Finding>();
 }
 
-/// What is found beside an honest agent in a second file, as "line code".
+/// The findings in a second file beside an honest agent, as "line code".
 std::vector<std::string> seeded(const std::string& rules) {
   std::vector<std::string> out;
   for (const Finding& f : found_in({{"honest.clp", kHonest}, {"seeded.clp", rules}}))

@@ -164,7 +164,7 @@ TEST_F(RuleErrors, AnErrorLeavesTheCurrentModule) {
   }
 }
 
-TEST_F(RuleErrors, TheFirstErrorStopsALoadThatShallStop) {
+TEST_F(RuleErrors, TheFirstErrorStopsALoadThatIsToStop) {
   EXPECT_THAT(load_errors("(defrule one (a) => (undefined))\n(defrule two (a) =>)\n", LoadMode::kConstructs,
                           OnLoadError::kStop),
               SizeIs(1));

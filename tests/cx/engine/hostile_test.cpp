@@ -1,4 +1,4 @@
-// Rules that change what an expression under way holds, and forms that are too large: what each prints or is told.
+// Rules that change the values of a running expression, and forms that are too large: the output or error of each.
 
 #include <clips_ns/clips.h>
 

@@ -126,7 +126,7 @@ TEST_F(EngineJournal, AModifyIntoADuplicateIsARetract) {
   EXPECT_THAT(sink.of(RecordKind::kRetract), SizeIs(1));
 }
 
-TEST_F(EngineJournal, AnAddressOfAFactThatHasGoneIsWrittenAsFactZero) {
+TEST_F(EngineJournal, AnAddressOfARetractedFactIsWrittenAsFactZero) {
   given("(deffunction keep (?f) (assert (there ?f)) (retract ?f) (assert (gone ?f)))");
   ASSERT_TRUE(engine().eval("(keep (assert (a)))").ok());
   const auto asserted = sink.of(RecordKind::kAssert);

@@ -1,4 +1,4 @@
-// What a load remembers of the constructs before it, and where errors are said to be.
+// The constructs that a load remembers from before, and the places that errors name.
 
 #include "tests/support/engine_test.h"
 

@@ -1,4 +1,4 @@
-// What is counted of rules: it agrees with CLIPS, with combinations counted by hand, and it changes nothing.
+// The counts of rules agree with CLIPS and with combinations counted by hand, and counting changes nothing.
 
 #include <numeric>
 #include <set>

@@ -106,7 +106,7 @@ TEST(Configuration, AGivenParameterForWhichNobodyAsksIsTold) {
   ASSERT_TRUE(lab.manager->deactivate());
   ASSERT_EQ(lab.manager->warnings().size(), 1u);
   EXPECT_EQ(lab.manager->warnings()[0].text(),
-            "game.yaml:8: parameter 'gian' was set and nobody asked for it, did you mean 'gain'?");
+            "game.yaml:8: parameter 'gian' was set, but nothing reads it, did you mean 'gain'?");
   EXPECT_THAT(lab.log.with("'gian' was set"), ::testing::SizeIs(1));
 }
 
@@ -118,7 +118,7 @@ TEST(Configuration, AGivenParameterThatAPluginDoesNotHaveIsToldAtTheEnd) {
   ASSERT_TRUE(lab.manager->deactivate());
   ASSERT_EQ(lab.manager->warnings().size(), 1u);
   EXPECT_THAT(lab.manager->warnings()[0].text(),
-              ::testing::StartsWith("game.yaml:7: parameter 'exec.refresh_rat' was set and nobody asked for it"));
+              ::testing::StartsWith("game.yaml:7: parameter 'exec.refresh_rat' was set, but nothing reads it"));
 }
 
 TEST(Configuration, WhatRulesPrintAsErrorIsAWarningOnce) {

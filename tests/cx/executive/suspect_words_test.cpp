@@ -1,4 +1,4 @@
-// Mistakes in rules that CLIPS takes without a word: names that are misspelt, constructs that replace others.
+// Mistakes in rules that CLIPS accepts silently: misspelt names, and constructs that replace others.
 
 #include "tests/support/lab.h"
 

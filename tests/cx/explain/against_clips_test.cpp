@@ -434,8 +434,8 @@ class Chance {
 
   std::mt19937 random_;
   int fresh_ = 0;
-  // CLIPS 6.40 crashes at rules that compare with a variable in one field and have it as another of the same pattern,
-  // and at some return values in groups that are negated.
+  // CLIPS 6.40 crashes if a pattern compares one field with a variable and binds it in another field. It also crashes
+  // at some return values in negated groups.
   Known outer_;            ///< known before the pattern that is made
   Texts used_, compared_;  ///< in it
   int groups_ = 0;         ///< around it

@@ -19,7 +19,7 @@ std::unique_ptr<RuleEngine> engine_with(const std::string& text) {
   return engine;
 }
 
-/// What is wrong with the names of a pattern; empty where nothing is.
+/// The error for the names of a pattern; empty if they are right.
 std::string wrong(const RuleEngine& engine, const std::string& pattern) {
   const Status status = check_names(*Pattern::parse(tree_of(read_forms(pattern, "f").forms.at(0))), engine);
   return status.ok() ? "" : status.error().text();

@@ -585,7 +585,7 @@ TEST(JournalReader, DataBecomesTheTextThatItWasReadFrom) {
   EXPECT_EQ(to_json(record->data), data);
 }
 
-/// Of a line that can be split: what both readers of a line say of it.
+/// Both readers of a line give the same record for a line that can be split.
 void expect_same_record(const std::string& line, const JournalLine& split) {
   const auto record = parse_journal_line(line);
   ASSERT_TRUE(record.ok()) << line << record.error().text();

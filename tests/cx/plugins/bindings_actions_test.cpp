@@ -350,7 +350,7 @@ TEST_F(ActionBindings, UnloadingAServerWhileAGoalRunsLeavesItsRulesAnError) {
   EXPECT_THAT(lab_.log.with("said begun 4"), SizeIs(1)) << "the old rules serve again";
 }
 
-TEST_F(ActionBindings, WhatIsLeftIsTold) {
+TEST_F(ActionBindings, LeftGoalsAreReported) {
   run(kServer);
   send();
   lab_.log.lines.clear();

@@ -146,7 +146,7 @@ TEST_F(Bindings, AMessageOfAnotherTypeWithTheSameFieldsIsTakenWithAWarning) {
   EXPECT_THAT(said(), ElementsAre("info main: said 4.0"));
   EXPECT_THAT(lab_.log.with("warn "),
               ElementsAre("warn geometry-msgs-twist: found a message of type geometry_msgs/msg/Point, expected "
-                          "geometry_msgs/msg/Vector3: it has the same fields, so it is taken"));
+                          "geometry_msgs/msg/Vector3: it has the same fields, so it is accepted"));
 }
 
 TEST_F(Bindings, TheNextCxNumbersRequestsAndWaitsForNobody) {
@@ -227,7 +227,7 @@ TEST_F(Bindings, AServiceCallsItsDeffunctionAndTheResponseHasNoNumber) {
   EXPECT_THAT(lab_.log.with("warn "), IsEmpty());
 }
 
-TEST_F(Bindings, WhatIsLeftIsToldInTheWordsOfCx) {
+TEST_F(Bindings, LeftMessagesAreReportedInTheWordsOfCx) {
   run({"StdMsgsString", "StdSrvsTrigger", "ExampleInterfacesFibonacci"});
   EXPECT_EQ(act(R"((std-msgs-string-create-message)
     (std-srvs-trigger-create-client "c1") (std-srvs-trigger-create-service "s1")
@@ -353,7 +353,7 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   put("client", "(ask)");
   EXPECT_THAT(said(), ElementsAre("info client: said power by power"));
 
-  // The server goes with a request under way: nobody answers, and what comes later waits for a server.
+  // The server leaves while a request is open: nobody answers, and later requests wait for a server.
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
   lab_.ticks(1);
@@ -373,7 +373,7 @@ client_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: ["agent"], load: ["
   lab_.ticks(4);
   EXPECT_THAT(said(), testing::Not(IsEmpty()));
 
-  // The client goes with a request under way: the answer comes to nobody, and its rules are told.
+  // The client leaves while a request is open: the answer reaches nobody, and its rules are told.
   lab_.log.lines.clear();
   ASSERT_TRUE(lab_.engine("client").assert_string("(ask)").ok());
   lab_.ticks(1);

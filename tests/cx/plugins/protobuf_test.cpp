@@ -166,7 +166,7 @@ TEST_F(Protobuf, StrictCxReportsMessagesThatRulesLeave) {
                           "strict-cx: leak: protobuf: environment main has not destroyed 2 message(s) of type t.Part"));
 }
 
-TEST_F(Protobuf, WhatIsNotThereIsSaid) {
+TEST_F(Protobuf, MissingNamesAreReported) {
   run_up();
   message("t.All");
   EXPECT_EQ(eval("(pb-field-value ?*m* d)"), "NOT-SET");
@@ -431,7 +431,7 @@ TEST_F(Protobuf, OtherKeysAndCiphersAreReported) {
               SizeIs(1));
 }
 
-TEST_F(Protobuf, WhatCannotBeSentIsSaid) {
+TEST_F(Protobuf, MessagesThatCannotBeSentAreReported) {
   run_up();
   eval("(pb-peer-create-local \"127.0.0.1\" 5 6)");
   eval("(pb-connect \"127.0.0.1\" 9)");

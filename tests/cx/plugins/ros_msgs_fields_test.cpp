@@ -65,7 +65,7 @@ TEST_F(Fields, AMessageOfAnotherTypeWithTheSameFieldsIsTakenWithAWarning) {
   set("ps", "(create$ " + filled("geometry_msgs/msg/Point") + ' ' + filled("geometry_msgs/msg/Vector3") + ')');
   EXPECT_EQ(get("(nth$ 2 (ros-msgs-get-field ?*m* ps))", "x"), "1.0");
   set("ps", "(create$ " + filled("geometry_msgs/msg/Vector3") + ')');
-  const std::string end = ", expected geometry_msgs/msg/Point: it has the same fields, so it is taken";
+  const std::string end = ", expected geometry_msgs/msg/Point: it has the same fields, so it is accepted";
   EXPECT_THAT(lab_.log.with("warn "),
               ElementsAre("warn ros_msgs: found a message of type test_msgs/msg/Spot" + end,
                           "warn ros_msgs: found a message of type geometry_msgs/msg/Vector3" + end))

@@ -31,7 +31,7 @@ class RosMsgs : public ::testing::Test {
     ASSERT_TRUE(lab_.engine().assert_string("(" + name + ")").ok());
     lab_.ticks(5);
   }
-  /// The same, but the actions fail; gives what was said.
+  /// The same, but the actions fail; returns the errors.
   std::string fail(const std::string& actions) {
     EXPECT_TRUE(lab_.engine().build("(defrule fails (fails) => " + actions + ")").ok());
     EXPECT_TRUE(lab_.engine().assert_string("(fails)").ok());
@@ -283,7 +283,7 @@ TEST_F(RosMsgs, PublishingAnUnknownMessageIsAnErrorLineAsInCx) {
   EXPECT_THAT(lab_.log.with("error "), ElementsAre("error ros_msgs: Failed to publish invalid msg pointer"));
 }
 
-TEST_F(RosMsgs, WhatIsLeftOpenIsToldAtTheEnd) {
+TEST_F(RosMsgs, OpenEndpointsAreReportedAtTheEnd) {
   lab_.agent("");
   lab_.run_up();
   act(R"((ros-msgs-create-publisher "a" "std_msgs/msg/Empty") (ros-msgs-create-subscription "b" "std_msgs/msg/Empty")
@@ -300,7 +300,7 @@ TEST_F(RosMsgs, WhatIsLeftOpenIsToldAtTheEnd) {
                           "warn ros_msgs: Found 2 message(s), cleaning up ..."));
 }
 
-TEST_F(RosMsgs, WhatIsLeftIsToldWhenThePluginIsFinalized) {
+TEST_F(RosMsgs, LeftMessagesAreReportedWhenThePluginIsFinalized) {
   lab_.agent("");
   lab_.run_up();
   act("(ros-msgs-create-message \"std_msgs/msg/Empty\")");

@@ -1,7 +1,7 @@
-"""What Jinja makes of the cases of cases.json: the table oracle.json, which the C++ test compares with.
+"""Renders the cases of cases.json with Jinja. The results are the table oracle.json, with which the C++ test compares.
 
-python3 oracle.py check    exit 0 if Jinja still says what the table says, 77 if Jinja is not installed
-python3 oracle.py write    writes the table anew (needs the package jinja2)
+  python3 oracle.py check    exit 0 if Jinja still agrees with the table, 77 if Jinja is not installed
+  python3 oracle.py write    writes the table again (needs the package jinja2)
 
 A case is a list of lines (the template `main`), or an object of templates of which `main` is rendered. An error of Jinja
 stands in the table as null.

@@ -1,6 +1,6 @@
 #pragma once
-// What code of an attacker tries that runs inside of the process: each is a few system calls, as after a fault of the
-// program that let rules write where they like.
+// Attempts of an attacker whose code runs inside the process, as after a fault of the program that lets rules write
+// anywhere in memory. Each is a few system calls.
 
 #include <sys/types.h>
 

@@ -26,9 +26,10 @@ std::vector<double> differences() {
   return out;
 }
 
-// python3 -c 'from scipy.stats import norm, t; print([norm.cdf(z) for z in (-3, -1.5, 0, 2)], [norm.ppf(p) for p in
-// (.001, .3, .975)], [t.cdf(x, k) for x, k in ((-2, 1), (1.5, 9), (3, 29.5))], [t.ppf(p, k) for p, k in
-// ((.975, 1), (.9, 9), (.001, 30))])'
+// The numbers come from SciPy:
+//   python3 -c 'from scipy.stats import norm, t; print([norm.cdf(z) for z in (-3, -1.5, 0, 2)], [norm.ppf(p) for p in
+//   (.001, .3, .975)], [t.cdf(x, k) for x, k in ((-2, 1), (1.5, 9), (3, 29.5))], [t.ppf(p, k) for p, k in
+//   ((.975, 1), (.9, 9), (.001, 30))])'
 TEST(Distributions, AreThoseOfSciPy) {
   EXPECT_NEAR(normal_below(-3), 0.0013498980316300933, 1e-15);
   EXPECT_NEAR(normal_below(-1.5), 0.06680720126885807, 1e-15);

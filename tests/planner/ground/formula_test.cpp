@@ -49,7 +49,7 @@ TEST(Formula, JoiningLeavesOutWhatDecidesNothing) {
   EXPECT_EQ(text(any({fact(7), truth(false)})), "7") << "one part stands for itself";
 }
 
-/// Of the numbers 3 and 5, the duration 7 and the total time 11.
+/// The value with the numbers 3 and 5, the duration 7 and the total time 11.
 double value_of(std::vector<GroundExpression::Step> steps) {
   const double numbers[] = {3, 5};
   GroundExpression expression;

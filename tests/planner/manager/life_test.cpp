@@ -163,7 +163,7 @@ TEST_F(ManagerTest, AFilterReplacesTheLastOneAndAnErrorLeavesItUnchanged) {
   EXPECT_TRUE(planned()) << "a goal instance that is created again has no filters";
 }
 
-TEST_F(ManagerTest, DeactivatingTheNodeEndsWhatIsUnderWay) {
+TEST_F(ManagerTest, DeactivatingTheNodeEndsRunningRequests) {
   PddlManagerOptions options;
   options.cost.latency_a = 1;
   start(std::move(options));
@@ -209,7 +209,7 @@ TEST_F(ManagerTest, AnInstanceThatIsLoadedAgainIsNew) {
   EXPECT_THAT(answer->actions, IsEmpty());
 }
 
-/// What is true in blocksworld as a set of texts, and how requests change it.
+/// The true facts of blocksworld as a set of texts, and how requests change them.
 struct Blocks {
   std::set<std::string> objects = {"a", "b", "c"},
                         facts = {"on(c a)", "ontable(a)", "ontable(b)", "clear(b)", "clear(c)", "handempty()"};

@@ -336,7 +336,7 @@ TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommon
   EXPECT_EQ(units_after({"most", "few"}), units_after({"most"}));
 }
 
-TEST_F(ManagerTest, APlanForOtherGoalsBeginsAnew) {
+TEST_F(ManagerTest, APlanForOtherGoalsBeginsAgain) {
   const auto units_of_second = [&](bool warm_start) {
     PddlManagerOptions options = at_cost(0, 0);
     options.warm_start = warm_start;

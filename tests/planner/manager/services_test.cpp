@@ -98,7 +98,7 @@ TEST_F(ManagerTest, AnInstanceThatSomebodyElseReplacesIsAWarning) {
   client_ = bus_.join(bus::ParticipantKind::kEnvironment, {"other", "/", {}}, sink_.open_stream("other"));
   load_blocks();
   EXPECT_THAT(manager_->warnings(),
-              ::testing::ElementsAre("/pddl_manager: pddl instance 'bw' is replaced by that of another one who asks, "
+              ::testing::ElementsAre("/pddl_manager: another client replaced the pddl instance 'bw', "
                                      "expected a manager for each agent"));
 }
 

@@ -22,7 +22,7 @@ inline Task parse(const std::string& domain_body, const std::string& problem_bod
   return {std::move(*domain), std::move(*problem)};
 }
 
-/// The answer; a plan has been judged by the validator once more.
+/// The answer; the validator has judged its plan again.
 inline PlanAnswer answer(const Task& task, PlanOptions options = {.budget = 2'000'000}) {
   Expected<PlanAnswer> found = find_plan(task, options);
   EXPECT_TRUE(found) << found.error().text();

@@ -1,5 +1,5 @@
 #pragma once
-// Items are mended while a lamp gives light.
+// Items are repaired while a lamp gives light.
 
 namespace cxlab::planner {
 

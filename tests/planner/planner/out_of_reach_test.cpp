@@ -1,4 +1,4 @@
-// What is said of a goal that is out of reach.
+// The explanation of a goal that is out of reach.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

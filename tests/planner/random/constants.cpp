@@ -17,7 +17,7 @@ std::string text(double value) {
   return value < 0 ? "(- 0 " + digits.substr(1) + ")" : digits;
 }
 
-/// Of any size between 1e-12 and 1e15; often one of few, so that constants meet.
+/// Draws a constant of any size between 1e-12 and 1e15. Often it is one of a few, so that constants meet.
 double draw_constant(RandomStream& random) {
   static constexpr double kFew[] = {0, 1, 1e-7, 4e-7, 1e-6, 0.001, 0.1, 0.3, 1e6, 16777217, 4294967296, 1e12};
   if (random.chance(0.5)) return kFew[random.below(std::size(kFew))];
@@ -70,7 +70,7 @@ Comparison draw_comparison(RandomStream& random, int functions) {
           draw_constant(random)};
 }
 
-/// One that holds for these values, often only just.
+/// Draws a comparison that holds for these values, often with the least margin.
 Comparison draw_true_comparison(RandomStream& random, const std::vector<double>& values) {
   Comparison made;
   made.function = static_cast<int>(random.below(values.size()));

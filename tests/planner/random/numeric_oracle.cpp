@@ -99,7 +99,7 @@ class Finder {
     situation.facts = literal.value ? situation.facts | (1u << literal.fact) : situation.facts & ~(1u << literal.fact);
   }
 
-  /// The situation just before an instant, with what happens then still to be chosen. True: a plan was found.
+  /// Visits the situation right before an instant, whose happenings are still to be chosen. True: a plan was found.
   bool visit(const Situation& situation, int instant) {
     if (instant >= limits_.seconds * limits_.instants) return false;
     if (!visited_[static_cast<std::size_t>(instant)].insert(situation).second) return false;

@@ -1,4 +1,4 @@
-// What is said of a goal out of reach is so: every claim is checked against all that can happen.
+// The explanation of a goal out of reach is true: the test checks every claim against everything that can happen.
 
 #include <gtest/gtest.h>
 

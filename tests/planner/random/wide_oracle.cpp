@@ -147,7 +147,7 @@ class Finder {
     situation.facts = literal.value ? situation.facts | (1u << literal.fact) : situation.facts & ~(1u << literal.fact);
   }
 
-  /// The situation just before a time, with what happens then still to be chosen. True: a plan was found.
+  /// Visits the situation right before a time, whose happenings are still to be chosen. True: a plan was found.
   bool visit(const Situation& situation, Ticks now) {
     if (now >= kHorizon) return false;
     if (!visited_[now].insert(situation).second) return false;

@@ -96,8 +96,8 @@ struct WideAnswer {
   bool too_large = false;           ///< not everything was looked at
 };
 
-/// Tries all plans of up to three steps that begin at half seconds or up to two milliseconds later and last for halves
-/// of a second, or for what their bounds say. Shares no code with the planner or the validator.
+/// Tries all plans of up to three steps. Steps begin at half seconds or up to two milliseconds later. They last for
+/// halves of a second, or for the time that their bounds give. Shares no code with the planner or the validator.
 WideAnswer find_witness(const WideProblem& problem, std::size_t most_situations = 60'000);
 
 }  // namespace cxlab::planner

@@ -1,4 +1,4 @@
-// The strategies that find a first plan, each alone; proofs that there is none.
+// The strategies that find a first plan, each alone; proofs that no plan exists.
 
 #include "planner/strategies/clock_strategy.h"
 #include "planner/strategies/happening_strategy.h"

@@ -66,7 +66,7 @@ inline constexpr const char* kCups = R"((:predicates (dirty ?c) (clean ?c) (sink
 inline constexpr const char* kTwoCups =
     "(:objects a b) (:init (dirty a) (dirty b) (sink-free)) (:goal (and (clean a) (clean b)))";
 
-/// A fuse can only be mended in the light of a match, which burns for 5 s.
+/// A fuse can only be repaired in the light of a match, which burns for 5 s.
 inline constexpr const char* kMatch = R"((:predicates (unused) (light) (mended))
   (:durative-action strike :parameters () :duration (= ?duration 5) :condition (at start (unused))
    :effect (and (at start (not (unused))) (at start (light)) (at end (not (light)))))

@@ -198,7 +198,7 @@ TEST(Validator, ConditionThatNoActionChangesNamesTheProblem) {
   EXPECT_THAT(Checker(kWorld, R"((:objects r - robot a b - place) (:init (at r a)) (:goal (and)))")
                   .verdict("0: (go r a b) [5]"),
               HasSubstr("(road a b) has been false from the beginning\n  advice: no action changes road: choose other "
-                        "arguments, or mend :init of p.pddl"));
+                        "arguments, or fix :init of p.pddl"));
 }
 
 TEST(Validator, StepsMayNotBeginBeforeZero) {

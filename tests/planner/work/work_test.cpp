@@ -1,8 +1,8 @@
-// What the planner answers to problems of each kind. answers.txt has a row for each problem: the verdict, how good the
-// first plan and the best one are, the bound, and behind the bar the units of work. Verdicts, plans and bounds are
-// compared exactly, units within a tenth: a change of a search, of a bound or of what is pruned shows here first, and
-// the commit that changes a row says why. What must hold of every answer, whatever the list says, is tested beside it.
-// A run writes the rows that it found where the variable CXLAB_WRITE_ANSWERS says.
+// The planner's answers to problems of each kind. The file answers.txt has a row for each problem: the verdict, the
+// quality of the first and the best plan, the bound, and behind the bar the units of work. Verdicts, plans and bounds
+// are compared exactly, units within a tenth. A change of a search, of a bound or of pruning shows here first, and the
+// commit that changes a row says why. Properties of every answer, whatever the list says, are tested beside it. A run
+// writes the rows that it found to the file that the variable CXLAB_WRITE_ANSWERS names.
 
 #include <cstdio>
 #include <cstdlib>
@@ -283,8 +283,8 @@ double time_of(const Plan& plan, int point) {
   return step.start + (point % 2 ? step.duration : 0);
 }
 
-/// What must hold of every answer: the validator accepts each plan on the way, a later one is better, none is below the
-/// bound, the times keep to the orderings, and no plan is called impossible that another turn finds.
+/// Checks the properties of every answer. The validator accepts each plan on the way, a later one is better, none is
+/// below the bound, and the times keep to the orderings. The planner calls no plan impossible that another turn finds.
 void expect_right(const std::string& name, const Task& task, const Found& found, bool solvable) {
   SCOPED_TRACE(name);
   constexpr double kRounding = 2e-6;

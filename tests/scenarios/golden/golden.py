@@ -4,12 +4,12 @@
     golden.py check  PROGRAM NAME     plays the scenario NAME and compares; exit code 1 and a diff where they differ
     golden.py update PROGRAM [NAME]   plays and writes the lists; a commit that changes one says why
 
-The lists are short on purpose: of a game a window with a product on its way, a delivery and a fault, which a person can
-follow with the rules at hand. What holds in the whole of every game is in tests/scenarios/rcll/game_invariants.py.
+The lists are short on purpose. The list of a game has a stretch with a product on its way, a delivery and a fault, which a
+person can follow beside the rules. Checks of whole games are in tests/scenarios/rcll/game_invariants.py.
 
 A line is one event, "seconds what": events of referee and skills of a game, commands and fired rules of a world without
-a referee. Numbers with a fraction (poses, durations) are left out, and times may differ by 0.05 s, because they come from
-functions of the C library that can differ in the last bit from machine to machine.
+a referee. Numbers with a fraction (poses, durations) are left out, and times may differ by 0.05 s. They come from functions
+of the C library that can differ in the last bit from machine to machine.
 """
 import collections
 import difflib

@@ -64,8 +64,8 @@ const std::vector<Histogram> kBegin{
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 28, 31, 31, 32, 43, 35, 0, 0, 0, 0},
     {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 35, 60, 56, 15, 4},
 };
-// C0 and C1 of orders 3 to 10: begin of the window after its mean, 180 s and 120 s more for each order, in steps of
-// 10 s from -240 s
+// C0 and C1 of orders 3 to 10: begin of the window after its mean, in steps of 10 s from -240 s. The mean is 180 s, and
+// 120 s more for each order.
 const Histogram kOffset{0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  0,  37, 28, 29, 34, 41,
                         26, 36, 44, 38, 47, 45, 45, 44, 46, 38, 35, 40, 41, 21, 14, 15, 6,  11, 7,  5,
                         8,  3,  4,  4,  4,  0,  1,  1,  0,  0,  2,  0,  0,  0,  0,  0,  0,  0,  0,  0};

@@ -68,7 +68,7 @@ def faults_of(kind):
 
 
 def problems(folder, kind):
-    """What is wrong with a game; last, points, deliveries and a line of figures."""
+    """The faults of a game; last, points, deliveries and a line of figures."""
     result = json.loads((folder / "result.json").read_text())
     strikes = failures = worst = 0
     row = collections.Counter()

@@ -3,7 +3,7 @@
 
     game_invariants.py PROGRAM [FIRST LAST] [GAME]...   # seeds, names of GAMES; by default all games with seeds of their own
 
-A sentence for each invariant is the docstring of its check. Of one game some records are changed, and each change must be seen.
+The docstring of each check states its invariant. In one game some records are changed, and the checks must see each change.
 """
 import collections
 import json
@@ -93,7 +93,7 @@ class Game:
 
 
 def team_of(name):
-    """Of a machine, spot or robot."""
+    """The team of a machine, spot or robot."""
     return "MAGENTA" if name[0] == "M" or name.startswith("robot") and int(name[5:]) > 3 else "CYAN"
 
 
@@ -227,8 +227,8 @@ def orders(game):
 
 
 def deliveries(game):
-    """What is delivered for an order counts if it is the product that was asked for, in an open window, up to the quantity; the order
-    earns what the tables of points say."""
+    """A delivery for an order counts if it is the right product, in an open window, up to the quantity; the order earns the points
+    of the tables."""
     begin, _ = game.production()
     released, done, points = {d["order"]: t for t, d in game.of("order")}, collections.Counter(), collections.Counter()
     for t, d in game.of("score"):
@@ -283,8 +283,8 @@ def reports(game):
 
 
 def automaton(game):
-    """A machine goes from state to state as its kind does: it is PREPARED by an accepted instruction, BROKEN for a reason that is
-    told, for 30 s, and DOWN only in down times, which hide what it was."""
+    """A machine goes from state to state as its kind does. An accepted instruction makes it PREPARED. It is BROKEN for 30 s, with a
+    reason. It is DOWN only in down times, which hide its former state."""
     begin, end = game.production()
     # Faults put machines out of order from their strike on.
     downs = [(f"{team}-{machine}", begin + a, begin + b) for machine, a, b in game.downs for team in "CM"]
@@ -370,7 +370,7 @@ def tracks(game):
 
 
 def products(game):
-    """A product is a base, then rings of the station's colours, then the cap of the station, one after the other, and is delivered as it
+    """A product is a base, then rings of the station's colours, then the cap of the station, one after the other. It is delivered as it
     was made, from under a gate."""
     parts, was_at, carriers = {}, {}, set()
     told = collections.defaultdict(str)
@@ -406,7 +406,7 @@ def products(game):
 
 
 def skills(game):
-    """Of each robot one skill runs at a time, and ends once; what it takes and gives happens in it, and robots off the field do nothing."""
+    """Each robot runs one skill at a time, which ends once; it takes and gives pieces only in a skill, and robots off the field do nothing."""
     running, ended, off = {}, {}, set()
     for t, kind, d in game.records:
         event, robot = d.get("event"), d.get("robot")

@@ -187,7 +187,7 @@ class GameScript {
     story_->run_for(0);
     story_->run_for(0);
   }
-  /// Of the team's first machine of that type.
+  /// The zone of the team's first machine of that type.
   std::string zone_of_first(const std::string& type) const {
     for (const sim::Station& station : story_->world().plan().stations)
       if (station.kind == type && team_of(station) == team_) return to_string(zone_of(station));

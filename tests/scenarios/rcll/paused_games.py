@@ -3,7 +3,7 @@
 
     paused_games.py PROGRAM SCENARIO FIRST_SEED LAST_SEED
 
-In the timed tier the agent makes as much of both; in the physics tier robots brake and begin their drives anew, without trouble.
+In the timed tier the agent earns as much in both; in the physics tier robots brake and begin their drives again, without trouble.
 In a pause nobody gets points and no machine changes, and a paused game replays.
 """
 import json

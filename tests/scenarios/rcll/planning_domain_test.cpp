@@ -1,6 +1,6 @@
-// The coarse actions of the planning agent and what they are made of. Nothing here names an action: for each action
-// NAME that has a NAME-drive, the problem "its conditions are the initial state, its effects are the goal" is derived
-// from the parsed domain. For the domain of a copy of the agent: CXLAB_PDDL=DIR (an absolute path).
+// The coarse actions of the planning agent and their parts. Nothing here names an action. The test derives a problem
+// from the parsed domain for each action NAME that has a NAME-drive: its conditions are the initial state, its effects
+// are the goal. For the domain of a copy of the agent: CXLAB_PDDL=DIR (an absolute path).
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ constexpr double kAnyNumber = 5;  // of numbers of which no condition says anyth
 /// The agent states its goals to the PDDL manager.
 const LoadOptions kWithoutGoal = {.needs_goal = false};
 
-/// Of the domain: that of the shipped agent, or $CXLAB_PDDL.
+/// The folder of the domain: that of the shipped agent, or $CXLAB_PDDL.
 std::string folder() {
   if (const char* own = std::getenv("CXLAB_PDDL")) return std::string(own) + '/';
   return std::string(std::getenv("CXLAB_SOURCE_DIR")) + "/scenarios/rcll/planning_agent/pddl/";
@@ -49,7 +49,7 @@ std::vector<std::string> names_of_robot_actions(const Domain& domain) {
   return names;
 }
 
-/// What is true and what numbers are, in words.
+/// The true facts and the numbers of a state, in words.
 std::set<std::string> in_words(const State& state, const Domain& domain, const Problem& problem) {
   std::set<std::string> words;
   for (const Fact& fact : state.facts())
@@ -222,7 +222,7 @@ Domain with_actions(const Domain& whole, const std::vector<std::string>& names) 
   return domain;
 }
 
-/// What is wrong with the refinement of a coarse action; empty if nothing is.
+/// The fault of the refinement of a coarse action; empty if it has none.
 std::string fault_of_refinement(const Domain& domain, const std::string& name) {
   const std::vector<std::string> parts = {name + "-drive", name + "-pick", name + "-place"};
 
@@ -380,7 +380,7 @@ TEST(PlanningDomain, LostPieceLeavesNoClaim) {
       for (const Fact& fact : state->facts())
         EXPECT_FALSE(domain.predicates[fact.predicate].name.starts_with(name + "-")) << "still under way";
 
-      // A product begins anew, with its first step, or with the one that it was at before it had begun.
+      // A product begins again, with its first step, or with the one that it was at before it had begun.
       const PredicateId not_begun = domain.predicate_names.at("not-begun"),
                         at_step = domain.predicate_names.at("at-step");
       const auto& product_types = domain.predicates[not_begun].parameters.front().types;

@@ -3,8 +3,8 @@
 
     planning_failures.py PROGRAM SCENARIO FIRST_SEED LAST_SEED
 
-Each must end with a delivery, without a warning of the agent's watchdogs, and without anything that is booked twice: a robot that
-gets a skill while it has one, a machine that is instructed while it works.
+Each must end with a delivery and without a warning of the agent's watchdogs. Nothing is booked twice: no robot gets a skill while it
+has one, and no machine is instructed while it works.
 """
 import json
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Plays games of the planning agent in the timed tier: what they earn, that rules raise no error and do nothing that the real CX
-would do otherwise, and that a run comes again.
+"""Plays games of the planning agent in the timed tier. Checks what they earn, that rules raise no error and do nothing that the real
+CX would do otherwise, and that a run can be repeated.
 
     planning_games.py PROGRAM SCENARIO
 """
@@ -30,7 +30,7 @@ class PlanningGames(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = pathlib.Path(temporary.name)
 
-    def test_games_are_won_without_a_word_of_strict_cx(self):
+    def test_games_are_won_without_a_warning_of_strict_cx(self):
         for seed in SEEDS:
             with self.subTest(seed=seed):
                 out = self.folder / str(seed)
@@ -138,7 +138,7 @@ class PlanningGames(unittest.TestCase):
 
     def test_a_parameter_that_a_strategy_does_not_have_is_told_without_a_hint(self):
         said = self.result_of(SCENARIO, {"dispatch": "greedy", "products": 2})["warnings"]
-        self.assertRegex(said[0], "parameter 'strategy.products' was set and nobody asked for it$")
+        self.assertRegex(said[0], "parameter 'strategy.products' was set, but nothing reads it$")
 
     def said_with(self, parameters, code=0):
         done = cxlab("run", SCENARIO, "--tier", "timed", "--until", 1, "--quiet", "--out", "none",

@@ -4,7 +4,7 @@
     referee_games.py PROGRAM TIER FIRST_SEED LAST_SEED [KIND]...   # none, script, a fault of fault_games.py, together
 
 By default all kinds. `script` is a game without an agent, in which random instructions, picks, places and reports of both
-teams, mostly senseless, meet random faults of machines. Of the first game some records are changed: each change is seen.
+teams, mostly senseless, meet random faults of machines. In the first game some records are changed, and the comparison must see each change.
 """
 import json
 import pathlib

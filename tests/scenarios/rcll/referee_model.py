@@ -21,7 +21,7 @@ BUSY = ("PREPARED", "PROCESSING", "PROCESSED")
 # Red, yellow, green: 0 off, 1 on, B blinks.
 LIGHTS = {"IDLE": "001", "PREPARED": "00B", "PROCESSING": "011", "PROCESSED": "011", "READY-AT-OUTPUT": "01B",
           "WAIT-IDLE": "0BB", "BROKEN": "BB0", "DOWN": "100"}
-# While teams explore, by what was said of a machine's zone and rotation; by the rulebook of an idle one.
+# While teams explore, by the judgement of a machine's reported zone and rotation; by the rulebook of an idle one.
 EXPLORED = {(None, None): "010", (True, None): "0B0", (False, None): "110", (True, False): "1B0"}
 # What a reason of the journal must contain, by that of the model.
 REASONS = {"stuck": "stuck for 20 s", "reset": "reset", "fault": "fault", "fourth": "fourth", "second": "instructed while"}
@@ -350,7 +350,7 @@ class Machine:
 
 class Game:
     def __init__(self, folder):
-        """Of a run whose settings of the world are all among its overrides."""
+        """The game of a run whose settings of the world are all among its overrides."""
         overrides = dict(o.split("=", 1) for o in json.loads((folder / "manifest.json").read_text())["overrides"])
         self.result = json.loads((folder / "result.json").read_text())
         world = lambda key, default: json.loads(overrides.get("world." + key, default))

@@ -1,8 +1,8 @@
 #pragma once
-// The rules of the league, a row each: machines (what they accept, their states, how long they work, payments, what
-// breaks them, lights), then the game (phases, orders, deliveries, points, maintenance, pauses). Rows without a name of
-// rules hold under all three; where referee box and rulebook differ there is a row for each. `league` follows the
-// referee box here.
+// The rules of the league, a row each. Rows of machines are about what they accept, their states, how long they work,
+// payments, what breaks them, and lights. Rows of the game are about phases, orders, deliveries, points, maintenance,
+// and pauses. Rows without a name of rules hold under all three; where referee box and rulebook differ there is a row
+// for each. `league` follows the referee box here.
 //
 // Prices of rings at seed 1: ORANGE 0, YELLOW 0, BLUE 1, GREEN 2.
 

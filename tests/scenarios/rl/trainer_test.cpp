@@ -24,7 +24,7 @@ using testing::StartsWith;
 
 constexpr SimTime kTick = std::chrono::milliseconds(20);
 
-/// Keeps what is said, with its time: "5.000 warn: nobody ...".
+/// Keeps the lines of the log, with their times: "5.000 warn: nobody ...".
 class Said final : public cx::LogSink {
  public:
   void line(const cx::LogLine& line) override {
@@ -117,7 +117,7 @@ class TrainerTest : public testing::Test, protected bus::TestBus {
   }
 };
 
-TEST_F(TrainerTest, ThatNobodyIsThereIsSaidOnceAfterFiveSeconds) {
+TEST_F(TrainerTest, AMissingAgentIsReportedOnceAfterFiveSeconds) {
   begin();
   run_until(4.98);
   EXPECT_THAT(said_.lines, IsEmpty());

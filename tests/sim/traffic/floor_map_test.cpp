@@ -57,7 +57,7 @@ TEST(FloorMap, AWayKeepsARobotsWidthFromMachines) {
 }
 
 TEST(FloorMap, AWiderGapIsWorthADetour) {
-  // A wall with a gap of 0.60 m, through which a robot just fits, and a wide one above it that is a little further.
+  // A wall with a gap of 0.60 m, through which a robot barely fits, and a wide one above it that is a little further.
   FloorPlan plan;
   plan.walls = {{{0, 0}, {0, 3.7}}, {{0, 4.3}, {0, 4.4}}, {{0, 6}, {0, 8}}};
   FloorMap map(plan);

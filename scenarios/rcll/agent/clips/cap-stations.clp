@@ -2,7 +2,7 @@
 ; the cap (products.clp) leaves it EMPTY.
 
 (defrule station-fetch-carrier
-  "An empty cap station, whose product has left or has its robot: put the carrier of the first full shelf slot on its belt."
+  "A cap station is empty, and its product has left or has its robot: have the carrier of the first full shelf slot brought."
   (game (phase PRODUCTION))
   ?station <- (cap-station (name ?name) (phase EMPTY))
   ?shelf <- (shelf (machine ?name) (spot ?spot) (state FULL))
@@ -16,7 +16,7 @@
   (hold-up (create-job BUFFER 4 0 ?spot (str-cat ?name "-INPUT")) PUT))
 
 (defrule station-put-carrier
-  "The station is idle: its belt takes the carrier."
+  "The cap station is idle: its robot may put the carrier on the belt."
   (job (id ?id) (purpose BUFFER) (step GO-FETCH|FETCH|PUT) (station ?name))
   (machine (name ?name) (state IDLE))
   ?held <- (held-up (job ?id) (step PUT))
@@ -24,7 +24,7 @@
   (retract ?held))
 
 (defrule station-retrieve-cap
-  "The carrier lies on the belt: have its cap taken."
+  "The carrier lies on the belt: instruct the station to take its cap."
   ?job <- (job (id ?id) (purpose BUFFER) (step DONE) (robot "") (station ?name))
   ?station <- (cap-station (name ?name) (phase EMPTY|BUFFERING))
   =>
@@ -33,7 +33,7 @@
   (assert (instruction (id ?id) (machine ?name) (operation "RETRIEVE_CAP"))))
 
 (defrule station-cap-retrieved
-  "The cap is in, the bare base at the output."
+  "The station has the cap, and the bare base lies at the output: the base must be cleared away."
   ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state SUCCEEDED))
   ?station <- (cap-station (name ?name) (phase BUFFERING))
   =>
@@ -41,7 +41,7 @@
   (modify ?station (phase CLEARING)))
 
 (defrule station-clear-base
-  "There is, or soon will be, a bare base at the output: it is a payment (payments.clp), or in the way."
+  "A bare base lies at the output, or soon will: ask for a use of it as a payment (payments.clp), or for its removal."
   (machine (name ?name) (kind CS) (state ~BROKEN))
   (or (cap-station (name ?name) (phase CLEARING))
       (instruction (machine ?name) (operation "RETRIEVE_CAP") (state RUNNING)))
@@ -59,7 +59,7 @@
   (retract ?held))
 
 (defrule station-cleared
-  "The bare base has left: the station waits for a base."
+  "The bare base has left: the station has its cap and waits for a product."
   (job (purpose CLEAR) (station ?name) (step GO-PUT|DONE))
   ?station <- (cap-station (name ?name) (phase CLEARING))
   =>
@@ -68,7 +68,7 @@
 ; --- What goes wrong
 
 (defrule station-instruction-failed
-  "The machine broke down with its content: the station begins again."
+  "The station broke down with its content: it begins again, and nobody needs to fetch the bare base."
   ?instruction <- (instruction (machine ?name) (operation "RETRIEVE_CAP") (state FAILED) (error ?error))
   ?station <- (cap-station (name ?name))
   =>
@@ -79,7 +79,7 @@
     (assert (trouble (job ?j:id) (kind GONE)))))
 
 (defrule station-broken
-  "It broke down by itself, and lost its cap and the piece on it: it begins again."
+  "The station broke down by itself and lost its cap and the piece on it: it begins again."
   (machine (name ?name) (state BROKEN))
   ?station <- (cap-station (name ?name) (phase CLEARING|LOADED))
   =>

@@ -1,14 +1,14 @@
 ; Which robot takes which job: the most urgent job first, then the robot that stands nearest to it.
 
 (deffunction choice-text (?way ?rest)
-  "Why this robot: of those that are idle."
+  "The reason for the choice of a robot among the idle ones."
   (bind ?idle (length$ (find-all-facts ((?r robot)) (eq ?r:state IDLE))))
   (if (= ?idle 1)
    then "no other robot is idle"
    else (format nil "%.1f m to go and %.0f s of rest: best of %d idle robots" ?way ?rest ?idle)))
 
 (defrule robot-take-job
-  "The most urgent waiting job, of equals the oldest, goes to the idle robot with the least reluctance."
+  "A job waits: the most urgent one (the oldest among equals) goes to the idle robot with the least reluctance."
   (not (to-look))
   ?job <- (job (id ?id) (step WAITING) (urgency ?urgency) (from ?from) (avoid ?avoid) (not-before ?wait))
   (not (job (step WAITING) (urgency ?more&:(< ?more ?urgency))))

@@ -8,7 +8,7 @@
   (assert (chosen ?best)))
 
 (defrule order-choose
-  "Once a second, if there are fewer products than robots: have the best order made."
+  "Once a second, if the agent makes fewer products than it has robots: choose the best order."
   ?choice <- (next-choice ?at)
   (game (phase PRODUCTION) (begin ?zero))
   (team (size ?robots))

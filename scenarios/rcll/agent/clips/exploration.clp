@@ -7,14 +7,14 @@
 ; --- What robots see
 
 (defrule explore-listen
-  "There is something to find: robots tell what they see, and we report it."
+  "A machine is still to be found: subscribe to the sightings of each robot."
   (exists (to-find ?))
   (robot (name ?robot))
   =>
   (assert (topic (name (str-cat "/" ?robot "/sightings")) (type "cxlab_skills/msg/Sightings"))))
 
 (deffunction learn-sighting (?zone ?machine ?rotation)
-  "Whoever reads the markers knows more than who only saw that something is there."
+  "Note what stands in a zone. A sighting with the machine's name replaces one without it."
   (if (or (not (any-factp ((?s sighting)) (eq ?s:zone ?zone)))
           (and (neq ?machine "") (do-for-fact ((?s sighting)) (and (eq ?s:zone ?zone) (eq ?s:machine "")) (retract ?s) TRUE)))
    then (assert (sighting (zone ?zone) (machine ?machine) (rotation ?rotation)))))
@@ -30,18 +30,18 @@
   (retract ?message))
 
 (deffunction mirrored (?name)
-  "C-CS1 is M-CS1 in the mirror, C_Z23 is M_Z23."
+  "The machine or zone in the mirror: M-CS1 for C-CS1, M_Z23 for C_Z23."
   (str-cat (if (eq (sub-string 1 1 ?name) "C") then "M" else "C") (sub-string 2 5 ?name)))
 
 (deffunction mirrored-rotation (?machine ?zone ?rotation)
-  "An angle in the mirror. A shelf or slide at the border faces away from the wall on either half."
+  "The rotation in the mirror. A shelf or slide at the border faces away from the wall on either half."
   (if (or (str-index "CS" ?machine) (str-index "RS" ?machine))
    then (if (member$ (sub-string 5 5 ?zone) (create$ "1" "8")) then (return ?rotation))
         (if (eq (sub-string 4 4 ?zone) "7") then (return (- 360 ?rotation))))
   (mod (- 540 ?rotation) 360))
 
 (defrule explore-mirror
-  "The field is its own mirror image: what stands on one half tells where the other team's stands."
+  "The field is its own mirror image: a machine on one half tells where the other team's machine stands."
   (sighting (machine ?machine&~"") (zone ?zone) (rotation ?rotation))
   (not (sighting (machine =(mirrored ?machine))))
   =>
@@ -57,7 +57,7 @@
   (ros-msgs-create-publisher "/machine_report" "rcll_interfaces/msg/MachineReport"))
 
 (defrule explore-report
-  "Where one of our machines stands, once; the league answers in its report of the machine."
+  "One of our machines was seen: report it once. The league answers in its report of the machine."
   (game (phase PRODUCTION))
   (to-find ?name)
   (sighting (machine ?name) (zone ?zone) (rotation ?rotation))
@@ -76,7 +76,7 @@
   (ros-msgs-destroy-message ?report))
 
 (defrule explore-found
-  "The league tells where it stands: it was reported right, or exploration is over."
+  "The league tells where the machine stands, because we reported it or exploration is over: stop looking for it."
   ?find <- (to-find ?name)
   (machine (name ?name))
   =>
@@ -92,25 +92,25 @@
   (assert (to-look (zone (str-cat ?letter "_Z" ?column ?row)) (skill drive_to))))
 
 (defrule explore-unread
-  "Something stands on our half, and nobody has read its markers."
+  "Something stands on our half, and no robot has read its markers: look at that zone."
   (logical (we-are ?letter)
            (sighting (zone ?zone&:(eq ?letter (sub-string 1 1 ?zone))) (machine "")))
   =>
   (assert (to-look (zone ?zone) (skill explore))))
 
 (defrule explore-done
-  "All that we wanted to find is reported."
+  "All machines that we wanted to find are reported: stop looking."
   ?look <- (to-look)
   (not (and (to-find ?name) (not (reported ?name))))
   =>
   (retract ?look))
 
 (deffunction way-to-look (?x ?y ?zone ?skill)
-  "In m; what is there to read comes first."
+  "The way to a zone in m, with 20 m added where no marker is known to wait there."
   (+ (distance ?x ?y (zone-x ?zone) (zone-y ?zone)) (if (eq ?skill explore) then 0 else 20)))
 
 (defrule explore-go
-  "The idle robot with the shortest way to a zone that wants a look."
+  "A zone is to be looked at: the idle robot with the shortest way goes there."
   (game (phase PRODUCTION))
   ?look <- (to-look (zone ?zone) (skill ?skill))
   ?robot <- (robot (name ?name) (state IDLE) (x ?x) (y ?y))

@@ -31,13 +31,13 @@
   (+ ?time (time-to-make ?rings)))
 
 (deffunction common (?some ?others)
-  "How many of these are among the others."
+  "How many of these are also among the others."
   (bind ?n 0)
   (foreach ?one ?some (if (member$ ?one ?others) then (bind ?n (+ ?n 1))))
   ?n)
 
 (deffunction meetings (?machines)
-  "How often products need one of these machines as well."
+  "How often other products need one of these machines as well."
   (bind ?n 0)
   (do-for-all-facts ((?p product)) TRUE (bind ?n (+ ?n (common ?p:via ?machines))))
   ?n)
@@ -72,7 +72,7 @@
   (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 (share ?spare 3)))
 
 (deffunction ask-for-order (?time ?robots)
-  "Asks which order is begun; the last option is none. Where no order can begin nobody is asked."
+  "Ask which order begins; the last option is none. If no order can begin, nobody is asked."
   (bind ?spare (- ?robots (length$ (find-all-facts ((?p product)) TRUE))))
   (if (<= (+ ?spare ?*MORE*) 0) then (return))
   (bind ?best (if (> ?spare 0) then (best-order ?time) else 0))
@@ -105,7 +105,7 @@
   (ask-for-order (- ?now ?zero) ?robots))
 
 (defrule order-chosen
-  "It may have been withdrawn by the rules meanwhile, or its machine taken."
+  "An order was chosen: begin it, unless rules have withdrawn it or taken its machine meanwhile."
   ?choice <- (choice (id ?id) (kind begin-order))
   (choice-made (choice ?id) (option ?option))
   =>
@@ -121,7 +121,7 @@
   (not (any-factp ((?w waits)) (eq ?w:robot ?robot))))
 
 (deffunction most-urgent-job ()
-  "What choose-jobs.clp looks at: the most urgent job that waits, of equals the oldest; FALSE: none waits."
+  "The job that choose-jobs.clp would give next: the most urgent waiting job, the oldest among equals; FALSE if none waits."
   (bind ?best FALSE)
   (do-for-all-facts ((?j job)) (eq ?j:step WAITING)
     (if (or (not ?best)
@@ -131,7 +131,7 @@
   ?best)
 
 (deffunction best-robot (?job ?now)
-  "The idle robot with the least reluctance that may take the job; FALSE: none."
+  "The idle robot with the least reluctance that may take the job; FALSE if there is none."
   (bind ?best FALSE)
   (bind ?least 1000000.0)
   (bind ?avoid (fact-slot-value ?job avoid))
@@ -143,7 +143,7 @@
   ?best)
 
 (deffunction detour (?robot ?x ?y)
-  "By how many metres the way of another idle robot is shorter."
+  "By how many metres the way of the nearest other idle robot is shorter."
   (bind ?most -14.0)
   (bind ?own (distance (fact-slot-value ?robot x) (fact-slot-value ?robot y) ?x ?y))
   (do-for-all-facts ((?r robot)) (and (eq ?r:state IDLE) (neq ?r:name (fact-slot-value ?robot name)))
@@ -151,7 +151,7 @@
   ?most)
 
 (deffunction base-is-taken (?station)
-  "Whether the base comes for another job first."
+  "Whether the base station is reserved for a job."
   (any-factp ((?r reserved)) (eq ?r:machine ?station)))
 
 (deffunction users (?machine)
@@ -207,12 +207,12 @@
   (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0))
 
 (deffunction first-idle-robot ()
-  "That is awake; FALSE: none."
+  "The first idle robot that has not chosen to wait; FALSE if there is none."
   (do-for-fact ((?r robot)) (and (eq ?r:state IDLE) (awake ?r:name)) (return ?r))
   FALSE)
 
 (deffunction ask-for-job (?now ?zero)
-  "Asks the robot that the rules would send which job it takes; the last option is to wait. If the rules would send none, any idle robot."
+  "Ask the robot that the rules would send which job it takes; the last option is to wait. If they would send none, ask any idle robot."
   (bind ?urgent (most-urgent-job))
   (bind ?robot (best-robot ?urgent ?now))
   (if (not ?robot)
@@ -236,7 +236,7 @@
                   (features ?features (features-of-waiting (not ?urgent))) (since ?now))))
 
 (defrule job-ask
-  "A robot is idle, and jobs wait: one robot at a time is asked."
+  "A robot is idle, and jobs wait: ask one robot at a time."
   (not (to-look))
   (exists (job (step WAITING)))
   (robot (name ?name) (state IDLE))
@@ -267,7 +267,7 @@
           (send-robot ?r ?j))))
 
 (defrule robot-withdrawn
-  "The robot got something else to do, or all are to look for machines: nobody needs an answer any more."
+  "The asked robot got something else to do, or all robots must look for machines: withdraw the choice."
   ?choice <- (choice (kind take-job) (who ?name))
   (or (robot (name ?name) (state ~IDLE))
       (to-look))

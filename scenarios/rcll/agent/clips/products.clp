@@ -4,7 +4,7 @@
 (defglobal ?*DELIVERY-LEAD* = 45.0)  ; so long before the window a product is fetched for the delivery station, s
 
 (deffunction move-product (?product ?urgency ?next $?held-up)
-  "The job that brings a product from where it lies to the next machine; held up until it can be fetched."
+  "Add the job that brings a product from its place to the next machine; it is held up until the robot can fetch the product."
   (bind ?at (fact-slot-value ?product at))
   (bind ?id (create-job MOVE ?urgency (fact-slot-value ?product order) (output-of ?at) (input-of ?next)))
   (if (any-factp ((?m machine)) (and (eq ?m:name ?at) (eq ?m:kind BS))) then (hold-up ?id GO-FETCH))
@@ -14,8 +14,8 @@
 ; --- To the next machine
 
 (defrule product-to-ring-station
-  "The ring station is free, or its own already; and no product that must still come here is on a machine which this one
-   needs later: otherwise the two would wait for each other without end."
+  "The ring station is free, or keeps this product already: move the product there. It must not wait for a product that waits
+   for it: none that must still come here is on a machine which this one needs later."
   ?product <- (product (order ?id) (via ?next $?after) (keeps $?keeps) (job 0) (state READY|WORKING))
   (machine (name ?next) (kind RS))
   (not (product (order ~?id) (keeps $? ?next $?)))
@@ -24,7 +24,7 @@
   (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))
 
 (defrule product-to-cap-station
-  "The cap station is free, and its cap is in, or a robot is there to take away the bare base."
+  "The cap station is free, and it has its cap or a robot is there to take away the bare base: move the product there."
   ?product <- (product (order ?id) (via ?next $?) (keeps $?keeps) (job 0) (state READY|WORKING))
   (or (cap-station (name ?next) (phase LOADED))
       (job (purpose CLEAR) (station ?next) (step GO-FETCH|FETCH)))
@@ -33,7 +33,7 @@
   (move-product (modify ?product (keeps ?keeps ?next)) 3 ?next PUT))
 
 (defrule product-to-delivery
-  "It is complete and its window is near."
+  "The product is complete and its window is near: bring it to the delivery station."
   ?product <- (product (order ?id) (todo "DELIVER") (via ?next) (job 0) (state READY|WORKING))
   (order (id ?id) (begin ?begin))
   (game (begin ?zero))
@@ -50,14 +50,14 @@
   (retract ?held))
 
 (defrule product-fetched
-  "A robot has it: the machine where it lay is free."
+  "A robot has the product: the machine where it lay is free."
   (job (id ?job) (purpose MOVE) (step GO-PUT|DONE))
   ?product <- (product (job ?job) (keeps $?keeps) (state READY))
   =>
   (modify ?product (keeps (rest$ ?keeps)) (state MOVING)))
 
 (defrule product-may-be-put
-  "The machine is idle, a cap station with its cap in: the product may come."
+  "The next machine is idle, and a cap station has its cap: the robot may put the product down."
   (job (id ?job) (purpose MOVE) (step GO-FETCH|FETCH|PUT))
   (product (job ?job) (via ?next $?))
   (machine (name ?next) (state IDLE))
@@ -68,7 +68,7 @@
   (retract ?held))
 
 (defrule product-put
-  "It lies on the input of the next machine."
+  "The product lies on the input of the next machine: it waits for its work."
   ?job <- (job (id ?id) (purpose MOVE) (step DONE) (robot ""))
   ?product <- (product (job ?id) (via ?next $?) (state MOVING))
   =>
@@ -78,7 +78,7 @@
 ; --- In a machine
 
 (deffunction begin-work (?product ?operation ?color ?order)
-  "Instructs the machine on whose input the product lies."
+  "Instruct the machine on whose input the product lies."
   (assert (instruction (id (fact-slot-value ?product job)) (machine (fact-slot-value ?product at)) (operation ?operation)
                        (color ?color) (order ?order)))
   (modify ?product (job 0) (state WORKING)
@@ -86,7 +86,7 @@
   (count-payments))
 
 (defrule product-mount-ring
-  "Its payments lie there: have the ring mounted."
+  "The payments for the ring lie on the slide: have the ring mounted."
   ?product <- (product (todo ?ring $?) (at ?name) (state WAITING))
   (does (machine ?name) (work ?ring) (price ?price))
   ?slide <- (slide (machine ?name) (loaded ?loaded&:(>= ?loaded ?price)))
@@ -103,7 +103,7 @@
   (begin-work ?product "MOUNT_CAP" "" 0))
 
 (defrule product-deliver
-  "Its window is open."
+  "The product lies at the delivery station and its window is open: deliver it."
   ?product <- (product (order ?id) (todo "DELIVER") (state WAITING))
   (order (id ?id) (begin ?begin))
   (game (begin ?zero))
@@ -112,7 +112,7 @@
   (begin-work ?product "DELIVER" "" ?id))
 
 (defrule product-ready
-  "The machine is done with it."
+  "The machine has done its work: the product is ready at the output."
   ?instruction <- (instruction (machine ?name) (operation "MOUNT_RING"|"MOUNT_CAP") (state SUCCEEDED))
   ?product <- (product (at ?name) (state WORKING))
   =>
@@ -130,7 +130,7 @@
 ; --- What goes wrong: without its product an order is open again
 
 (defrule product-gone-with-machine
-  "The machine broke down, and what lay in it is gone."
+  "The machine with the product broke down: the product is lost."
   (product (order ?id) (at ?name) (state ~MOVING))
   (machine (name ?name) (kind ~BS) (state BROKEN))
   (not (job (purpose MOVE) (order ?id)))
@@ -138,7 +138,7 @@
   (assert (lost ?id)))
 
 (defrule product-work-failed
-  "The machine did not do its work."
+  "The machine did not do its work: the product is lost, and payments for a ring stay if the machine is not broken."
   ?instruction <- (instruction (machine ?name) (operation ?operation&"MOUNT_RING"|"MOUNT_CAP") (color ?work) (state FAILED)
                                (error ?error))
   (machine (name ?name) (state ?state))
@@ -155,7 +155,7 @@
   (assert (lost ?id)))
 
 (defrule product-lost
-  "Its order is open again; what brings the product or waits for it is given up."
+  "A product is lost: its order is open again, and the job that brings the product or waits for it is given up."
   ?lost <- (lost ?id)
   ?product <- (product (order ?id) (job ?job))
   ?order <- (order (id ?id))

@@ -3,7 +3,7 @@
 ; --- Fetching
 
 (defrule recover-missing-carrier
-  "The shelf slot is empty: the station goes on with the next one."
+  "The shelf slot is empty: give the job up, and the station goes on with the next slot."
   ?trouble <- (trouble (job ?id) (kind MISSING))
   ?job <- (job (id ?id) (purpose BUFFER) (station ?name))
   ?station <- (cap-station (name ?name))
@@ -14,8 +14,8 @@
   (modify ?station (phase EMPTY)))
 
 (defrule recover-missing-output
-  "What should lie at the output does not: a bare base leaves its cap behind, a product is lost.
-   If the machine sees it still, nobody can take it: reset."
+  "The piece that should lie at the output does not: a bare base leaves its cap behind, a product is lost. If the machine still
+   sees the piece, no robot can take it: reset the machine."
   ?trouble <- (trouble (job ?id) (kind MISSING))
   ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name))
   (machine (name ?name) (kind ~BS) (state ?state&~DOWN))
@@ -45,7 +45,7 @@
   (reset-machine ?name))
 
 (defrule recover-occupied-slide
-  "The slide is blocked, or nobody can come to it: no more payments there, no rings that need them; away with the base."
+  "The slide is blocked, or no robot can reach it: no more payments there, no rings that need them; discard the base."
   ?trouble <- (trouble (job ?id) (kind OCCUPIED))
   ?job <- (job (id ?id) (to ?to))
   ?slide <- (slide (spot ?to) (machine ?name) (coming ?coming))
@@ -73,7 +73,7 @@
   (retract ?does))
 
 (defrule recover-undoable
-  "A product needs a ring that nobody can pay any more, or a cap that nobody can fetch: have it taken away."
+  "A product needs a ring that nobody can pay any more, or a cap that nobody can fetch: reset the machine where it lies."
   (undoable ?work)
   (product (order ?id) (todo $? ?work $?) (at ?name) (state ~MOVING))
   (machine (name ?name) (kind ~BS))
@@ -83,7 +83,7 @@
   (reset-machine ?name))
 
 (defrule recover-undoable-before-begin
-  "Nothing is made of it yet."
+  "A product that needs an impossible work has not left the base station: it is lost at once."
   (undoable ?work)
   (product (order ?id) (todo $? ?work $?) (at ?name) (job 0))
   (machine (name ?name) (kind BS))
@@ -91,7 +91,7 @@
   (assert (lost ?id)))
 
 (defrule recover-undoable-in-hand
-  "The robot would wait before the cap station without end: it discards the piece."
+  "A robot holds a product whose cap cannot be had, and would wait without end: it discards the product."
   (undoable ?cap)
   (product (order ?order) (todo ?cap $?) (job ?id))
   ?job <- (job (id ?id) (step PUT) (moving NO) (robot ?robot&~""))
@@ -113,7 +113,7 @@
   (modify ?station (phase EMPTY)))
 
 (defrule recover-lost
-  "Nobody knows it any more; of a product, its order is open again."
+  "The piece is lost: give its job up. If it was a product, its order is open again."
   ?trouble <- (trouble (job ?id) (kind LOST))
   ?job <- (job (id ?id) (purpose ~BUFFER))
   =>
@@ -122,8 +122,8 @@
   (modify ?job (step GIVEN-UP)))
 
 (defrule recover-product-in-the-way
-  "A cap station broke down while a robot came with its product. Where robots are few the product would keep the one that
-   is needed."
+  "A cap station broke down while a robot came with its product. With few robots the product would keep the one that is needed:
+   the robot discards it."
   ?job <- (job (purpose MOVE) (to ?to) (step PUT) (moving NO) (robot ?robot&~""))
   (cap-station (name ?name&:(eq ?to (input-of ?name))) (phase EMPTY|BUFFERING))
   (not (job (purpose CLEAR) (station ?name) (robot ~"")))
@@ -135,7 +135,7 @@
   (discard ?robot ?delivery))
 
 (defrule recover-product-without-cap
-  "The product lies on the belt of a station that has lost its cap meanwhile: have it taken away."
+  "The product lies on the belt of a cap station that lost its cap meanwhile: reset the station, and the product is lost."
   (product (order ?id) (at ?name) (state WAITING))
   (cap-station (name ?name) (phase EMPTY|BUFFERING))
   (machine (name ?name) (state IDLE))
@@ -145,7 +145,7 @@
   (reset-machine ?name))
 
 (defrule recover-given-up
-  "Its product is lost."
+  "A job was given up: its product is lost, its payment does not come, and the job is forgotten."
   ?job <- (job (id ?id) (step GIVEN-UP) (robot "") (to ?to))
   =>
   (do-for-fact ((?p product)) (= ?p:job ?id) (assert (lost ?p:order)))

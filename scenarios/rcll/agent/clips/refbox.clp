@@ -41,7 +41,7 @@
   (if (> (ros-msgs-get-field ?o ?theirs) 0) then -10 else 10))
 
 (deffunction learn-order (?o ?letter)
-  "A released order, if it is new; else what it still earns."
+  "Note a released order, if it is new; else note what it earns now."
   (bind ?id (ros-msgs-get-field ?o "id"))
   (bind ?bonus (bonus-of ?o ?letter))
   (if (do-for-fact ((?known order)) (= ?known:id ?id) (if (<> ?known:bonus ?bonus) then (modify ?known (bonus ?bonus))) TRUE)
@@ -56,7 +56,7 @@
                  (end (float (ros-msgs-get-field ?o "delivery_period_end"))))))
 
 (defrule refbox-order-info
-  "Once we know which team we are."
+  "The league reports its orders, and we know which team we are: note them."
   ?message <- (ros-msgs-message (topic "/order_info") (msg-ptr ?m))
   (we-are ?letter)
   =>
@@ -68,7 +68,7 @@
   (retract ?message))
 
 (deffunction learn-works (?name ?type ?rings)
-  "What a machine can do, when it is first seen. CS1 has grey caps, CS2 black ones."
+  "Note what a machine can do, when it is first seen. CS1 has grey caps, CS2 black ones."
   (bind ?cap (if (str-index "CS1" ?name) then "CAP_GREY" else "CAP_BLACK"))
   (switch ?type
     (case "DS" then (assert (does (machine ?name) (work "DELIVER"))))
@@ -78,15 +78,15 @@
     (default none)))
 
 (deffunction zone-x (?zone)
-  "The middle of C_Z23, a square of 1 m: 1.5; of M_Z23: -1.5."
+  "The x of the middle of a zone, which is a square of 1 m: 1.5 for C_Z23, -1.5 for M_Z23."
   (* (if (eq (sub-string 1 1 ?zone) "C") then 1 else -1) (- (string-to-field (sub-string 4 4 ?zone)) 0.5)))
 
 (deffunction zone-y (?zone)
   (- (string-to-field (sub-string 5 5 ?zone)) 0.5))
 
 (deffunction learn-machine (?message)
-  "A machine of our team: its fact follows what is reported, once it takes instructions: before, it must be
-   reported. One that breaks forgets its payments."
+  "Note the state of a machine of our team. Before it takes instructions, we must find and report it. A machine that breaks
+   forgets its payments."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?state (sym-cat (ros-msgs-get-field ?message "state")))
   (if (eq ?state BROKEN) then (do-for-fact ((?s slide)) (eq ?s:machine ?name) (modify ?s (loaded 0))))
@@ -125,7 +125,7 @@
   (retract ?message))
 
 (deffunction learn-robot (?message ?letter)
-  "A robot of our team: robot 1 starts in zone 51, 2 in 61, 3 in 71."
+  "Note a robot of our team. Robot 1 starts in zone 51, robot 2 in 61, robot 3 in 71."
   (bind ?name (ros-msgs-get-field ?message "name"))
   (bind ?duty (sym-cat (ros-msgs-get-field ?message "state")))
   (bind ?cycles (ros-msgs-get-field ?message "maintenance_cycles"))
@@ -138,7 +138,7 @@
                  (duty ?duty) (cycles ?cycles))))
 
 (defrule refbox-robot-info
-  "Once we know which team we are."
+  "The league reports its robots, and we know which team we are: note ours."
   ?message <- (ros-msgs-message (topic "/robot_info") (msg-ptr ?m))
   (we-are ?letter)
   =>
@@ -160,7 +160,7 @@
           (shelf (machine ?name) (spot (str-cat ?name "-SHELF-RIGHT")))))
 
 (defrule team-counted
-  "How many robots we are."
+  "One of our robots is on the field: count it."
   (robot (name ?name) (state ~OFF-FIELD))
   (not (counted ?name))
   =>

@@ -10,7 +10,7 @@
   ?*CYCLES* = 2)      ; a third maintenance disqualifies the robot
 
 (deftemplate repair
-  "A robot is asked off the field, to be repaired."
+  "The agent asked for a robot to be taken off the field and repaired."
   (slot robot (type STRING))
   (slot number (type INTEGER)))
 
@@ -45,7 +45,7 @@
   (retract ?under-way))
 
 (defrule repair-ask
-  "It could not move (201), and tried for long."
+  "A robot could not move (code 201), and its skill tried for long: ask people to take it off the field and repair it."
   (declare (salience 10))
   (command (robot ?name) (state FAILED) (error-code 201) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
@@ -77,7 +77,7 @@
   (retract ?stands))
 
 (defrule repair-off-for-good
-  "It stands in the way of the others, which is worse than its loss."
+  "A robot that was repaired twice stands in the way of the others, which is worse than its loss: have it taken away."
   (declare (salience 10))
   (command (robot ?name) (state FAILED) (error-code 201))
   (robot (name ?name) (number ?number) (duty ACTIVE) (cycles ?cycles&:(>= ?cycles ?*CYCLES*)))
@@ -93,7 +93,7 @@
 ; --- What takes longer than it can
 
 (defrule repair-cancel
-  "No skill takes as long: the robot is asked to stop."
+  "A skill runs longer than any skill takes: ask the robot to stop."
   (command (robot ?name) (skill ?skill) (server ?server) (state RUNNING) (handle ?handle) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
   (not (cancelled ?goal))
@@ -116,7 +116,7 @@
   (retract ?cancelled))
 
 (defrule repair-no-answer
-  "Nor does it say that it has stopped: the skill has failed."
+  "The robot does not answer that it has stopped: count its skill as failed."
   (cancelled ?goal)
   ?command <- (command (robot ?name) (state RUNNING) (handle ?handle) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
@@ -127,7 +127,7 @@
   (modify ?command (handle NONE) (goal-id NONE) (state FAILED) (error "no answer")))
 
 (defrule repair-instruct-again
-  "The machine has not heard it."
+  "A machine stays idle although it was instructed: it has not heard the instruction, so send it again."
   ?instruction <- (instruction (machine ?machine) (operation ?operation&~"RESET") (state RUNNING) (handle ?handle) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
   (machine (name ?machine) (state IDLE))
@@ -138,7 +138,7 @@
   (modify ?instruction (handle NONE) (goal-id NONE) (state NEW)))
 
 (defrule repair-late-result
-  "The answer belongs to a skill or instruction for which nobody waits: drop it."
+  "A result belongs to a skill or instruction for which nobody waits any more: drop it."
   (declare (salience -10))
   ?wrapped <- (ros-msgs-wrapped-result (goal-id ?goal) (result-ptr ?result))
   (not (command (state SENT)))
@@ -152,7 +152,7 @@
 ; --- Back on the field
 
 (defrule repair-back
-  "It may come back as soon as it is repaired."
+  "The robot is in maintenance: ask that it come back as soon as it is repaired."
   ?repair <- (repair (robot ?name) (number ?number))
   (robot (name ?name) (duty MAINTENANCE))
   =>

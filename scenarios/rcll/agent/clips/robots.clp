@@ -6,22 +6,22 @@
   ?*REST* = 0.6)      ; what a second of rest speaks for it
 
 (deffunction reluctance (?x ?y ?robot-x ?robot-y ?idle)
-  "What speaks against a robot: its way to the piece, less what it has rested."
+  "How much speaks against a robot: its way to the piece, less its rest so far."
   (- (* ?*WAY* (distance ?x ?y ?robot-x ?robot-y)) (* ?*REST* ?idle)))
 
 (deffunction may-take (?robot ?avoid ?not-before ?now)
-  "The robot that left a job to others takes it again only after a while."
+  "Whether the robot may take the job: a robot that left a job to others takes it again only after a while."
   (or (>= ?now ?not-before) (and (neq ?avoid "") (neq ?robot ?avoid))))
 
 ; --- Nothing to do at all: home, out of the way of others
 
 (deffunction roam (?robot ?skill ?zone)
-  "Sends a robot to a zone."
+  "Send a robot to a zone, without a job."
   (assert (command (id (new-id)) (robot (fact-slot-value ?robot name)) (skill ?skill) (target ?zone)))
   (modify ?robot (state ROAMING)))
 
 (defrule robot-go-home
-  "No work for a while: home."
+  "A robot has had no work for a while: it drives home, out of the way of others."
   ?robot <- (robot (name ?name) (state IDLE) (home ?home) (place ~?home) (idle-since ?since))
   (time ?now&:(> ?now (+ ?since ?*PATIENCE*)))
   (not (job (step WAITING)))
@@ -30,7 +30,7 @@
   (roam ?robot drive_to ?home))
 
 (defrule robot-roamed
-  "It is there, or could not get there: either way it is free."
+  "The drive without a job ended, successfully or not: the robot is idle."
   ?robot <- (robot (name ?name) (state ROAMING))
   ?command <- (command (robot ?name) (target ?zone) (state SUCCEEDED|FAILED))
   (time ?now)

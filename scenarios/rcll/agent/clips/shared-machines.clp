@@ -1,7 +1,7 @@
 ; The base station and the delivery station serve one job at a time.
 
 (defrule base-reserve
-  "A robot that needs a base gets the base station, and the base comes out while it drives."
+  "A robot needs a base and the base station is free: reserve it, and have the base dispensed while the robot drives."
   ?job <- (job (id ?id) (robot ~"") (step GO-FETCH))
   ?held <- (held-up (job ?id) (step GO-FETCH))
   (machine (name ?bs) (kind BS))
@@ -12,14 +12,14 @@
   (dispense-base ?job))
 
 (defrule base-ready
-  "The base lies at the output."
+  "The base lies at the output: the robot may fetch it."
   ?instruction <- (instruction (id ?id) (operation "DISPENSE_BASE") (state SUCCEEDED))
   ?held <- (held-up (job ?id) (step FETCH))
   =>
   (retract ?instruction ?held))
 
 (defrule base-failed
-  "The base station did not do it: ask again when it is idle."
+  "The base station did not dispense the base: instruct it again when it is idle."
   ?instruction <- (instruction (operation "DISPENSE_BASE") (state FAILED) (error ?error))
   =>
   (printout warn "base station: " ?error crlf)
@@ -33,7 +33,7 @@
   (retract ?reserved))
 
 (defrule delivery-reserve
-  "A robot with a piece for the delivery station gets it."
+  "A robot has a piece for the delivery station, which is free: reserve it."
   (job (id ?id) (robot ~"") (step GO-PUT))
   ?held <- (held-up (job ?id) (step GO-PUT))
   (machine (name ?delivery) (kind DS))
@@ -43,7 +43,7 @@
   (assert (reserved (machine ?delivery) (job ?id))))
 
 (defrule delivery-discard
-  "A piece that is in no order's product lies on the belt: away with it."
+  "A piece that belongs to no product lies on the belt: deliver it as order 0, which throws it away."
   ?job <- (job (id ?id) (purpose CLEAR|DISCARD) (step DONE) (robot "") (to ?to))
   (machine (name ?delivery&:(eq ?to (str-cat ?delivery "-INPUT"))) (kind DS))
   =>
@@ -58,7 +58,7 @@
   (assert (delivered ?order ?state)))
 
 (defrule delivery-discarded
-  "Nobody ordered it."
+  "A piece was delivered as order 0: nothing follows from it."
   ?delivered <- (delivered 0 ?)
   =>
   (retract ?delivered))

@@ -3,15 +3,15 @@
 (defglobal ?*REFILL* = 25.0)  ; s until an empty shelf is full again
 
 (deffunction has-no-way (?station)
-  "Whether a slot of the shelf is out of reach: it keeps its carrier, so that the crew never fills the others."
+  "Whether a slot of the shelf is out of reach. Its carrier then stays, so the crew never fills the other slots again."
   (any-factp ((?s shelf)) (and (eq ?s:machine ?station) (eq ?s:state BARRED))))
 
 (deffunction carriers-left (?station)
-  "How many can still be fetched from a shelf that nobody fills again."
+  "How many carriers robots can still fetch from a shelf that nobody fills again."
   (length$ (find-all-facts ((?s shelf)) (and (eq ?s:machine ?station) (eq ?s:state FULL)))))
 
 (defrule shelf-slot-barred
-  "There is no way to a slot, wherever the robots are: nobody goes there again."
+  "No robot can reach the slot from anywhere: mark it, so that no robot goes there again."
   ?trouble <- (trouble (job ?id) (kind BARRED))
   (job (id ?id) (from ?spot))
   ?shelf <- (shelf (spot ?spot))
@@ -21,7 +21,7 @@
   (modify ?trouble (kind MISSING)))
 
 (defrule shelf-wait-for-refill
-  "All three slots are empty: the crew fills them."
+  "All three slots are empty: wait until the crew has filled them."
   (shelf (machine ?name))
   (not (shelf (machine ?name) (state FULL|BARRED)))
   (not (job (purpose BUFFER) (station ?name) (step WAITING|GO-FETCH|FETCH)))

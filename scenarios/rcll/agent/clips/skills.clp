@@ -2,7 +2,7 @@
 ; (command ...) or (instruction ...) and waits for its state SUCCEEDED or FAILED.
 
 (deftemplate command
-  "A skill that a robot must do."
+  "A skill that a robot has to do."
   (slot id (type INTEGER))
   (slot robot (type STRING))
   (slot skill (type SYMBOL) (allowed-values drive_to pick place explore transport))
@@ -22,7 +22,7 @@
   (slot type (type STRING)))
 
 (deftemplate skill-client
-  "An action client that stands."
+  "An action client that exists."
   (slot robot (type STRING))
   (slot skill (type SYMBOL))
   (slot server (type STRING))
@@ -36,7 +36,7 @@
   (skill-type (skill transport) (type "cxlab_skills/action/Transport")))
 
 (defrule skill-client-create
-  "A robot is known: one action client for each of its skills."
+  "A robot is known: create one action client for each of its skills."
   (robot (name ?robot))
   (skill-type (skill ?skill) (type ?type))
   (not (skill-client (robot ?robot) (skill ?skill)))
@@ -46,7 +46,7 @@
   (assert (skill-client (robot ?robot) (skill ?skill) (server ?server) (type ?type))))
 
 (defrule skill-send-goal
-  "A new command: its goal goes to the robot's server. One goal at a time waits for its answer."
+  "A command is new: send its goal to the robot's server. Only one goal at a time waits for its answer."
   ?c <- (command (robot ?robot) (skill ?skill) (from ?from) (target ?target) (state NEW))
   (skill-client (robot ?robot) (skill ?skill) (server ?server) (type ?type))
   (not (command (server ?server) (state SENT)))
@@ -60,11 +60,11 @@
   (modify ?c (state SENT) (server ?server) (goal ?goal)))
 
 (deffunction is-null (?handle)
-  "Whether the handle points nowhere, as that of a goal that was rejected."
+  "Whether a handle points nowhere, as the handle of a rejected goal does."
   (eq (implode$ (create$ ?handle)) "<Pointer-C-(nil)>"))
 
 (defrule skill-goal-rejected
-  "The robot is busy with a goal that is not ours."
+  "The robot rejected the goal, because it is busy with a goal that is not ours: the command has failed."
   ?c <- (command (server ?server) (state SENT) (goal ?goal))
   ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle&:(is-null ?handle)))
   =>
@@ -73,7 +73,7 @@
   (modify ?c (state FAILED) (goal NONE) (error "the goal was rejected")))
 
 (defrule skill-goal-answered
-  "The server took the goal."
+  "The server accepted the goal: the command is running."
   ?c <- (command (server ?server) (state SENT) (goal ?goal))
   ?response <- (ros-msgs-goal-response (server ?server) (client-goal-handle-ptr ?handle&:(not (is-null ?handle))))
   =>
@@ -83,7 +83,7 @@
   (modify ?c (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule skill-result
-  "The skill ended: its result goes into the command, which is that of the goal, whatever its server."
+  "The skill ended: write its result into the command with the same goal."
   ?c <- (command (state RUNNING) (skill ?skill) (goal-id ?goal-id) (handle ?handle))
   ?wrapped <- (ros-msgs-wrapped-result (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
@@ -96,7 +96,7 @@
   (modify ?c (handle NONE) (part ?part) (state (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)) (error-code ?error-code) (error ?error)))
 
 (defrule skill-feedback
-  "A transport tells what it is at. Phases are for the journal, not for us."
+  "A transport reports which part it is at: note it. Phases are for the journal, not for the agent."
   ?f <- (ros-msgs-feedback (server ?server) (feedback-ptr ?feedback))
   =>
   (do-for-fact ((?c command)) (and (eq ?c:server ?server) (eq ?c:skill transport))
@@ -131,8 +131,8 @@
   (ros-msgs-create-action-client ?*INSTRUCT* "rcll_interfaces/action/InstructMachine"))
 
 (defrule instruct-send
-  "An instruction waits until its machine is idle and the game is not paused, then goes out. A reset does not wait for the
-   machine."
+  "An instruction is new, its machine is idle and the game is not
+   paused: send it. A reset does not wait for the machine."
   ?i <- (instruction (machine ?machine) (operation ?operation) (side ?side) (color ?color) (order ?order) (state NEW))
   (machine (name ?machine) (state ?machine-state&:(or (eq ?machine-state IDLE)
                                                       (and (eq ?operation "RESET") (neq ?machine-state BROKEN)))))
@@ -159,8 +159,8 @@
   (modify ?i (state RUNNING) (goal NONE) (handle ?handle) (goal-id ?goal-id)))
 
 (defrule instruct-result
-  "The instruction ended. One that came when the machine was not ready waits for it once more, one that it did not hear
-   is said again."
+  "The instruction ended. If the machine was not ready for it, the instruction waits for the machine again. If the machine
+   did not hear it, the instruction is sent again."
   ?i <- (instruction (operation ?operation) (state RUNNING) (goal-id ?goal-id) (handle ?handle) (tries ?tries))
   ?wrapped <- (ros-msgs-wrapped-result (server "/factory/instruct_machine") (goal-id ?goal-id) (code ?code) (result-ptr ?result))
   =>
@@ -174,7 +174,7 @@
              (state (if ?again then NEW else (if (eq ?code SUCCEEDED) then SUCCEEDED else FAILED)))))
 
 (defrule instruct-reset-done
-  "The machine is BROKEN, or a reset is not possible."
+  "The machine is BROKEN, or it cannot be reset: the instruction to reset it is done."
   ?i <- (instruction (machine ?machine) (operation "RESET") (state ?state))
   (machine (name ?machine) (state ?machine-state))
   (test (or (eq ?state FAILED) (and (neq ?state SENT) (neq ?state RUNNING) (eq ?machine-state BROKEN))))

@@ -5,7 +5,7 @@
 (defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
 
 (deffunction forget-job (?job)
-  "Nobody works on it any more: it is gone, with all that it had reserved."
+  "Remove a job with all its reservations and notes."
   (bind ?id (fact-slot-value ?job id))
   (retract ?job)
   (do-for-all-facts ((?held held-up)) (= ?held:job ?id) (retract ?held))
@@ -13,18 +13,18 @@
   (do-for-all-facts ((?trouble trouble)) (= ?trouble:job ?id) (retract ?trouble)))
 
 (deffunction discard (?robot ?delivery)
-  "The robot brings whatever it holds to the delivery station, as order 0."
+  "Have the robot bring whatever it holds to the delivery station, as order 0."
   (bind ?id (new-id))
   (assert (job (id ?id) (purpose DISCARD) (to (input-of ?delivery)) (robot ?robot) (step GO-PUT)))
   (hold-up ?id GO-PUT))
 
 (deffunction reset-machine (?machine)
-  "Breaks the machine, so that it is idle and empty after a while."
+  "Have the machine reset, so that it is idle and empty after a while."
   (if (not (any-factp ((?i instruction)) (and (eq ?i:machine ?machine) (eq ?i:operation "RESET"))))
    then (assert (instruction (id (new-id)) (machine ?machine) (operation "RESET")))))
 
 (defrule recover-held
-  "A pick that failed late has the piece all the same: on with it."
+  "A pick that failed late has gripped the piece all the same: go on with the job."
   ?trouble <- (trouble (job ?id) (kind HELD))
   ?job <- (job (id ?id))
   =>
@@ -32,7 +32,7 @@
   (modify ?job (step GO-PUT) (tries 0)))
 
 (defrule recover-full
-  "The gripper holds a piece of which nobody knows: away with it; another robot does the job."
+  "The gripper holds an unknown piece: the robot discards it, and another robot does the job."
   ?trouble <- (trouble (job ?id) (kind FULL))
   ?job <- (job (id ?id) (robot ?robot))
   (machine (name ?delivery) (kind DS))
@@ -44,7 +44,7 @@
   (discard ?robot ?delivery))
 
 (defrule recover-unable
-  "This robot cannot fetch it: another one, or this one later."
+  "This robot cannot fetch the piece: another robot does, or this one later."
   ?trouble <- (trouble (job ?id) (kind UNABLE))
   ?job <- (job (id ?id) (robot ?name) (step ?step) (handed-over ?count))
   (test (or (eq ?step GO-FETCH) (< ?count ?*HAND-OVERS*)))
@@ -58,7 +58,7 @@
                (not-before (+ ?now (* ?*AVOID* (+ ?count 1))))))
 
 (defrule recover-unable-all
-  "No robot can fetch it: as if it were not there."
+  "No robot can fetch the piece: handle it like a missing piece."
   ?trouble <- (trouble (job ?id) (kind UNABLE))
   (job (id ?id) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
   =>
@@ -76,7 +76,7 @@
   (discard ?robot ?delivery))
 
 (defrule recover-stuck-with-waste
-  "Not even there: later."
+  "The robot cannot discard the piece either: it tries again later."
   ?trouble <- (trouble (job ?id) (kind STUCK))
   ?job <- (job (id ?id) (purpose DISCARD))
   (time ?now)
@@ -85,7 +85,7 @@
   (modify ?job (tries 0) (not-before (+ ?now ?*RESET-TIME*))))
 
 (defrule recover-missing-base
-  "No base at the base station: have another one dispensed, onto an empty belt."
+  "No base is at the base station: have another one dispensed, onto an empty belt."
   ?trouble <- (trouble (job ?id) (kind MISSING))
   ?job <- (job (id ?id) (station ?bs))
   (machine (name ?bs) (kind BS) (state ?state&~DOWN))
@@ -98,21 +98,21 @@
   (dispense-base ?job))
 
 (defrule recover-gone-with-machine
-  "The station breaks down before the robot has fetched from it."
+  "The machine broke down before the robot fetched the piece from it: the piece is gone."
   (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step WAITING|GO-FETCH|FETCH))
   (machine (name ?name) (kind ~BS) (state BROKEN))
   =>
   (assert (trouble (job ?id) (kind GONE))))
 
 (defrule recover-gone
-  "The robot, if any, is done with its skill: it need not go there."
+  "The piece is gone, and the robot (if the job has one) runs no skill: give the job up."
   (trouble (job ?id) (kind GONE))
   ?job <- (job (id ?id) (step WAITING|GO-FETCH|FETCH) (moving NO))
   =>
   (modify ?job (step GIVEN-UP)))
 
 (defrule recover-not-gone
-  "The robot had it already."
+  "The robot had fetched the piece before it was reported as gone: drop the trouble."
   ?trouble <- (trouble (job ?id) (kind GONE))
   (job (id ?id) (step GO-PUT))
   =>

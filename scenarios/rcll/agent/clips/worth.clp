@@ -5,7 +5,7 @@
 (defglobal ?*EARLY* = 60.0)         ; so long a product may lie about before its window, s
 
 (deffunction price-of (?work)
-  "Payments for a work."
+  "The number of payments that a work needs."
   (do-for-fact ((?d does)) (eq ?d:work ?work) (return ?d:price))
   0)
 
@@ -13,11 +13,11 @@
   (+ ?*C0-TIME* (* ?*RING-TIME* (length$ ?rings))))
 
 (deffunction late-share (?late ?window)
-  "The share of the delivery's points that is lost so long after the window."
+  "The share of the delivery's points that is lost if the product comes so long after its window."
   (if (<= ?late 0) then 0 else (* 0.1875 (min 4 (+ 1 (div (* 4 ?late) ?window))))))
 
 (deffunction points-of (?complexity ?rings ?bonus ?late ?window)
-  "What a product earns: delivery, cap, rings with their payments, and a bonus."
+  "The points of a product: delivery, cap, rings with their payments, and a bonus."
   (bind ?delivery (switch ?complexity (case "C0" then 20) (case "C1" then 30) (case "C2" then 50) (default 100)))
   (bind ?points (+ (* ?delivery (- 1 (late-share ?late ?window))) 12 ?bonus))
   (foreach ?ring ?rings
@@ -25,20 +25,20 @@
   ?points)
 
 (deffunction jobs-of (?rings)
-  "Robots' jobs: to the cap station and to the delivery station, the carrier in and out, each ring, each payment."
+  "How many jobs of robots an order needs: to the cap station, to the delivery station, the carrier in and out, each ring and payment."
   (bind ?jobs 4)
   (foreach ?ring ?rings (bind ?jobs (+ ?jobs 1 (price-of ?ring))))
   ?jobs)
 
 (deffunction worth (?complexity ?rings ?bonus ?begin ?end ?time)
-  "Points for a job, of an order that is begun at this time of the game; 0 if there is no time left for it."
+  "The points for each job, if the order is begun at this time of the game; 0 if no time is left for it."
   (bind ?ready (+ ?time (time-to-make ?rings)))
   (if (> ?ready ?*GAME*) then (return 0.0))
   (if (< ?ready (- ?begin ?*EARLY*)) then (return 0.0))
   (/ (points-of ?complexity ?rings ?bonus (- ?ready ?end) (- ?end ?begin)) (jobs-of ?rings)))
 
 (deffunction machines-for (?works)
-  "The machines that do these works, one after the other; nothing, if one is not known yet."
+  "The machines that do these works, one after the other; nothing if one of them is not known yet."
   (bind ?machines (create$))
   (foreach ?work ?works
     (if (not (do-for-fact ((?d does)) (eq ?d:work ?work) (bind ?machines (create$ ?machines ?d:machine)) TRUE))

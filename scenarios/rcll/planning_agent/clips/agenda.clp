@@ -2,13 +2,13 @@
 ; the first of them hold; if so, it begins.
 
 (defrule agenda-idle-robot
-  "A robot has nothing to do."
+  "A robot is idle and no job waits for one: a robot waits for a step."
   (logical (exists (robot (state IDLE))) (not (job (step WAITING))) (not (to-look)))
   =>
   (assert (robot-waits)))
 
 (defrule agenda-robot-waits
-  "A robot has nothing to do any more: steps are looked at again."
+  "A robot has become idle: steps are looked at again."
   (robot (name ?robot) (state IDLE) (idle-since ?since))
   (robot-waits)
   (not (noticed ?robot ?since))
@@ -18,7 +18,7 @@
   (look-again))
 
 (defrule agenda-candidate
-  "A step has not begun, and it has a worker. Which candidates are allowed to begin says the strategy (dispatch)."
+  "A step has not begun, and a worker is there for it. The strategy (dispatch) decides which candidates may begin."
   (declare (salience 20))
   (logical
     (step (id ?id) (state OPEN|BLOCKED|APPROACHING))
@@ -27,13 +27,13 @@
   (assert (candidate ?id)))
 
 (defrule agenda-open
-  "Steps begin while there is a plan, also while a new one is made; not while the world is copied for it."
+  "Steps may begin while there is a plan, and also while a new plan is made, but not while the world is copied for it."
   (logical (or (and (planning (state IDLE)) (not (replan))) (planning (state GOALS))))
   =>
   (assert (may-begin)))
 
 (defrule agenda-look
-  "The step of the smallest rank that the agent has not looked at since the world changed."
+  "Steps may begin: look at the one with the smallest rank that has not been looked at since the world changed."
   (may-begin)
   (not (step (state CHECKING)))
   (not (pddl-action-get-effect))
@@ -51,10 +51,10 @@
 
 ; --- What the strategy holds back
 
-(defglobal ?*TOLD* = (create$))  ; the steps of which it was said why they are held back
+(defglobal ?*TOLD* = (create$))  ; the steps for which the rules have told why they are held back
 
 (defrule agenda-held-back
-  "All steps have been looked at that the strategy names: of the others it is said once why it does not name them."
+  "All steps that the strategy names have been looked at: tell once why it does not name each of the others."
   (declare (salience -10))
   (planning (state IDLE))
   (not (replan))
@@ -77,7 +77,7 @@
   (bind ?*TOLD* ?told))
 
 (deffunction hold-back (?step ?check ?why)
-  "The step is looked at again when the world has changed; a robot that drove there in advance waits there."
+  "Hold the step back until the world has changed; a robot that drove there in advance waits there."
   (retract ?check)
   (if (neq ?why (fact-slot-value ?step held-for)) then (decide (str-cat "hold back " (step-text ?step)) ?why))
   (modify ?step (held-for ?why) (state (if (eq (fact-slot-value ?step was) APPROACHING) then APPROACHING else BLOCKED))))
@@ -91,7 +91,7 @@
   (hold-back ?step ?check (str-cat "missing: " ?why)))
 
 (defrule agenda-no-carrier
-  "The PDDL domain knows nothing of empty shelves."
+  "The shelf is empty, of which the PDDL domain knows nothing: hold back the step that fetches a carrier."
   (declare (salience 10))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (action fetch-carrier) (params ?cs))
@@ -100,13 +100,13 @@
   (hold-back ?step ?check "the shelf is empty"))
 
 (deffunction payments-before (?slide ?begin)
-  "How many payments are to come to the slide before that time of the plan."
+  "How many payments come to the slide before that time of the plan."
   (length$ (find-all-facts ((?s step))
     (and (member$ ?s:action (create$ pay-with-new-base pay-with-bare-base)) (eq (nth$ 2 ?s:params) ?slide)
          (member$ ?s:state (create$ OPEN BLOCKED APPROACHING)) (< ?s:begin ?begin)))))
 
 (defrule agenda-no-room
-  "What room the slide has is for the payments before this one: without them a product would wait for ever."
+  "The slide has room only for earlier payments: hold this one back, else a product that needs them waits without end."
   (declare (salience 10))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (action pay-with-new-base|pay-with-bare-base) (params ? ?slide) (begin ?begin))
@@ -132,11 +132,11 @@
 ; --- Robots that would stand idle drive to where the next piece comes out
 
 (deffunction makes-piece-of (?made ?action ?params)
-  "Whether the step of a machine with these parameters makes the piece that a robot fetches for that step."
+  "Whether the step of a machine with the parameters `made` makes the piece that a robot fetches for this action."
   (and (member$ (nth$ 1 ?params) ?made) (member$ (source-of ?action ?params) ?made)))
 
 (defrule agenda-approach
-  "A machine works on the piece, and nothing else can begin: a robot goes there."
+  "A machine works on the piece of a step, and no robot can begin anything else: a robot drives there already."
   (planning (state IDLE))
   (world-version ?version)
   ?step <- (step (state BLOCKED) (seen ?version) (worker ROBOT) (action ?action&transport|bring-to-delivery|pay-with-bare-base|discard-bare-base) (params $?params)
@@ -151,7 +151,7 @@
   (modify ?step (state APPROACHING) (work ?work)))
 
 (defrule agenda-approach-again
-  "The new plan has the step, too."
+  "A robot drives for a step of the old plan, and the new plan has this step, too: the robot goes on."
   ?approached <- (approached ?work ?action $?params)
   ?step <- (step (state OPEN|BLOCKED) (action ?action) (params $?params))
   =>
@@ -159,7 +159,7 @@
   (modify ?step (state APPROACHING) (work ?work)))
 
 (defrule agenda-approach-in-vain
-  "It does not."
+  "A robot drives for a step of the old plan that the new plan does not have: its job is given up."
   ?approached <- (approached ?work ?action $?params)
   (not (step (state OPEN|BLOCKED|CHECKING) (action ?action) (params $?params)))
   ?job <- (job (id ?work) (moving NO))
@@ -168,7 +168,7 @@
   (modify ?job (step GIVEN-UP)))
 
 (defrule agenda-approach-too-early
-  "It has the step, but later: nobody makes the piece, and others come first."
+  "A robot drives for a step that the new plan has later: nobody makes the piece and others come first, so its job is given up."
   ?step <- (step (id ?id) (state APPROACHING) (action ?action) (params $?params) (work ?work))
   (not (allowed ?id))
   (not (step (state RUNNING) (worker MACHINE) (params $?made&:(makes-piece-of ?made ?action ?params))))
@@ -178,7 +178,7 @@
   (modify ?job (step GIVEN-UP)))
 
 (defrule agenda-pay-in-advance
-  "A robot has nothing to do for a while: a payment that may be of use later, to the slide with most room. Before it would drive home."
+  "A robot has been idle for a while: before it drives home, it brings a payment to the slide with most room, for later use."
   (declare (salience 10))
   (planning (state IDLE))
   (game (phase PRODUCTION))

@@ -1,7 +1,7 @@
 ; Which orders are worked for: the agent makes plans for several sets of them at once, and uses the most valuable plan.
 
 (deffunction best-of (?orders)
-  "The order of these that earns most for each job, if it is begun now; 0: none is worth it."
+  "Among these orders, the one that earns most for each job if it begins now; 0 if none is worth it."
   (bind ?best 0)
   (bind ?most 0.0)
   (foreach ?id ?orders
@@ -11,18 +11,18 @@
   ?best)
 
 (deffunction orders-in (?state)
-  "Orders of that state that are in the problem."
+  "The orders of that state that are in the problem."
   (bind ?ids (create$))
   (do-for-all-facts ((?o order)) (and (eq ?o:state ?state) (any-factp ((?k in-problem)) (eq ?k:implied (create$ planning ?o:id))))
     (bind ?ids (create$ ?ids ?o:id)))
   ?ids)
 
 (deffunction is-true (?name $?params)
-  "Of the world as it is."
+  "Whether a fluent is true in the present world."
   (any-factp ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?name) (eq ?f:params ?params))))
 
 (deffunction gets-cap (?station)
-  "Whether a cap is in, or a carrier is inside or on its way."
+  "Whether a cap is in the station, or a carrier is inside or on its way."
   (or (is-true cap-loaded ?station)
       (is-true carrier-at-input ?station)
       (any-factp ((?s step)) (and (eq ?s:state RUNNING) (member$ ?s:action (create$ fetch-carrier retrieve-cap))
@@ -34,7 +34,7 @@
     (and (= ?o:id ?order) (eq ?d:work ?o:cap) (eq ?b:station (pddl-name ?d:machine)) (not (gets-cap ?b:station)))))
 
 (deffunction has-cap-on (?product)
-  "Whether its next work is the delivery."
+  "Whether the next work of a product is its delivery."
   (any-factp ((?at pddl-fluent) (?work pddl-fluent))
     (and (eq ?at:instance production) (eq ?at:name at-step) (eq (nth$ 1 ?at:params) ?product)
          (eq ?work:instance production) (eq ?work:name work-at) (eq (subseq$ ?work:params 1 2) ?at:params)
@@ -45,14 +45,14 @@
   (and (without-cap ?order) (not (has-cap-on (product-of ?order)))))
 
 (deffunction lost-machine (?order)
-  "One that the order needs and that is out of order for long; FALSE: there is none."
+  "A machine that the order needs and that is out of order for long; FALSE if none is."
   (do-for-fact ((?o order) (?bs machine)) (and (= ?o:id ?order) (eq ?bs:kind BS))
     (foreach ?m (create$ ?bs:name (machines-for (works-for ?o:rings ?o:cap)))
       (if (any-factp ((?l long-out-of-order)) (eq ?l:implied (create$ ?m))) then (return ?m))))
   FALSE)
 
 (deffunction open-orders ()
-  "That could be worked for: the league wants them, and there is no reason to think that there is no plan for them."
+  "The open orders that we could work for: no known reason rules out a plan for them."
   (bind ?ids (create$))
   (foreach ?id (orders-in OPEN)
     (if (not (or (any-factp ((?s skipped)) (= ?s:order ?id)) (without-cap ?id) (lost-machine ?id))) then (bind ?ids (create$ ?ids ?id))))
@@ -62,7 +62,7 @@
   (assert (alternative (name (sym-cat alternative- ?number)) (orders ?orders))))
 
 (deffunction stuck (?product)
-  "Whether a machine is out of order for long that it still needs, or that is at work on it."
+  "Whether a machine that the product still needs, or that works on it, is out of order for long."
   (do-for-all-facts ((?l long-out-of-order)) TRUE
     (bind ?m (pddl-name (nth$ 1 ?l:implied)))
     (if (or (any-factp ((?at pddl-fluent) (?work pddl-fluent))
@@ -75,11 +75,11 @@
   FALSE)
 
 (deffunction rests (?product)
-  "Whether nobody has fetched its base, or it is stuck."
+  "Whether no robot has fetched the product's base yet, or the product is stuck."
   (or (is-true not-begun ?product) (stuck ?product)))
 
 (deffunction can-be-put-off (?ours)
-  "Of these orders that which earns least and whose product rests; 0: there is none."
+  "The order that earns least among those whose product rests; 0 if no product rests."
   (bind ?last 0)
   (foreach ?id ?ours
     (if (rests (product-of ?id))
@@ -87,17 +87,17 @@
   ?last)
 
 (deffunction has-no-time (?order)
-  "Whether its product must begin again, or has not begun, and would not be ready before the game ends."
+  "Whether the product of an order has not begun, or must begin again, and would not be ready before the game ends."
   (do-for-fact ((?o order)) (= ?o:id ?order)
     (return (and (is-true not-begun (product-of ?order)) (> (+ (game-time) (time-to-make ?o:rings)) ?*GAME*))))
   FALSE)
 
 (deffunction products-at-once ()
-  "One more while a robot has nothing to do."
+  "How many products we make at once: one more while a robot has nothing to do."
   (if (any-factp ((?r robot-to-spare)) TRUE) then (+ ?*PRODUCTS* 1) else ?*PRODUCTS*))
 
 (deffunction propose-alternatives ()
-  "What we work for, and that with each of the best open orders; where there is no room for one, in place of one that can be put off."
+  "Propose our present orders alone, and together with each of the best open orders. If there is no room for one, it replaces one that can be put off."
   (bind ?ours (create$))
   (foreach ?id (orders-in STARTED) (if (not (or (is-hopeless ?id) (has-no-time ?id))) then (bind ?ours (create$ ?ours ?id))))
   (if (neq ?ours (create$)) then (propose 0 ?ours))
@@ -130,14 +130,14 @@
   ?objects)
 
 (deffunction points-at (?product ?at)
-  "What the delivery of a product earns at this time of the game."
+  "The points for the delivery of a product at this time of the game."
   (if (> ?at ?*GAME*) then (return 0.0))
   (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product)
     (return (points-of ?o:complexity ?o:rings ?o:bonus (- ?at ?o:end) (- ?o:end ?o:begin))))
   0.0)
 
 (deffunction params-of (?action)
-  "Of an action of a plan, without the robot or the deadline that the planner has chosen."
+  "The parameters of an action of a plan, without the robot or the deadline that the planner has chosen."
   (bind ?params (create$))
   (foreach ?p (fact-slot-value ?action params) (bind ?params (create$ ?params (sym-cat ?p))))
   (if (or (eq (worker-of (fact-slot-value ?action name)) ROBOT) (eq (fact-slot-value ?action name) deliver))
@@ -145,23 +145,23 @@
    else ?params))
 
 (deffunction robot-of (?action)
-  "That the planner has chosen for an action of a plan."
+  "The robot that the planner has chosen for an action of a plan."
   (bind ?params (fact-slot-value ?action params))
   (if (eq (worker-of (fact-slot-value ?action name)) ROBOT) then (sym-cat (nth$ (length$ ?params) ?params)) else none))
 
 (deffunction transports-in (?plan ?product)
-  "How often a robot brings the product on in the plan."
+  "How often a robot brings the product to its next machine in the plan."
   (length$ (find-all-facts ((?a pddl-action))
     (and (eq ?a:plan ?plan) (member$ ?a:name (create$ transport bring-to-delivery)) (eq (nth$ 1 (params-of ?a)) ?product)))))
 
 (deffunction expected-points (?plan ?delivery)
-  "What the delivery of a plan earns, times the chance that its product is not lost before."
+  "The points for the delivery of a plan, times the chance that its product is not lost before."
   (bind ?product (nth$ 1 (params-of ?delivery)))
   (* (chance-of (transports-in ?plan ?product))
      (points-at ?product (+ (game-time) (fact-slot-value ?delivery planned-start-time)))))
 
 (deffunction weigh (?plan)
-  "Expected points and robots' work of a plan."
+  "The expected points of a plan, and the work of robots that it takes."
   (bind ?points 0.0)
   (bind ?work 0.0)
   (do-for-all-facts ((?a pddl-action)) (eq ?a:plan ?plan)

@@ -8,7 +8,7 @@
   (fluent planning ?name ?params))
 
 (defrule copy-false
-  "But for what only plans know."
+  "A fluent is false in `production`: it becomes false in `planning`, unless it is one that only plans use."
   (planning (state COPY))
   (pddl-fluent (instance planning) (name ?name&~idle&~before&~deadline) (params $?params))
   (not (pddl-fluent (instance production) (name ?name) (params $?params)))
@@ -41,7 +41,7 @@
   (number planning down-for (out-of-order-for ?machine ?since ?mean) (pddl-name ?machine)))
 
 (defrule copy-output-not-ready
-  "What a machine that is down has in work comes out when it works again."
+  "A machine is down with work in it: its output is not ready until it works again."
   (planning (state COPY))
   (out-of-order ?machine ? ?)
   (pddl-fluent (instance planning) (name output-ready) (params ?m&:(eq ?m (pddl-name ?machine))))
@@ -59,7 +59,7 @@
   (fluent planning output-ready ?m))
 
 (defrule copy-robot
-  "Robots that are on the field share the steps."
+  "The world is copied: robots on the field share the steps of the plan, robots off the field get none."
   (planning (state COPY))
   (robot (name ?name) (state ?state))
   (in-problem planning ?name)
@@ -72,7 +72,7 @@
   (assert (pddl-action-get-effect (action ?id) (effect-type ?time) (apply TRUE))))
 
 (deffunction end-what-runs ()
-  "The effects that running steps still have, for `planning`: they are applied after the copy."
+  "Have the remaining effects of running steps applied to `planning` after the copy."
   (do-for-all-facts ((?s step)) (eq ?s:state RUNNING)
     (if (neq ?s:worker ROBOT)
      then (end-in-plan ?s:action (create$ ?s:params (if (eq ?s:action deliver) then never else (create$))) END)
@@ -82,7 +82,7 @@
       (end-in-plan (sym-cat ?s:action -place) ?s:params ALL))))
 
 (defrule copy-done
-  "All is copied, and no step ends now."
+  "Everything is copied, and no step ends now: let the running steps end in the copy."
   (declare (salience -10))
   ?planning <- (planning (state COPY))
   (not (pddl-action-get-effect))

@@ -7,28 +7,28 @@
   ?*SPEED* = 0.4)         ; m/s, turns and detours included
 
 (deffunction drive-time (?x ?y ?to-x ?to-y)
-  "s from one place to another."
+  "The time from one place to another, s."
   (/ (distance ?x ?y ?to-x ?to-y) ?*SPEED*))
 
 (deffunction way-time (?one ?other)
-  "s from one machine to another."
+  "The time from one machine to another, s."
   (do-for-fact ((?a machine) (?b machine)) (and (eq ?a:name ?one) (eq ?b:name ?other))
     (return (drive-time ?a:x ?a:y ?b:x ?b:y)))
   0.0)
 
 (deffunction transport-time (?from ?to)
-  "s for a piece from one machine to another."
+  "The time to bring a piece from one machine to another, s."
   (+ ?*HANDLING* (way-time ?from ?to)))
 
 (deffunction learn-handling (?took)
-  "Of a transport that took so long besides the way. A product takes longer by two transports, and by one for each ring."
+  "Learn from a transport that took so long besides the way. A product takes longer by two transports, and by one for each ring."
   (bind ?longer (* ?*NEW* (- ?took ?*HANDLING*)))
   (bind ?*HANDLING* (+ ?*HANDLING* ?longer))
   (bind ?*C0-TIME* (+ ?*C0-TIME* (* 2 ?longer)))
   (bind ?*RING-TIME* (+ ?*RING-TIME* ?longer)))
 
 (defrule duration-begins
-  "A robot has a job from now on."
+  "A robot has got a job: note the time."
   (job (id ?id) (robot ?robot&~"") (step ~DONE&~GIVEN-UP))
   (not (took ?id ?robot ?))
   (time ?)
@@ -36,7 +36,7 @@
   (assert (took ?id ?robot (game-time))))
 
 (defrule duration-ends
-  "The piece is at its place. A robot that drove there in advance has waited for the piece: that is no measure."
+  "A robot has brought a piece: learn from the time, unless the robot drove there in advance and waited for the piece."
   (declare (salience 10))
   ?took <- (took ?id ?robot ?since)
   (job (id ?id) (robot ?robot) (step DONE) (from ?from) (to ?to))
@@ -47,7 +47,7 @@
   (learn-handling (- (game-time) ?since (way-time (machine-of ?from) (machine-of ?to)))))
 
 (defrule duration-forgotten
-  "The robot has the job no more."
+  "The robot no longer has the job: forget its time."
   ?took <- (took ?id ?robot ?)
   (not (job (id ?id) (robot ?robot) (step ~DONE&~GIVEN-UP)))
   =>

@@ -1,7 +1,7 @@
 ; A product that is half-built for an order that became worthless is used for another order that begins in the same way.
 
 (deffunction rings-done (?step)
-  "Of a product whose next step is s0, s1, ..."
+  "The number of rings on a product whose next step is s0, s1, ..."
   (string-to-field (sub-string 2 2 ?step)))
 
 (deffunction rings-left (?rings ?done)
@@ -13,7 +13,7 @@
        (eq (subseq$ ?rings 1 ?done) (subseq$ ?others 1 ?done))))
 
 (deffunction is-worthless (?left ?begin ?end)
-  "No time is left for the product, or it will be so late that all is lost that can be."
+  "Whether no time is left for the product, or it will be so late that it loses all points that lateness can cost."
   (bind ?ready (+ (game-time) (time-to-make ?left)))
   (or (> ?ready ?*GAME*) (= (late-share (- ?ready ?end) (- ?end ?begin)) 0.75)))
 
@@ -21,7 +21,7 @@
   (<= (+ (game-time) (time-to-make ?left)) (min ?end ?*GAME*)))
 
 (deffunction exchange (?product ?other ?machine ?step)
-  "Facts about the one product hold for the other, which was not begun."
+  "Exchange two products in the world: the other one, which has not begun, takes over the facts of this one."
   (no-fluent production at-output ?product ?machine)
   (no-fluent production at-step ?product ?step)
   (no-fluent production not-begun ?other)
@@ -32,7 +32,7 @@
   (fluent production at-step ?product s0))
 
 (defrule exchange-order
-  "It lies at an output, and no step for it is running."
+  "A product of an order that became worthless lies at an output, and no step uses it: give it to an open order that begins alike."
   (planning (state IDLE))
   (not (replan))
   (pddl-fluent (instance production) (name at-output) (params ?product ?machine))

@@ -1,11 +1,11 @@
 ; Steps become jobs of robots and instructions of machines; what these report becomes effects.
 
 (deffunction apply-effects (?action ?time)
-  "The effects of an action at START, END or both (ALL)."
+  "Apply the effects of an action at START, at END or both (ALL)."
   (assert (effects (number (new-id)) (action ?action) (time ?time))))
 
 (deffunction apply-action (?name ?params)
-  "An instantaneous action: a part of a coarse one, or something that went wrong."
+  "Apply an instantaneous action: a part of a coarse one, or a failure."
   (bind ?id (gensym*))
   (assert (pddl-action (instance production) (id ?id) (plan part) (name ?name) (params ?params)))
   (apply-effects ?id ALL))
@@ -14,7 +14,7 @@
   (apply-action (sym-cat ?action - ?part) ?params))
 
 (defrule effects-next
-  "In the order in which things happened, one action after the other: what failed must free what its start has claimed."
+  "Effects wait: apply them action by action in the order of events, so that a failure frees what its step has claimed."
   (declare (salience 10))
   (effects (number ?number) (action ?action) (time ?time))
   (not (effects (number ?earlier&:(< ?earlier ?number))))
@@ -30,7 +30,7 @@
   (retract ?effects))
 
 (defrule effects-applied
-  "The world has changed: what was held back may begin."
+  "Effects were applied, so the world has changed: steps that were held back are looked at again."
   (planning (state ~END))
   ?effect <- (pddl-action-get-effect (action ?action) (state DONE|ERROR))
   (not (pddl-fluent-change (instance production)))
@@ -41,7 +41,7 @@
   (do-for-all-facts ((?a pddl-action)) (and (eq ?a:id ?action) (eq ?a:plan part)) (retract ?a)))
 
 (deffunction add-step (?action ?params)
-  "A step with its PDDL action; returns its fact."
+  "Add a step with its PDDL action; returns its fact."
   (bind ?id (gensym*))
   (assert (pddl-action (instance production) (id ?id) (plan current) (name ?action) (params ?params)))
   (assert (step (id ?id) (action ?action) (params ?params) (worker (worker-of ?action)))))
@@ -49,7 +49,7 @@
 ; --- Robots
 
 (deffunction full-shelf-spot (?machine)
-  "The first slot of the shelf with a carrier."
+  "The first slot of the shelf that has a carrier."
   (bind ?first "")
   (do-for-all-facts ((?s shelf)) (and (eq ?s:machine ?machine) (eq ?s:state FULL))
     (if (or (eq ?first "") (< (str-compare ?s:spot ?first) 0)) then (bind ?first ?s:spot)))
@@ -70,7 +70,7 @@
   ?id)
 
 (deffunction begin-work (?action ?params)
-  "Has an action done; returns the number of its job or instruction."
+  "Begin the job or instruction of an action; returns its number."
   (bind ?a (nth$ 1 ?params))
   (bind ?b (if (> (length$ ?params) 1) then (machine-named (nth$ 2 ?params)) else ""))
   (bind ?c (if (> (length$ ?params) 2) then (machine-named (nth$ 3 ?params)) else ""))
@@ -93,7 +93,7 @@
     (default 0)))
 
 (defrule work-at-once
-  "Nothing holds the piece up: driving there, fetching and bringing are one skill."
+  "Nothing holds the piece up: one skill drives there, fetches the piece and brings it."
   (declare (salience 10))
   ?job <- (job (id ?id) (step GO-FETCH) (moving NO) (robot ~""))
   (not (held-up (job ?id)))
@@ -103,7 +103,7 @@
   (modify ?job (step FETCH)))
 
 (defrule work-picked
-  "The robot has the piece. At once: a job that brought waste to the delivery station is soon gone."
+  "A robot has picked up the piece of its step: note it at once, because a job with waste is soon forgotten."
   (declare (salience 10))
   (step (id ?id) (action ?action) (params $?params) (state RUNNING) (worker ROBOT) (work ?work))
   (job (id ?work) (step GO-PUT|PUT|DONE))
@@ -113,7 +113,7 @@
   (if ?*SUB-ACTIONS* then (apply-part ?action pick ?params)))
 
 (deffunction piece-placed (?step ?id)
-  "The piece of a robot lies where it should."
+  "Note that the piece of a step lies at its place: the step is done."
   (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ ?id)) (retract ?p))
   (note-brought (fact-slot-value ?step action))
   (if ?*SUB-ACTIONS*
@@ -122,7 +122,7 @@
   (modify ?step (state DONE)))
 
 (defrule work-placed
-  "The piece lies where it should."
+  "The job of a step is done: the piece lies at its place."
   ?step <- (step (id ?id) (action ~discard-bare-base) (state RUNNING) (worker ROBOT) (work ?work))
   ?job <- (job (id ?work) (step DONE) (robot ""))
   (picked ?id)
@@ -131,7 +131,7 @@
   (piece-placed ?step ?id))
 
 (defrule work-discarded
-  "The delivery station has thrown the base away."
+  "The delivery station has thrown the base away: the step is done."
   ?step <- (step (id ?id) (action discard-bare-base) (state RUNNING) (work ?work))
   ?instruction <- (instruction (id ?work) (operation "DELIVER") (state SUCCEEDED|FAILED))
   (picked ?id)
@@ -140,7 +140,7 @@
   (piece-placed ?step ?id))
 
 (defrule work-waste-gone
-  "A piece that belonged to no step, and for which the delivery station was not reserved."
+  "A piece of no step was thrown away, and nobody had reserved the delivery station for it: forget the instruction."
   ?instruction <- (instruction (id ?work) (operation "DELIVER") (order 0) (state SUCCEEDED|FAILED))
   (not (reserved (job ?work)))
   (not (step (work ?work)))
@@ -150,7 +150,7 @@
 ; --- Machines
 
 (defrule work-instructed
-  "The machine has done it."
+  "The machine has done its work: apply the effects, and the step is done."
   ?step <- (step (id ?id) (state RUNNING) (worker MACHINE) (work ?work))
   ?instruction <- (instruction (id ?work) (state SUCCEEDED))
   =>
@@ -177,7 +177,7 @@
   (modify ?step (state DONE)))
 
 (defrule work-in-order
-  "The machine works again, or did already."
+  "The machine of a waiting step works: the wait is over."
   ?step <- (step (id ?id) (action wait-until-it-works) (params ?name) (state RUNNING))
   (pddl-fluent (instance production) (name working) (params ?name))
   =>
@@ -185,7 +185,7 @@
   (modify ?step (state DONE)))
 
 (defrule work-forgotten
-  "A step that is done is of no use when no other one waits for it."
+  "A step is done and no other step waits for it: forget it."
   (planning (state IDLE))
   ?step <- (step (id ?id) (action ~deliver) (state DONE) (group ?group))
   (not (waits-for (for ?id)))

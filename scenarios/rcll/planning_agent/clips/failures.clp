@@ -1,7 +1,7 @@
-; What goes wrong. A failure is a PDDL action of its own; then the step is tried again, or a new plan is made.
+; Failures. A failure is a PDDL action of its own; then the step is tried again, or a new plan is made.
 
 (deffunction fail (?step ?outcome $?params)
-  "The step has failed with that effect."
+  "Apply the effects of the failure of a step, and note why."
   (apply-action ?outcome ?params)
   (decide (str-cat (step-text ?step) " has failed") (str-cat "effects of " ?outcome))
   (do-for-all-facts ((?p picked)) (eq ?p:implied (create$ (fact-slot-value ?step id))) (retract ?p)))
@@ -19,7 +19,7 @@
 ; --- Machines
 
 (defrule failure-of-machine
-  "The machine has not done its work, and what lay in it is gone."
+  "A machine has not done its work, and the piece in it is gone: the step has failed, and a new plan is needed."
   ?step <- (step (action ?action) (params $?params) (state RUNNING) (worker MACHINE) (work ?work))
   ?instruction <- (instruction (id ?work) (state FAILED) (error ?error))
   =>
@@ -31,7 +31,7 @@
   (plan-again ?step))
 
 (defrule failure-broken
-  "What lies on a machine that breaks down is gone, its cap and its payments, too."
+  "A machine has broken down: the pieces on it, its cap and its payments are gone, and a new plan is needed."
   (machine (name ?machine) (kind ?kind&~BS) (state BROKEN))
   (in-problem production ?machine)
   (not (emptied ?machine))
@@ -53,7 +53,7 @@
 ; --- Pieces that somebody has taken away: the machine saw one at its output and does so no more, and none of our robots has it
 
 (defrule taken-not-yet
-  "A product, or a bare base, which no robot fetches now."
+  "A machine sees the product or bare base at its output: remember this, as long as no robot fetches the piece."
   (pddl-fluent (instance production) (name ?lies&at-output|bare-base-at-output) (params $? ?m))
   (machine (name ?machine&:(eq ?m (pddl-name ?machine))) (state READY-AT-OUTPUT))
   (not (seen ?lies ?machine))
@@ -61,14 +61,14 @@
   (assert (seen ?lies ?machine)))
 
 (defrule taken-by-us
-  "A robot is on its way to it, or it is lost."
+  "The piece is no longer at the output for the rules: a robot fetches it, or it is lost. Forget the sighting."
   ?seen <- (seen ?lies ?machine)
   (not (pddl-fluent (instance production) (name ?lies) (params $? =(pddl-name ?machine))))
   =>
   (retract ?seen))
 
 (defrule taken-product
-  "It begins again at once, not after a robot has come for it in vain."
+  "The machine no longer sees the product at its output: the product begins again at once, before a robot comes for it in vain."
   ?seen <- (seen at-output ?machine)
   (machine (name ?machine) (state IDLE))
   (pddl-fluent (instance production) (name at-output) (params ?product =(pddl-name ?machine)))
@@ -81,7 +81,7 @@
   (assert (replan (reason (str-cat ?product " is gone from " ?machine)))))
 
 (defrule taken-bare-base
-  "Its cap station goes on without a robot, and another base has to pay."
+  "The cap station no longer sees the bare base at its output: it goes on without a robot, and another base has to pay."
   ?seen <- (seen bare-base-at-output ?machine)
   (machine (name ?machine) (state IDLE))
   (pddl-fluent (instance production) (name bare-base-at-output) (params ?cs&:(eq ?cs (pddl-name ?machine))))
@@ -98,7 +98,7 @@
 ; --- Robots: what becomes of their jobs
 
 (defrule failure-missing-carrier
-  "The slot of the shelf is empty: the next one."
+  "The slot of the shelf is empty: give the job up, so that another try fetches from the next slot."
   ?trouble <- (trouble (job ?id) (kind MISSING|GONE))
   ?job <- (job (id ?id) (purpose BUFFER))
   =>
@@ -125,7 +125,7 @@
   (retract ?in-vain))
 
 (defrule failure-bare-shelf
-  "No slot has a carrier to which there is a way, again and again: caps of this station cannot be had any more."
+  "Fetching a carrier failed again and again: do without caps of this station, and make a new plan."
   (in-vain ?cs ?)
   (not (bare-shelf (station ?cs)))
   (test (>= (length$ (find-all-facts ((?v in-vain)) (eq (nth$ 1 ?v:implied) ?cs))) ?*CARRIERS-IN-VAIN*))
@@ -135,7 +135,7 @@
   (no-fluent production shelf-stocked ?cs))
 
 (defrule failure-shelf-used-up
-  "There is no way to what is left on the shelf, so nobody fills it again."
+  "No robot can reach the rest of the shelf, so nobody fills it again: do without its caps, and make a new plan."
   (in-problem production ?name)
   (shelf (machine ?name) (state BARRED))
   (not (shelf (machine ?name) (state FULL)))
@@ -147,7 +147,7 @@
   (no-fluent production shelf-stocked ?cs))
 
 (defrule failure-shelf-again
-  "Meanwhile carriers may be there, or a way to them: one try, which shows it."
+  "The shelf was bare for long, and its slots can be reached: try once, because it may have carriers again."
   ?bare <- (bare-shelf (station ?cs) (since ?since))
   (not (shelf (machine =(machine-named ?cs)) (state BARRED)))
   (game (begin ?zero))
@@ -161,7 +161,7 @@
   (look-again))
 
 (defrule failure-order-without-cap
-  "The agent gives up the begun steps of it: its machine is free for others."
+  "The cap of a begun order cannot be had: give the order up, so that the machine with its product is free for others."
   (bare-shelf)
   ?order <- (order (id ?id) (state STARTED))
   (time ?)
@@ -176,7 +176,7 @@
   (assert (replan (reason (str-cat "order " ?id " is given up")))))
 
 (defrule failure-missing-piece
-  "What should lie at the output does not. If the machine sees it still, nobody can take it."
+  "The piece that should lie at the output does not: give the job up. If the machine still sees the piece, reset it."
   ?trouble <- (trouble (job ?id) (kind MISSING))
   ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name))
   (machine (name ?name) (kind ~BS) (state ?state&~DOWN))
@@ -186,7 +186,7 @@
   (if (eq ?state READY-AT-OUTPUT) then (reset-machine ?name)))
 
 (defrule failure-out-of-reach
-  "No robot could fetch the piece, though the machine sees it: it stays there. If that happens again, it goes with a reset."
+  "The machine sees the piece, but no robot could fetch it: leave it there, and reset the machine if that happens again."
   (declare (salience 10)) ; check: allow salience - before recover-unable-all, which gives the job to nobody else
   (trouble (job ?id) (kind UNABLE))
   ?job <- (job (id ?id) (purpose CLEAR|MOVE) (station ?name) (step FETCH) (handed-over ?count&:(>= ?count ?*HAND-OVERS*)))
@@ -197,14 +197,14 @@
   (modify ?job (step GIVEN-UP)))
 
 (defrule failure-in-reach
-  "It is gone from there."
+  "The machine no longer sees the piece that no robot could fetch: forget that it was out of reach."
   ?returned <- (returned ?name)
   (machine (name ?name) (state ~READY-AT-OUTPUT))
   =>
   (retract ?returned))
 
 (defrule failure-lost
-  "The piece fell."
+  "The robot lost the piece: give the job up."
   ?trouble <- (trouble (job ?id) (kind LOST))
   ?job <- (job (id ?id))
   =>
@@ -224,7 +224,7 @@
   (reset-machine ?name))
 
 (defrule failure-occupied-slide
-  "Nobody can come to the slide, or it is blocked: no more payments there; away with the base."
+  "The slide is blocked, or no robot can reach it: no more payments there, and the robot discards the base."
   ?trouble <- (trouble (job ?id) (kind OCCUPIED))
   ?job <- (job (id ?id) (to ?to) (robot ?robot))
   (test (str-index "SLIDE" ?to))
@@ -236,7 +236,7 @@
   (assert (blocked-slide (pddl-name (machine-of ?to)))))
 
 (defrule failure-blocked-slide
-  "It has no room any more."
+  "A slide is blocked: set its room below zero, so that no plan pays there."
   (blocked-slide ?station)
   (pddl-numeric-fluent (instance production) (name slide-room) (params ?station) (value ?value&:(> ?value 0)))
   (not (pddl-action-get-effect))
@@ -245,7 +245,7 @@
   (number production slide-room -3 ?station))
 
 (defrule failure-discarded
-  "Of a piece that the robot only had to get rid of."
+  "A discard was given up: count its job as CLEAR, so that the rules for given-up jobs match it."
   ?job <- (job (purpose DISCARD) (step GIVEN-UP) (robot ""))
   =>
   (modify ?job (purpose CLEAR)))
@@ -255,7 +255,7 @@
 (defglobal ?*UNKNOWN* = 30.0)  ; s; a robot that has just taken a piece is seen sooner
 
 (defrule unknown-piece
-  "Something lies at an output that should be free."
+  "A machine sees a piece at its output, which should be free: note when this began."
   (machine (name ?machine) (kind CS|RS) (state READY-AT-OUTPUT))
   (in-problem production ?machine)
   (not (unknown ?machine ?))
@@ -272,7 +272,7 @@
   (retract ?unknown))
 
 (defrule unknown-away
-  "Nobody fetches it: without a reset the machine would do nothing any more."
+  "No job fetches the unknown piece: reset the machine, which could not work any more with the piece at its output."
   ?unknown <- (unknown ?machine ?since)
   (not (job (station ?machine) (purpose MOVE|CLEAR)))
   (game (begin ?zero))
@@ -285,7 +285,7 @@
 ; --- A product before a cap station that has lost its cap
 
 (defrule failure-without-cap
-  "It broke down while a robot came with the product. No carrier can be brought while the product lies there: away with it."
+  "A cap station lost its cap while a robot came with a product, and the product blocks the way of a carrier: reset the station."
   (machine (name ?machine) (kind CS) (state IDLE))
   (pddl-fluent (instance production) (name at-input) (params ?product ?cs&:(eq ?cs (pddl-name ?machine))))
   (not (pddl-fluent (instance production) (name cap-loaded) (params ?cs)))
@@ -301,14 +301,14 @@
 ; --- What becomes of the step
 
 (defrule failure-before-begin
-  "The robot only drove there in advance."
+  "A robot drove there in advance, and its job was given up: the step is open again."
   ?step <- (step (state APPROACHING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot ""))
   =>
   (modify ?step (state OPEN) (seen -1)))
 
 (defrule failure-return
-  "The piece lies where it lay."
+  "No robot could fetch the piece, which lies where it lay: the step has failed without loss."
   (declare (salience 10))
   ?step <- (step (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot ""))
@@ -318,7 +318,7 @@
   (plan-again ?step))
 
 (defrule failure-try-again
-  "Nothing is lost that another try does not bring: a carrier, a base."
+  "A carrier or base was not brought, of which there are more: the step is open again."
   ?step <- (step (id ?id) (action fetch-carrier|bring-base|pay-with-new-base) (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
@@ -339,7 +339,7 @@
   (modify ?step (state DONE)))
 
 (defrule failure-no-base
-  "Its base station is out of order for long: the robot is free for others."
+  "The base station is out of order for long: give up the job that waits for it, so that the robot is free for others."
   (long-out-of-order ?bs)
   (machine (name ?bs) (kind BS))
   (step (id ?id) (state RUNNING) (worker ROBOT) (work ?work))
@@ -352,7 +352,7 @@
   (modify ?job (step GIVEN-UP)))
 
 (defrule failure-gone-anyway
-  "The bare base that should go away is gone: the plan goes on."
+  "The bare base that should be discarded is gone: the step is done, and the plan goes on."
   ?step <- (step (action discard-bare-base) (state RUNNING) (work ?work))
   (job (id ?work) (step GIVEN-UP) (robot "") (purpose ~DISCARD))
   =>
@@ -360,7 +360,7 @@
   (modify ?step (state DONE)))
 
 (defrule failure-plan-again
-  "The product is gone, or its payment has no slide to go to."
+  "A product is gone, or a payment has no slide to go to: the step has failed, and a new plan is needed."
   (or ?step <- (step (action transport|bring-to-delivery) (state RUNNING) (work ?work))
       (and (blocked-slide ?slide)
            ?step <- (step (action pay-with-bare-base) (params ? ?slide) (state RUNNING) (work ?work))))
@@ -370,7 +370,7 @@
   (plan-again ?step))
 
 (defrule failure-given-up
-  "The job is forgotten."
+  "A job was given up and the rules for its step have fired: forget the job."
   (declare (salience -10))
   ?job <- (job (step GIVEN-UP) (robot ""))
   =>
@@ -382,8 +382,8 @@
   (any-factp ((?o order)) (and (eq ?product (product-of ?o:id)) (eq ?o:state STARTED))))
 
 (deffunction give-up-product (?ours ?where)
-  "The first product that lies at inputs or outputs, of those for which we work or not, is given up: its machine is reset. FALSE:
-   none lies there."
+  "Give up the first product that lies there (at inputs or outputs), either of our orders or of others: reset its machine.
+   Returns FALSE if none lies there."
   (do-for-fact ((?f pddl-fluent)) (and (eq ?f:instance production) (eq ?f:name ?where) (eq ?ours (worked-for (nth$ 1 ?f:params))))
     (decide (str-cat "give up " (implode$ ?f:params)) "there is no plan with all products that are begun")
     (reset-machine (machine-named (nth$ 2 ?f:params)))
@@ -391,7 +391,7 @@
   FALSE)
 
 (defrule failure-no-way
-  "Products that are not begun need not be made; one that lies on a machine is given up, so that the others can go on."
+  "No plan exists for our orders: open those again that have no product yet, and give up one product on a machine for the others' sake."
   ?no-way <- (no-way)
   (planning (state IDLE))
   =>
@@ -408,7 +408,7 @@
 (defglobal ?*NEXT-WAY* = 15.0)  ; s until a plan is tried again
 
 (defrule failure-no-way-yet
-  "There was no plan, and nothing has made another one wanted."
+  "No plan was found a while ago, and nothing has asked for another one since: try again."
   ?without-plan <- (without-plan (since ?since))
   (planning (state IDLE))
   (not (replan))
@@ -422,7 +422,7 @@
 (defglobal ?*WATCH* = 60.0)  ; s
 
 (defrule watch-begin
-  "No step is running, though there is something to do."
+  "No step is running, though steps are open: note when this began."
   (planning (state IDLE))
   (game (phase PRODUCTION))
   (exists (step (state OPEN|BLOCKED)))
@@ -440,7 +440,7 @@
   (retract ?watched))
 
 (defrule watch-rest
-  "Caps and payments for later that cannot be had, while no order is worked for."
+  "The open steps have not begun for long and serve no order (caps and payments for later): forget them."
   ?watched <- (watched ?since)
   (not (order (state STARTED)))
   (game (begin ?zero))
@@ -451,7 +451,7 @@
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED)) (forget-step ?s)))
 
 (defrule watch-bites
-  "The agent makes a new plan. Robots that wait for pieces are needed for others, perhaps, without which these never come."
+  "No step has begun for long: make a new plan, and free the robots that wait for pieces, because other steps may need them."
   ?watched <- (watched ?since)
   (exists (order (state STARTED)))
   (game (begin ?zero))
@@ -473,13 +473,13 @@
 (defglobal ?*STILL* = 240.0)  ; s without an effect: longer than any skill, work and down time
 
 (deffunction awaited (?work)
-  "The robot of a job, or the machine of an instruction."
+  "Whom the work of a step waits for: the robot of its job, or the machine of its instruction."
   (do-for-fact ((?j job)) (= ?j:id ?work) (return (if (eq ?j:robot "") then "a robot" else ?j:robot)))
   (do-for-fact ((?i instruction)) (= ?i:id ?work) (return ?i:machine))
   "nobody")
 
 (defrule still-begin
-  "A step is running: from now on the agent waits for its effects."
+  "A step is running: note the time since which nothing in the world has changed."
   (exists (step (state RUNNING) (worker ~AGENT)))
   (game (phase PRODUCTION))
   (world-version ?version)
@@ -490,7 +490,7 @@
   (assert (still ?version (game-time))))
 
 (defrule still-bites
-  "A robot or machine is not done with something, and so nobody is with anything. A step of which no robot knows has failed."
+  "Running steps have had no effect for longer than any step takes: report them. A step that no robot works on has failed."
   ?still <- (still ?version ?since)
   (world-version ?version)
   (exists (step (state RUNNING) (worker ~AGENT)))

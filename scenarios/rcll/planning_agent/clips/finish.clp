@@ -6,7 +6,7 @@
   (machine-named (source-of ?action ?params)))
 
 (deffunction idle-arrival (?machine)
-  "When the first idle robot can be there, in s of the game."
+  "When the first idle robot can be there, s of the game."
   (bind ?first 1000000.0)
   (do-for-fact ((?m machine)) (eq ?m:name ?machine)
     (do-for-all-facts ((?r robot)) (eq ?r:state IDLE)
@@ -14,11 +14,11 @@
   ?first)
 
 (deffunction job-end (?job ?since)
-  "When a job that began then is predicted to end, both in s of the game."
+  "The predicted end of a job that began at that time, both in s of the game."
   (+ ?since (transport-time (machine-of (fact-slot-value ?job from)) (machine-of (fact-slot-value ?job to)))))
 
 (defrule finish-sooner
-  "A busy robot is on time, and will be there sooner: the step is held back until then."
+  "A busy robot is on time and will be there sooner than any idle one: hold the step back until then."
   (declare (salience 10)) ; check: allow salience - before agenda-begin, which begins any step whose conditions hold
   (waits-for-busy-robots)
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
@@ -35,7 +35,7 @@
   (hold-back ?step ?check (str-cat ?robot " will be there sooner than a robot that is idle now")))
 
 (defrule finish-late
-  "The robot takes longer than was predicted: steps are looked at again."
+  "A robot takes longer than predicted: steps are looked at again."
   ?expected <- (expected ? ?end)
   (game (begin ?zero))
   (time ?now&:(>= ?now (+ ?zero ?end)))

@@ -12,7 +12,7 @@
   (assert (topic (name "/foresight") (type "rcll_interfaces/msg/Foresight"))))
 
 (defrule foresight-of-game
-  "Once we know which team we are; it is told again and again."
+  "The whole game is told, and we know which team we are: note its orders and down times."
   ?message <- (ros-msgs-message (topic "/foresight") (msg-ptr ?m))
   (we-are ?letter)
   =>
@@ -27,6 +27,6 @@
   (retract ?message))
 
 (deffunction known-end (?machine ?time)
-  "When a machine that is down at that time of the game works again; FALSE: nobody has said."
+  "When a machine that is down at that time of the game works again; FALSE if this is not known."
   (do-for-fact ((?d will-be-down)) (and (eq ?d:machine ?machine) (<= ?d:begin ?time) (< ?time ?d:end)) (return ?d:end))
   FALSE)

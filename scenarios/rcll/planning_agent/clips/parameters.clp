@@ -1,7 +1,7 @@
 ; Parameters of the node, looked at before they are used.
 
 (deffunction one-of (?parameter ?default $?words)
-  "A parameter of the node that is one of these words. Any other word is reported, and the agent gives up: it would play another game."
+  "Read a parameter of the node that is one of these words. With any other word the agent gives up: it would play another game."
   (bind ?value (ros-param-get-value ?parameter ?default))
   (if (member$ ?value ?words) then (return ?value))
   (printout error ?parameter ": found '" ?value "', expected one of: " (implode$ ?words) crlf)

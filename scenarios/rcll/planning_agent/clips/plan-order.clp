@@ -1,11 +1,11 @@
 ; The order of the steps in a plan: groups, steps that use the same product, machine or robot, and what is looked at first.
 
 (deffunction later-step (?a ?b)
-  "For sort."
+  "Order of steps for sort."
   (> (fact-slot-value ?a begin) (fact-slot-value ?b begin)))
 
 (deffunction group-steps ()
-  "Steps that begin at the same time are a group."
+  "Put steps that begin at the same time into a group."
   (bind ?group 0)
   (bind ?last -1.0)
   (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
@@ -15,7 +15,7 @@
     (modify ?s (group ?group))))
 
 (deffunction last-user (?users ?object)
-  "Of pairs of an object and the step that used it last."
+  "The last step that used the object, from pairs of an object and a step."
   (bind ?at (member$ ?object ?users))
   (if ?at then (nth$ (+ ?at 1) ?users) else none))
 
@@ -24,7 +24,7 @@
   (if ?at then (replace$ ?users (+ ?at 1) (+ ?at 1) ?step) else (create$ ?users ?object ?step)))
 
 (deffunction order-steps ()
-  "A step waits for the last one before it that uses the same product or machine, and follows the last one of its robot."
+  "Let each step wait for the last one before it that uses the same product or machine, and follow the last one of its robot."
   (bind ?users (create$))
   (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
     (bind ?id (fact-slot-value ?s id))
@@ -40,13 +40,13 @@
       (bind ?users (with-user ?users ?robot ?id)))))
 
 (deffunction window-of (?product)
-  "The end of its window, s from now."
+  "The end of the window of a product's order, s from now."
   (do-for-fact ((?o order)) (eq (product-of ?o:id) ?product) (return (- ?o:end (game-time))))
   10000.0)
 
 (deffunction rank-of (?step)
-  "What goes first. plan: in the order of the plan. delivery: what leads to the next delivery of the plan. slack: what must
-   begin first, so that no product is late. What leads to no delivery goes last, payments as in the plan."
+  "The rank of a step; the least goes first. Order `plan`: as in the plan. Order `delivery`: steps for the next delivery of the plan.
+   Order `slack`: steps that must begin first so that no product is late. Steps for no delivery go last, payments as in the plan."
   (bind ?begin (fact-slot-value ?step begin))
   (bind ?rank (if (member$ (fact-slot-value ?step action) (create$ pay-with-new-base pay-with-bare-base)) then ?begin else 10000.0))
   (if (eq (fact-slot-value ?step action) deliver)
@@ -62,7 +62,7 @@
     (default (if (>= ?rank 10000.0) then (+ ?rank ?begin) else ?begin))))
 
 (deffunction rank-steps ()
-  "The last steps of the plan first: a step has the rank of those that wait for it."
+  "Rank the last steps of the plan first, because a step gets its rank from those that wait for it."
   (bind ?steps (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN))))
   (while (> (length$ ?steps) 0)
     (bind ?step (nth$ (length$ ?steps) ?steps))
@@ -72,19 +72,19 @@
 ; --- Why a step may not begin yet
 
 (deffunction source-of (?action ?params)
-  "Where a robot fetches the piece of a step."
+  "The machine or spot where a robot fetches the piece of a step."
   (nth$ (if (member$ ?action (create$ bring-base transport bring-to-delivery)) then 2 else 1) ?params))
 
 (deffunction step-text (?step)
   (str-cat (fact-slot-value ?step action) " " (implode$ (fact-slot-value ?step params))))
 
 (deffunction step-that-is-not (?id $?states)
-  "The text of that step; FALSE if there is none, or in one of these states."
+  "The text of that step; FALSE if it does not exist or is in one of these states."
   (do-for-fact ((?s step)) (eq ?s:id ?id) (return (if (member$ ?s:state ?states) then FALSE else (step-text ?s))))
   FALSE)
 
 (deffunction why-linked (?step)
-  "Another step uses its product or machine first; FALSE: none does."
+  "The other step that must use the product or machine first, as a reason; FALSE if there is none."
   (do-for-all-facts ((?w waits-for)) (eq ?w:step (fact-slot-value ?step id))
     (bind ?first (step-that-is-not ?w:for RUNNING DONE))
     (if ?first then (return (str-cat ?first " uses its product or machine first"))))

@@ -69,11 +69,11 @@
   (slot state (type SYMBOL) (allowed-values IDLE COPY END GOALS) (default IDLE)))
 
 (deftemplate planned
-  "The last plan was made then, s of the game, or there was nothing to plan."
+  "When the last plan was made, or when there was nothing to plan, s of the game."
   (slot at (type FLOAT)))
 
 (deftemplate begun
-  "A step of the old plan that began while the new one was made, and whether that has it, too."
+  "A step that began while a new plan was made, and whether the new plan has it, too."
   (slot action (type SYMBOL))
   (multislot params (type SYMBOL))
   (slot in-plan (type SYMBOL) (default FALSE)))
@@ -84,14 +84,14 @@
   (slot since (type FLOAT)))   ; s of the game
 
 (deftemplate replan
-  "Somebody wants a new plan."
+  "A new plan is wanted, for this reason."
   (slot reason (type STRING)))
 
 (deftemplate robot-to-spare
-  "The next plan may be for one product more: a robot has nothing to do.")
+  "A robot has nothing to do: the next plan may be for one product more.")
 
 (deftemplate without-plan
-  "There was no plan for what we work for, and since then none was wanted."
+  "No plan was found for our orders, and none has been wanted since."
   (slot since (type FLOAT)))
 
 (deftemplate alternative
@@ -109,7 +109,7 @@
   (slot since (type FLOAT)))
 
 (deftemplate left-open
-  "Why nobody works for an open order though there is nothing else to do: said, and not to be said again."
+  "Why nobody works for an open order though there is nothing else to do. It is told once."
   (slot order (type INTEGER))
   (slot why (type STRING)))
 
@@ -121,7 +121,7 @@
   (world-version 0))
 
 (deffunction look-again ()
-  "The agent looks again at the steps that it held back."
+  "Have the agent look again at the steps that it held back."
   (do-for-fact ((?v world-version)) TRUE
     (bind ?n (nth$ 1 ?v:implied))
     (retract ?v)
@@ -132,7 +132,7 @@
   0.0)
 
 (deffunction list-text (?text ?more)
-  "Texts one after the other."
+  "Both texts, separated by a semicolon."
   (if (eq ?text "") then ?more else (str-cat ?text "; " ?more)))
 
 ; --- Names: the domain knows cs1, the league C-CS1

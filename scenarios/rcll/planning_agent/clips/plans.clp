@@ -3,15 +3,15 @@
 ; --- When there is a new plan to be made
 
 (deffunction is-early (?rings ?begin)
-  "Whether a product that is begun now would be ready too long before its window."
+  "Whether a product that begins now would be ready too long before its window."
   (< (+ (game-time) (time-to-make ?rings)) (- ?begin ?*EARLY*)))
 
 (deffunction room-for-more ()
-  "Whether another order could be worked for, and one is worth it."
+  "Whether we have room for another order, and one is worth it."
   (and (< (length$ (orders-in STARTED)) (products-at-once)) (> (best-of (open-orders)) 0)))
 
 (defrule plan-for-new-order
-  "Where there is no room for it, and nothing can be put off, it is looked at when a product is delivered."
+  "An order is new, and there is room for it or an order can be put off: make a new plan. Else it waits for the next delivery."
   (game (phase PRODUCTION))
   (in-problem planning ?id)
   (order (id ?id) (state ~DONE))
@@ -23,7 +23,7 @@
   (if (or (< (length$ ?ours) ?*PRODUCTS*) (> (can-be-put-off ?ours) 0)) then (assert (replan (reason (str-cat "order " ?id " can be worked for"))))))
 
 (defrule plan-for-order-in-time
-  "A product for it would have been ready too early until now."
+  "Until now a product for this order would have been ready too early: it can begin now, so make a new plan if there is room."
   (game (phase PRODUCTION))
   (considered ?id)
   (order (id ?id) (state OPEN) (rings $?rings) (begin ?begin))
@@ -35,7 +35,7 @@
   (if (room-for-more) then (assert (replan (reason (str-cat "order " ?id " can be begun now"))))))
 
 (defrule plan-again-when-second
-  "The other team has delivered a competitive order that we work for: there it takes points away."
+  "The other team was first with a competitive order for which we work, and which now loses points: make a new plan."
   (order (id ?id) (bonus ?bonus&:(< ?bonus 0)) (state ?state))
   (deadlines ?id ? ?bonus)
   (not (second-with ?id))
@@ -57,14 +57,14 @@
   (if (> (+ (game-time) (time-to-make (fact-slot-value ?order rings))) ?*GAME*) then "there is no time left for it" else "it is worth nothing"))
 
 (deffunction say-left-open (?id ?why)
-  "Once."
+  "Tell once why an order is left open."
   (if (not (any-factp ((?l left-open)) (and (= ?l:order ?id) (eq ?l:why ?why))))
    then (do-for-all-facts ((?l left-open)) (= ?l:order ?id) (retract ?l))
         (assert (left-open (order ?id) (why ?why)))
         (decide (str-cat "leave order " ?id " open") ?why)))
 
 (deffunction leave-open ()
-  "Why nobody works for the open orders."
+  "Tell why nobody works for the open orders."
   (foreach ?id (orders-in OPEN)
     (do-for-fact ((?o order)) (= ?o:id ?id) (say-left-open ?id (why-left-open ?o)))))
 
@@ -73,7 +73,7 @@
 (deffacts windows (looked-at-windows 0.0))
 
 (deffunction leave-when-over (?order)
-  "Its window ends, or the game, and nobody has begun it."
+  "Tell why nobody began this order, whose window or game is about to end."
   (bind ?ours (orders-in STARTED))
   (say-left-open (fact-slot-value ?order id)
                  (if (< (length$ ?ours) ?*PRODUCTS*)
@@ -95,7 +95,7 @@
   (assert (planned (at (game-time)))))
 
 (defrule plan-again-when-done
-  "Nothing of the plan can be done any more: what else there is to do is planned, if it is worth it."
+  "No step of the plan is left: make a new plan if there is more to do that is worth it, else tell why orders stay open."
   (planning (state IDLE))
   (not (step (state ~DONE&~FAILED)))
   (exists (order (state ~DONE)))
@@ -111,7 +111,7 @@
    else (leave-open)))
 
 (defrule plan-again-with-room
-  "A product is delivered: there is room for the next one."
+  "A product was delivered: there is room for the next one, so make a new plan."
   ?delivered <- (product-done ?)
   =>
   (retract ?delivered)
@@ -121,7 +121,7 @@
 (defglobal ?*IDLE-ROBOT* = 30.0)  ; s after a plan until another one is made because of an idle robot
 
 (defrule plan-for-idle-robot
-  "All places for products are taken, and yet a robot has nothing to do for a while: one more, if its plan is worth more."
+  "We have no room for more products, yet a robot has been idle for a while: make a plan with one product more, if it is worth it."
   (declare (salience 20))
   (planning (state IDLE))
   (not (replan))
@@ -194,7 +194,7 @@
   (assert (pddl-create-goal-instance (instance planning) (goal ?name))))
 
 (defrule goal-filter
-  "Plans are made of coarse actions."
+  "A goal exists: its plans use only coarse actions."
   (pddl-create-goal-instance (goal ?name) (state DONE))
   (pddl-action-names (instance coarse) (state DONE) (action-names $?coarse))
   (not (filtered ?name))
@@ -256,7 +256,7 @@
   (do-for-all-facts ((?a alternative)) (eq ?a:name ?name) (retract ?a)))
 
 (deffunction has-begun (?action)
-  "Whether a step of the plan began while the plan was made; of steps that are alike it is the first."
+  "Whether a step of the plan began while the plan was made. Among equal steps it is the first."
   (do-for-fact ((?b begun)) (and (eq ?b:in-plan FALSE) (eq ?b:action (fact-slot-value ?action name)) (eq ?b:params (params-of ?action)))
     (modify ?b (in-plan TRUE))
     (return TRUE))
@@ -267,7 +267,7 @@
   FALSE)
 
 (deffunction in-turn (?plan ?begun)
-  "Whether the plan has what began meanwhile, and nothing before it that uses the same product or machine and has not begun."
+  "Whether the plan has the step that began meanwhile, and no open step before it uses the same product or machine."
   (bind ?action (fact-slot-value ?begun action))
   (bind ?params (fact-slot-value ?begun params))
   (do-for-fact ((?a pddl-action)) (and (eq ?a:plan ?plan) (eq ?a:name ?action) (eq (params-of ?a) ?params))
@@ -276,14 +276,14 @@
   FALSE)
 
 (deffunction take-step (?action)
-  "A step of the plan, in the words of the world, if it has not begun meanwhile."
+  "Add a step of the plan, unless it has begun meanwhile."
   (if (has-begun ?action) then (return))
   (bind ?begin (fact-slot-value ?action planned-start-time))
   (modify (add-step (fact-slot-value ?action name) (params-of ?action))
           (begin ?begin) (end (+ ?begin (fact-slot-value ?action planned-duration))) (robot (robot-of ?action))))
 
 (deffunction gain (?alternative)
-  "Points for each second of a robot that an alternative takes more than the plan for what we work for already."
+  "The points that an alternative earns more than the plan for our present orders, for each second of a robot that it takes more."
   (bind ?points (fact-slot-value ?alternative points))
   (bind ?work (fact-slot-value ?alternative work))
   (do-for-fact ((?ours alternative)) (eq ?ours:name alternative-0)
@@ -292,7 +292,7 @@
   (if (<= ?points 0.0) then 0.0 else (/ ?points (max 1.0 ?work))))
 
 (deffunction best-alternative ()
-  "That with the greatest gain; of those without one, that for what we work for."
+  "The alternative with the greatest gain; if none has one, the plan for our present orders."
   (bind ?best FALSE)
   (bind ?most -1.0)
   (do-for-all-facts ((?a alternative)) (and (eq ?a:state PLANNED) (or (eq ?a:name alternative-0) (> (gain ?a) 0.0)))
@@ -300,7 +300,7 @@
   ?best)
 
 (deffunction take-plan (?name)
-  "The running steps stay; those that have not begun make room for the plan's."
+  "Replace the steps that have not begun by those of the plan; running steps stay."
   (do-for-all-facts ((?s step)) (member$ ?s:state (create$ OPEN BLOCKED APPROACHING FAILED))
     (do-for-all-facts ((?a pddl-action)) (eq ?a:id ?s:id) (retract ?a))
     (if (eq ?s:state APPROACHING) then (assert (approached ?s:work ?s:action ?s:params)))
@@ -315,7 +315,7 @@
   (rank-steps))
 
 (deffunction put-off (?orders)
-  "What we work for no more, unless it has begun meanwhile."
+  "Open our orders again that the plan leaves out, unless their products have begun meanwhile."
   (do-for-all-facts ((?o order))
       (and (eq ?o:state STARTED) (not (member$ ?o:id ?orders)) (rests (product-of ?o:id)))
     (decide (str-cat "put off order " ?o:id) "another one is worth more")
@@ -331,7 +331,7 @@
   (if (and (> (length$ ?orders) ?ours) (room-for-more)) then (assert (replan (reason "there is room for another order")))))
 
 (deffunction skip-without-plan ()
-  "Orders for which there is no plan beside what we work for, if there is one for that. TRUE: there are some."
+  "If our present orders have a plan, skip each order that has none beside them. Returns whether there are such orders."
   (bind ?some FALSE)
   (if (not (any-factp ((?ours alternative)) (and (eq ?ours:name alternative-0) (eq ?ours:state WITHOUT-PLAN))))
    then
@@ -348,7 +348,7 @@
   (if (any-factp ((?a alternative)) (eq ?a:name alternative-0)) then (assert (no-way) (without-plan (since (now))))))
 
 (defrule plan-choose
-  "All alternatives are planned: the best plan is carried out."
+  "All alternatives have been planned: carry out the best plan."
   (declare (salience 20))
   ?planning <- (planning (state GOALS))
   (not (step (state CHECKING)))

@@ -6,7 +6,7 @@
   ?*ASKED-AT* = 0.0)     ; when it was asked, s
 
 (defrule problem-load
-  "Both instances, and the coarse actions alone, for their names; by the folder of this package."
+  "At the start: load both instances, and the coarse actions alone for their names, from the folder of this package."
   (pddl-manager)
   (not (pddl-instance))
   =>
@@ -18,7 +18,7 @@
           (pddl-action-names (instance coarse))))
 
 (deffunction give-up (?why)
-  "Without plans there is nothing to do: the run ends."
+  "End the run, because the agent can do nothing without plans."
   (printout error "nothing can be planned: " ?why crlf)
   (cx-shutdown))
 
@@ -32,20 +32,20 @@
   (give-up (str-cat "no PDDL manager answers at '" ?node "' (servers of the scenario, planner.node of the agent)")))
 
 (defrule problem-not-loaded
-  "It answers that our domain or problem has an error."
+  "The PDDL manager answers that our domain or problem has an error: give up."
   (pddl-instance (name ?instance) (state ERROR) (error ?why))
   =>
   (give-up (str-cat "the PDDL manager cannot load " ?instance ": " ?why)))
 
 (defrule problem-loaded
-  "The fact of the instance changes with all that it is asked; this one does not."
+  "An instance is loaded: note this in a fact that does not change, as the fact of the instance does with each request."
   (pddl-instance (name ?instance&production|planning) (state LOADED))
   (not (loaded ?instance))
   =>
   (assert (loaded ?instance)))
 
 (defrule problem-numbers
-  "Numbers of the problem file are known from the beginning."
+  "An instance is loaded: ask for the numbers of its problem file."
   (loaded ?instance)
   (not (pddl-get-numeric-fluents (instance ?instance)))
   =>
@@ -72,7 +72,7 @@
   (switch ?kind (case BS then base-station) (case CS then cap-station) (case RS then ring-station) (default delivery-station)))
 
 (deffunction say-way-times (?instance ?machine)
-  "To and from the machines that are in the problem, this one among them."
+  "Set the times to and from the machines that are in the problem, including this one."
   (do-for-all-facts ((?known in-problem)) (eq (nth$ 1 ?known:implied) ?instance)
     (bind ?other (nth$ 2 ?known:implied))
     (if (any-factp ((?m machine)) (eq ?m:name ?other))
@@ -81,7 +81,7 @@
       (number ?instance way-time (way-time ?other ?machine) (pddl-name ?other) (pddl-name ?machine)))))
 
 (defrule problem-machine
-  "A machine is found: it is empty, so far from the others, and works if it is not out of order now."
+  "A machine was found: add it to the problem. It is empty, has its times to the others, and works unless it is out of order now."
   (machine (name ?machine) (kind ?kind&BS|CS|RS|DS) (state ?state))
   (loaded ?instance)
   (not (in-problem ?instance ?machine))
@@ -99,11 +99,11 @@
   (say-way-times ?instance ?machine))
 
 (deffunction until-window-near (?begin)
-  "s until the window of an order is near. Never 0: the end of a wait may not change what its start needs at the same time."
+  "s until the window of an order is near; never 0, for the end of a wait may not change what its start needs at the same time."
   (max 0.1 (- ?begin ?*WINDOW-LEAD* (game-time))))
 
 (deffunction problem-works (?instance ?product ?works ?machines)
-  "The steps of a product."
+  "Add the steps of a product to the problem."
   (loop-for-count (?i 1 (length$ ?works))
     (bind ?step (sym-cat s (- ?i 1)))
     (fluent ?instance work-at ?product ?step (pddl-name (nth$ ?i ?machines)))
@@ -111,7 +111,7 @@
     (if (< ?i (length$ ?works)) then (fluent ?instance next-step ?product ?step (sym-cat s ?i)))))
 
 (defrule problem-order
-  "An order whose machines are all found."
+  "An order is known, and its machines are all found: add it to the problem."
   (order (id ?id) (rings $?rings) (cap ?cap) (begin ?begin))
   (loaded ?instance)
   (not (in-problem ?instance ?id))
@@ -154,7 +154,7 @@
   (max 5.0 (- (if (> ?already ?*LONGEST-DOWN*) then (- ?*GAME* ?since) else ?mean) ?already)))
 
 (defrule problem-out-of-order
-  "Nobody knows when a machine that is down will work again."
+  "A machine is down or broken: note since when and for how long on average, and ask for a new plan."
   (in-problem production ?machine)
   (machine (name ?machine) (state ?state&DOWN|BROKEN))
   (not (out-of-order ?machine ? ?))
@@ -164,7 +164,7 @@
   (change-working ?machine FALSE))
 
 (defrule problem-still-out-of-order
-  "Longer than that can be: what needs the machine has to wait, and other orders come first."
+  "A machine is out of order for longer than it can be down: its steps have to wait, and a new plan puts other orders first."
   (out-of-order ?machine ?since ?)
   (not (long-out-of-order ?machine))
   (game (begin ?zero))
@@ -190,7 +190,7 @@
 ; --- When points are lost
 
 (defrule problem-begins
-  "Moments of the problem count from here."
+  "The instance `planning` is loaded: moments of the problem count from now."
   (loaded planning)
   (not (planning-since ?))
   (time ?now)
@@ -215,7 +215,7 @@
     (no-fluent planning deadline ?f:params)))
 
 (deffunction say-losses (?product ?complexity ?rings ?bonus ?end ?window)
-  "What is lost by the end of its window, each quarter of it later, the end of the game, and where it is not delivered."
+  "Set the points lost at the end of the product's window, at each quarter of it later, at the end of the game, and without a delivery."
   (bind ?all (points-of ?complexity ?rings ?bonus 0 ?window))
   (bind ?loss 0.0)
   (loop-for-count (?quarter 0 3)
@@ -242,7 +242,7 @@
   (say-losses (product-of ?id) ?complexity ?rings ?bonus ?end (- ?end ?begin)))
 
 (defrule problem-price
-  "The league tells a price later."
+  "The league tells the price of a ring later: set it in the problem."
   (does (work ?ring) (price ?price))
   (order (id ?id) (rings $?before ?ring $?))
   (pddl-numeric-fluent (instance ?instance) (name price) (params =(product-of ?id) =(sym-cat s (length$ ?before))) (value ?value&:(<> ?value ?price)))

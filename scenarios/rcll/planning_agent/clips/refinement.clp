@@ -6,13 +6,13 @@
   ?*IN-THE-WAY* = 10.0) ; s until a robot that stands there has gone
 
 (deffunction side-of-base-station (?bs ?direction)
-  "Where a robot stands at its input, 1.0, or output, -1.0: x, y."
+  "The place x, y of a robot at the input (1.0) or the output (-1.0) of the base station."
   (bind ?turn (deg-rad (fact-slot-value ?bs rotation)))
   (create$ (+ (fact-slot-value ?bs x) (* ?direction ?*BELT-END* (cos ?turn)))
            (+ (fact-slot-value ?bs y) (* ?direction ?*BELT-END* (sin ?turn)))))
 
 (deffunction way-from-side (?bs ?direction ?place)
-  "s to where a robot or machine is."
+  "The time from a side of the base station to a robot or machine, s."
   (bind ?side (side-of-base-station ?bs ?direction))
   (drive-time (nth$ 1 ?side) (nth$ 2 ?side) (fact-slot-value ?place x) (fact-slot-value ?place y)))
 
@@ -20,7 +20,7 @@
   (+ (way-from-side ?bs ?direction ?robot) (way-from-side ?bs ?direction ?to)))
 
 (defrule refine-by-way
-  "The side over which the way of the robot is shorter."
+  "A robot needs a base, and its way over the input of the base station is shorter: it fetches the base there."
   (declare (salience 10))
   ?bs <- (machine (name ?name) (kind BS))
   ?job <- (job (id ?id) (robot ?r&~"") (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
@@ -36,12 +36,12 @@
 ; --- Which base pays
 
 (deffunction wait-for-instead (?old ?new)
-  "What waits for the one step, or comes after it, does so for the other one."
+  "Let the steps that wait for the old step, or follow it, do so for the new one."
   (do-for-all-facts ((?w waits-for)) (eq ?w:for ?old) (modify ?w (for ?new)))
   (do-for-all-facts ((?f follows)) (eq ?f:after ?old) (modify ?f (after ?new))))
 
 (deffunction insert-instead (?step ?why ?action $?params)
-  "A step in the place that another one has in the plan; returns its id."
+  "Add a step at the place of another one in the plan; returns the id of the new step."
   (decide (str-cat "insert " ?action " " (implode$ ?params)) ?why)
   (bind ?new (add-step ?action ?params))
   (bind ?id (fact-slot-value ?new id))
@@ -51,7 +51,7 @@
   ?id)
 
 (deffunction forget-step (?step)
-  "One that has not begun; what waited for it has been told."
+  "Remove a step that has not begun. The steps that waited for it must wait for another one already."
   (bind ?id (fact-slot-value ?step id))
   (do-for-all-facts ((?w waits-for)) (eq ?w:step ?id) (retract ?w))
   (do-for-all-facts ((?f follows)) (eq ?f:step ?id) (retract ?f))
@@ -59,7 +59,7 @@
   (retract ?step))
 
 (defrule refine-payment
-  "A bare base lies there that the plan only gets rid of, or does not use: it pays."
+  "A new base is to pay, but a bare base lies at an output that the plan only discards or does not use: the bare base pays."
   (declare (salience 5))
   ?check <- (pddl-action-condition (action ?id) (state CONDITION-SAT))
   ?step <- (step (id ?id) (state CHECKING) (action pay-with-new-base) (params ? ?rs))
@@ -86,7 +86,7 @@
           (pddl-goal-fluent (instance refinement) (goal base) (name base-there))))
 
 (defrule refine-goal
-  "The goal is the same for all."
+  "The instance of level two is ready: set its goal, which is always the same."
   ?made <- (pddl-create-goal-instance (instance refinement) (state DONE))
   =>
   (retract ?made)
@@ -99,14 +99,14 @@
   (assert (can-refine)))
 
 (deffunction say-ways (?bs ?side ?direction ?robot ?to)
-  "s over a side of the base station, where another robot may stand in the way."
+  "Set the times over a side of the base station, where another robot may stand in the way."
   (bind ?spot (str-cat (fact-slot-value ?bs name) "-" (upcase ?side)))
   (bind ?waits (if (any-factp ((?r robot)) (and (eq ?r:place ?spot) (neq ?r:name (fact-slot-value ?robot name)))) then ?*IN-THE-WAY* else 0.0))
   (number refinement way-to (+ 1.0 ?waits (way-from-side ?bs ?direction ?robot)) ?side)
   (number refinement way-on (+ 1.0 (way-from-side ?bs ?direction ?to)) ?side))
 
 (defrule refine-begin
-  "The base station is kept for the job until there is a plan."
+  "A robot needs a base: keep the base station for its job until there is a plan of level two."
   (declare (salience 10))
   (can-refine)
   (not (refining ?))
@@ -130,7 +130,7 @@
   (assert (pddl-plan (instance refinement) (id refine) (goal base) (plan-type TEMPORAL))))
 
 (defrule refine-done
-  "The base comes out where the plan has it; where there is no plan, at the output."
+  "Level two has planned: the base comes out at the side of the plan; without a plan, at the output."
   ?refining <- (refining ?id)
   (pddl-plan (id refine) (state SUCCESS|FAILURE|CANCELED))
   ?reserved <- (reserved (job ?id))

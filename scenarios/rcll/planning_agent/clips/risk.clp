@@ -11,11 +11,11 @@
   (** (- 1.0 (/ ?*LOST* (+ ?*LOST* ?*BROUGHT* ?*TRUST*))) ?transports))
 
 (deffunction transports-of (?rings)
-  "From each ring station and the cap station to the next machine."
+  "The number of transports of a product: from each ring station and the cap station to the next machine."
   (+ 1 (length$ ?rings)))
 
 (deffunction note-brought (?action)
-  "Counts a product that a robot has brought on."
+  "Count a product that a robot has brought to its next machine."
   (if (member$ ?action (create$ transport bring-to-delivery)) then (bind ?*BROUGHT* (+ ?*BROUGHT* 1))))
 
 (defrule risk-begins
@@ -27,7 +27,7 @@
   (assert (can-be-lost ?product)))
 
 (defrule risk-lost
-  "The product begins again. A product whose order is open again was given up, not lost."
+  "A product begins again: it was lost. If its order is open again, it was given up, which does not count."
   ?can-be-lost <- (can-be-lost ?product)
   (pddl-fluent (instance production) (name not-begun) (params ?product))
   (order (id ?id&:(eq ?product (product-of ?id))) (state ?state))

@@ -3,7 +3,7 @@
 (deffacts settings (read-settings))
 
 (deffunction choose-robots-by (?word)
-  "strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy ones."
+  "Apply strategy.robot: how much the way and the rest of a robot count, and whether steps wait for busy robots."
   (switch ?word
     (case "nearest" then (bind ?*REST* 0.0))
     (case "rested" then (bind ?*WAY* 0.0))
@@ -11,7 +11,7 @@
     (default none)))
 
 (deffunction read-settings-of-robots (?patience $?choices)
-  "Those of every strategy; the patience is that without the parameter."
+  "Read the parameters that every strategy has. The patience is the default for strategy.patience."
   (choose-robots-by (one-of "strategy.robot" "both" ?choices))
   (bind ?*TRANSPORT* (ros-param-get-value "strategy.transport" ?*TRANSPORT*))
   (bind ?*PATIENCE* (at-least 0 "strategy.patience" ?patience)))

@@ -10,7 +10,7 @@
 (load-files "rcll_planning_agent" parameters)
 
 (deffunction groups-ahead (?dispatch)
-  "The n of lookahead:n, 0 of groups; FALSE: it is none of them."
+  "The n of the strategy lookahead:n, or 0 for groups; FALSE for any other strategy."
   (if (eq ?dispatch "groups") then (return 0))
   (if (neq (sub-string 1 10 ?dispatch) "lookahead:") then (return FALSE))
   (bind ?text (sub-string 11 (str-length ?dispatch) ?dispatch))

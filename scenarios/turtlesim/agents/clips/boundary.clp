@@ -16,14 +16,14 @@
   (turtle-connect))
 
 (defrule turtle-connect
-  "At the start: hear the turtle, and be able to move it."
+  "At the start: subscribe to the turtle's pose, and open a client of the service that moves it."
   (turtle-connect)
   =>
   (ros-msgs-create-subscription "turtle1/pose" "turtlesim/msg/Pose")
   (ros-msgs-create-client "turtle1/teleport_absolute" "turtlesim/srv/TeleportAbsolute"))
 
 (defrule turtle-pose-receive
-  "A pose has come: note when the turtle is out of bounds, and drop the message."
+  "A pose has come: note whether the turtle is out of bounds, and drop the message."
   ?pose <- (ros-msgs-message (topic "turtle1/pose") (msg-ptr ?msg))
   =>
   (bind ?x (ros-msgs-get-field ?msg "x"))
@@ -34,7 +34,7 @@
   (retract ?pose))
 
 (deffunction send-turtle-home ()
-  "The number of the request, or FALSE when nobody serves it."
+  "Ask for the turtle to be moved home. Returns the number of the request, or FALSE if nobody serves it."
   (bind ?request (ros-msgs-create-request "turtlesim/srv/TeleportAbsolute"))
   (ros-msgs-set-field ?request "x" ?*HOME*)
   (ros-msgs-set-field ?request "y" ?*HOME*)
@@ -44,7 +44,7 @@
   ?id)
 
 (defrule turtle-teleport-request
-  "The turtle is out of bounds and no request is on its way: send one; where nobody serves it, again the next time."
+  "The turtle is out of bounds and no request is open: send one. If nobody serves it, the next pose tries again."
   (turtle-out-of-bounds)
   (time ?now)
   (not (teleport-request))
@@ -63,7 +63,7 @@
   (retract ?request))
 
 (defrule turtle-teleport-acknowledged
-  "The turtle is home."
+  "The request was acknowledged: the turtle is home, so forget the request."
   ?response <- (ros-msgs-response (service "turtle1/teleport_absolute") (request-id ?id) (msg-ptr ?msg))
   ?request <- (teleport-request (id ?id))
   ?out <- (turtle-out-of-bounds)
@@ -73,7 +73,7 @@
   (retract ?response ?request ?out))
 
 (defrule turtle-teleport-late
-  "An acknowledgement of a request that was given up."
+  "An acknowledgement came for a request that was given up: drop it."
   ?response <- (ros-msgs-response (service "turtle1/teleport_absolute") (request-id ?id) (msg-ptr ?msg))
   (not (teleport-request (id ?id)))
   =>
@@ -81,7 +81,7 @@
   (retract ?response))
 
 (defrule turtle-disconnect
-  "The executive ends: close what is open."
+  "The executive ends: close all that is open."
   (executive-finalize)
   =>
   (ros-msgs-destroy-subscription "turtle1/pose")
@@ -96,7 +96,7 @@
   (retract ?fact))
 
 (defrule turtle-drop-response
-  "The executive ends: so is a response."
+  "The executive ends: a response that nobody took is dropped."
   (executive-finalize)
   ?fact <- (ros-msgs-response (msg-ptr ?msg))
   =>

@@ -12,7 +12,7 @@
   (max (- 0 ?most) (min ?most ?value)))
 
 (deffunction heading-error (?theta ?dx ?dy)
-  "By how much to turn from heading ?theta to face along ?dx ?dy, rad."
+  "The angle from the heading ?theta to the direction ?dx ?dy, rad."
   (bind ?length (max 1e-9 (sqrt (+ (* ?dx ?dx) (* ?dy ?dy)))))
   (bind ?ahead (/ (+ (* (cos ?theta) ?dx) (* (sin ?theta) ?dy)) ?length))
   (bind ?left (/ (- (* (cos ?theta) ?dy) (* (sin ?theta) ?dx)) ?length))
@@ -33,7 +33,7 @@
   (ros-msgs-destroy-message ?twist))
 
 (deffunction drive-towards (?turtle ?x ?y ?theta ?goal-x ?goal-y)
-  "TRUE when it is there."
+  "Steer a turtle towards a corner. Returns TRUE when the turtle is there."
   (bind ?dx (- ?goal-x ?x))
   (bind ?dy (- ?goal-y ?y))
   (bind ?distance (sqrt (+ (* ?dx ?dx) (* ?dy ?dy))))
@@ -44,7 +44,7 @@
   FALSE)
 
 (defrule drop-older-pose
-  "Only the newest pose of a turtle counts."
+  "A newer pose of the turtle has come: drop the older one."
   ?newer <- (ros-msgs-message (topic ?topic))
   ?older <- (ros-msgs-message (topic ?topic) (msg-ptr ?msg))
   (test (< (fact-index ?older) (fact-index ?newer)))
@@ -53,7 +53,7 @@
   (retract ?older))
 
 (defrule draw-towards-corner
-  "A pose of a turtle that draws: steer it to its next corner, and on to the one after that when it is there."
+  "A drawing turtle has sent its pose: steer it to its next corner; when it is there, go on to the corner after that."
   ?figure <- (figure (name ?name) (turtle ?turtle) (state DRAWING) (corner ?number))
   (corner (figure ?name) (number ?number) (x ?goal-x) (y ?goal-y))
   ?pose <- (ros-msgs-message (topic ?topic&:(eq ?topic (str-cat ?turtle "/pose"))) (msg-ptr ?msg))
@@ -66,7 +66,7 @@
   (if ?there then (modify ?figure (corner (+ ?number 1)))))
 
 (defrule figure-is-done
-  "No corner is left."
+  "No corner is left: the figure is done."
   ?figure <- (figure (name ?name) (turtle ?turtle) (state DRAWING) (corner ?number))
   (not (corner (figure ?name) (number ?number)))
   =>
@@ -78,7 +78,7 @@
   (modify ?figure (state DONE)))
 
 (defrule drop-pose-of-idle-turtle
-  "A turtle that does not draw, not yet or no more."
+  "A turtle that does not draw has sent its pose: drop it."
   ?pose <- (ros-msgs-message (topic ?topic) (msg-ptr ?msg))
   (not (and (figure (turtle ?turtle) (state DRAWING))
             (test (eq ?topic (str-cat ?turtle "/pose")))))
@@ -87,7 +87,7 @@
   (retract ?pose))
 
 (defrule studio-stops-turtle
-  "The executive ends in the midst of a figure: close what its turtle has open."
+  "The executive ends while a turtle draws: close what the turtle has open."
   (executive-finalize)
   (figure (turtle ?turtle) (state SPAWNED|PEN-ASKED|DRAWING))
   =>
@@ -96,7 +96,7 @@
   (ros-msgs-destroy-client (str-cat ?turtle "/set_pen")))
 
 (defrule studio-drops-response
-  "The executive ends: nobody takes this any more."
+  "The executive ends: a response that nobody took is dropped."
   (executive-finalize)
   ?fact <- (ros-msgs-response (msg-ptr ?msg))
   =>
@@ -104,7 +104,7 @@
   (retract ?fact))
 
 (defrule studio-closes
-  "The executive ends."
+  "The executive ends: close the clients of the services."
   (executive-finalize)
   =>
   (ros-msgs-destroy-client "kill")

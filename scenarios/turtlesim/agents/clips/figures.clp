@@ -10,7 +10,7 @@
   (slot corner (type INTEGER) (default 2)))
 
 (deftemplate corner
-  "The turtle of the figure goes to corner 2, 3, ... in turn; it begins at corner 1."
+  "A corner of a figure. The turtle begins at corner 1 and goes to corners 2, 3, ... in turn."
   (slot figure (type SYMBOL))
   (slot number (type INTEGER))
   (slot x (type FLOAT))
@@ -37,14 +37,14 @@
   (studio-open))
 
 (defrule studio-open
-  "At the start: be able to let turtles come and go."
+  "At the start: open clients of the services by which turtles come and go."
   (studio-open)
   =>
   (ros-msgs-create-client "kill" "turtlesim/srv/Kill")
   (ros-msgs-create-client "spawn" "turtlesim/srv/Spawn"))
 
 (defrule first-turtle-leaves
-  "turtle1 stands in the way."
+  "turtle1 stands in the way: have it removed."
   (time ?)
   (ros-msgs-client (service "kill"))
   (not (first-turtle-left))
@@ -56,7 +56,7 @@
   (ros-msgs-destroy-message ?request))
 
 (defrule artist-is-called
-  "A figure without its turtle: one is spawned where the figure begins. One at a time, as its response does not say whose it is."
+  "A figure has no turtle: spawn one where the figure begins. Only one at a time, because the response names no figure."
   (time ?)
   (first-turtle-left)
   (ros-msgs-client (service "spawn"))
@@ -73,7 +73,7 @@
   (ros-msgs-destroy-message ?request))
 
 (defrule artist-has-come
-  "The turtle is there: open what it needs."
+  "The turtle of a figure has come: open what it needs."
   ?response <- (ros-msgs-response (service "spawn") (msg-ptr ?msg))
   ?figure <- (figure (turtle ?turtle) (state SPAWNING))
   =>
@@ -85,7 +85,7 @@
   (modify ?figure (state SPAWNED)))
 
 (defrule artist-asks-for-its-pen
-  "The turtle gets the pen of its figure."
+  "A turtle has no pen yet: ask for the pen of its figure."
   (time ?)
   ?figure <- (figure (turtle ?turtle) (state SPAWNED) (red ?r) (green ?g) (blue ?b))
   =>
@@ -99,7 +99,7 @@
   (ros-msgs-destroy-message ?request))
 
 (defrule artist-has-its-pen
-  "The turtle begins to draw."
+  "The turtle has its pen: it begins to draw."
   ?figure <- (figure (name ?name) (turtle ?turtle) (state PEN-ASKED))
   ?response <- (ros-msgs-response (service ?service&:(eq ?service (str-cat ?turtle "/set_pen"))) (msg-ptr ?msg))
   =>
@@ -109,7 +109,7 @@
   (modify ?figure (state DRAWING)))
 
 (defrule drop-answer-of-kill
-  "turtle1 has left."
+  "turtle1 has left: drop the answer."
   ?response <- (ros-msgs-response (service "kill") (msg-ptr ?msg))
   =>
   (ros-msgs-destroy-message ?msg)

@@ -7,7 +7,7 @@
   ?*PROOF* = 3)
 
 (deftemplate seen
-  "The newest pose."
+  "The newest pose of the turtle."
   (slot at (type FLOAT))
   (slot x (type FLOAT))
   (slot y (type FLOAT))
@@ -16,7 +16,7 @@
   (slot turn (type FLOAT)))
 
 (deftemplate prediction
-  "The pose that the turtle had when the hypothesis was made, and the time from which it is compared."
+  "The pose on which a prediction is based, and the time at which it is compared."
   (slot made (type FLOAT))
   (slot due (type FLOAT))
   (slot x (type FLOAT))
@@ -26,11 +26,11 @@
   (slot turn (type FLOAT)))
 
 (deftemplate comparison
-  "How far the turtle was from where it should be, m."
+  "The distance between the turtle and its predicted place, m."
   (slot error (type FLOAT)))
 
 (deftemplate belief
-  "How often in a row the hypothesis was right or wrong, and what follows."
+  "How often in a row the hypothesis was right or wrong, and the conclusion."
   (slot right (type INTEGER) (default 0))
   (slot wrong (type INTEGER) (default 0))
   (slot verdict (type SYMBOL) (allowed-values OPEN SUPPORTED REFUTED) (default OPEN)))
@@ -40,14 +40,14 @@
   (belief))
 
 (defrule hypothesis-open
-  "At the start: hear the turtle, and be able to tell."
+  "At the start: subscribe to the turtle's pose, and open a publisher for the verdict."
   (hypothesis-open)
   =>
   (ros-msgs-create-subscription "turtle1/pose" "turtlesim/msg/Pose")
   (ros-msgs-create-publisher "hypotheses" "std_msgs/msg/String"))
 
 (defrule drop-older-pose
-  "Only the newest pose counts."
+  "A newer pose has come: drop the older one."
   ?newer <- (ros-msgs-message (topic "turtle1/pose"))
   ?older <- (ros-msgs-message (topic "turtle1/pose") (msg-ptr ?msg))
   (test (< (fact-index ?older) (fact-index ?newer)))
@@ -56,7 +56,7 @@
   (retract ?older))
 
 (defrule see-pose
-  "Remember where the turtle is and how it moves."
+  "A pose has come: remember where the turtle is and how it moves."
   (time ?now)
   ?pose <- (ros-msgs-message (topic "turtle1/pose") (msg-ptr ?msg))
   (not (ros-msgs-message (topic "turtle1/pose") (msg-ptr ~?msg)))
@@ -69,14 +69,14 @@
   (retract ?pose))
 
 (defrule predict
-  "It moves, and nothing is predicted: from this it goes on."
+  "The turtle moves, and no prediction is open: predict from this pose."
   (not (prediction))
   (seen (at ?at) (x ?x) (y ?y) (theta ?theta) (speed ?speed&:(> ?speed 0.0)) (turn ?turn))
   =>
   (assert (prediction (made ?at) (due (+ ?at ?*AHEAD*)) (x ?x) (y ?y) (theta ?theta) (speed ?speed) (turn ?turn))))
 
 (defrule compare
-  "Time to look whether it is where it should be by now."
+  "The time of the prediction has come: compare the turtle's place with it."
   (seen (at ?at) (x ?x) (y ?y) (speed ?now&:(> ?now 0.0)))
   ?prediction <- (prediction (made ?made) (due ?due&:(>= ?at ?due)) (x ?from-x) (y ?from-y) (theta ?theta) (speed ?speed) (turn ?turn))
   =>
@@ -85,7 +85,7 @@
   (assert (comparison (error (sqrt (+ (** (- ?x (nth$ 1 ?place)) 2) (** (- ?y (nth$ 2 ?place)) 2)))))))
 
 (defrule prediction-was-right
-  "It is where it should be."
+  "The turtle is where it was predicted: count it for the hypothesis."
   ?comparison <- (comparison (error ?error&:(<= ?error ?*TOLERANCE*)))
   ?belief <- (belief (right ?right))
   =>
@@ -93,7 +93,7 @@
   (modify ?belief (right (+ ?right 1)) (wrong 0)))
 
 (defrule prediction-was-wrong
-  "It is somewhere else."
+  "The turtle is elsewhere: count it against the hypothesis."
   ?comparison <- (comparison (error ?error&:(> ?error ?*TOLERANCE*)))
   ?belief <- (belief (wrong ?wrong))
   =>
@@ -101,7 +101,7 @@
   (modify ?belief (wrong (+ ?wrong 1)) (right 0)))
 
 (defrule prediction-lapses
-  "It stands: there is nothing to compare."
+  "The turtle stands still: forget the prediction, which cannot be compared."
   (seen (speed ?speed&:(<= ?speed 0.0)))
   ?prediction <- (prediction)
   =>
@@ -115,21 +115,21 @@
   (ros-msgs-destroy-message ?message))
 
 (defrule hypothesis-is-supported
-  "Right often enough in a row."
+  "The hypothesis was right often enough in a row: support it."
   ?belief <- (belief (right ?right&:(>= ?right ?*PROOF*)) (verdict OPEN|REFUTED))
   =>
   (publish-verdict SUPPORTED)
   (modify ?belief (verdict SUPPORTED)))
 
 (defrule hypothesis-is-refuted
-  "Wrong often enough in a row."
+  "The hypothesis was wrong often enough in a row: refute it."
   ?belief <- (belief (wrong ?wrong&:(>= ?wrong ?*PROOF*)) (verdict OPEN|SUPPORTED))
   =>
   (publish-verdict REFUTED)
   (modify ?belief (verdict REFUTED)))
 
 (defrule hypothesis-close
-  "The executive ends."
+  "The executive ends: close all that is open."
   (executive-finalize)
   =>
   (ros-msgs-destroy-subscription "turtle1/pose")

@@ -3,5 +3,5 @@
 (defglobal ?*HYPOTHESIS* = "straight")
 
 (deffunction predicted (?x ?y ?theta ?speed ?turn ?seconds)
-  "Where it will be: (x y)."
+  "The predicted place (x y) of a turtle that goes straight on."
   (create$ (+ ?x (* ?speed ?seconds (cos ?theta))) (+ ?y (* ?speed ?seconds (sin ?theta)))))

@@ -3,7 +3,7 @@
 (defglobal ?*HYPOTHESIS* = "turning")
 
 (deffunction predicted (?x ?y ?theta ?speed ?turn ?seconds)
-  "Where it will be: (x y)."
+  "The predicted place (x y) of a turtle that goes on turning."
   (if (< (abs ?turn) 0.001) then
     (return (create$ (+ ?x (* ?speed ?seconds (cos ?theta))) (+ ?y (* ?speed ?seconds (sin ?theta))))))
   (bind ?radius (/ ?speed ?turn))

@@ -1,11 +1,11 @@
-"""The same programs through cxlab's engine and through CLIPS in clipspy: what is printed (firings, facts, activations,
-messages of the program) and the errors must be the same. python3 -m unittest differential
+"""Plays the same programs in cxlab's engine and in CLIPS of clipspy. Both must print the same firings, facts, activations and
+messages of the program, and the same errors. python3 -m unittest differential
 
-What clipspy said of the generated programs is kept as digests (`differential.said.txt`), so that they are compared
-everywhere. Where it is installed (pip install clipspy==1.0.6) both play them and a difference is shown as text, and all
-rules that come with cxlab are compared, too.
+The outputs of clipspy for the generated programs are kept as digests (`differential.said.txt`), so that they are compared
+everywhere. Where clipspy is installed (pip install clipspy==1.0.6), both play the programs and a difference is shown as text.
+All rules that come with cxlab are then compared, too.
 
-  differential.py update    asks clipspy anew
+  differential.py update    asks clipspy again
 """
 
 import difflib

@@ -47,7 +47,7 @@ class Facts:
         return self.c.of(bound) if bound else None
 
     def constraint(self, bound, new):
-        """Of an INTEGER slot."""
+        """A constraint of an INTEGER slot."""
         c = self.c
         kind = c.below(9)
         known = self.variable(bound)

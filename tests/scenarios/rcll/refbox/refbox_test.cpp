@@ -584,7 +584,7 @@ TEST(RefboxRobots, DoOneTaskAtATime) {
   story.run_for(5);
   EXPECT_THAT(robot.last_text("AgentTask"),
               HasSubstr("task_id: 3 robot_id: 1 move { waypoint: \"M-Z75\" } successful: false canceled: true"));
-  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("a pause of a task that is not under way")));
+  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("a pause of a task that is not running")));
 }
 
 TEST(RefboxRobots, TasksThatRestAreCanceledAndReplacedAtOnce) {

@@ -75,8 +75,8 @@
   FALSE)
 
 (deffunction pddl-tell-effects (?message ?instance ?action ?type ?apply ?asked)
-  "What is due becomes changes, or facts; the state of the question afterwards. Numbers that it needs are asked for first.
-  Asked for were the effects from START on, or the rest from END on."
+  "Turn the due effects into changes or facts, and return the new state of the question. First ask for the numbers that they need.
+  The question was about the effects from START on, or about the rest from END on."
   (if (pddl-number-missing ?message ?instance) then
     (assert (pddl-get-numeric-fluents (instance ?instance)))
     (return (if (eq ?asked START) then PENDING else START-EFFECT-APPLIED)))

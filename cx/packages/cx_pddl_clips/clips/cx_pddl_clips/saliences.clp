@@ -1,14 +1,14 @@
-; What every file of this package needs: priorities, and functions. Agents may load the files one by one, this one first,
-; then deftemplates.clp. Needs the plugin cx::RosMsgsPlugin. Facts without a template are notes of these rules:
-; (pddl-asked SERVICE ID INSTANCE WHAT ...) of a request that is under way, with the fact of its instance,
-; (pddl-dropped INSTANCE NAME PARAMS...) of a fluent that is true no more, until its fact is gone,
-; (pddl-refused CHANGE) of a change, by its index, that was refused together with others and is tried alone,
-; (pddl-plan-goal GOAL HANDLE) of a goal that was sent for a plan; its handle is nil until it is accepted.
+; Priorities and functions that every file of this package needs. Agents may load the files one by one: this one first,
+; then deftemplates.clp. Needs the plugin cx::RosMsgsPlugin. Facts without a template are notes of these rules.
+; A note (pddl-asked SERVICE ID INSTANCE WHAT ...) is an open request, with the fact of its instance.
+; A note (pddl-dropped INSTANCE NAME PARAMS...) is a fluent that is no longer true. It stays until the fluent's fact is removed.
+; A note (pddl-refused CHANGE) is a change, by its index. It was refused together with others and is tried alone.
+; A note (pddl-plan-goal GOAL HANDLE) is a goal that was sent for a plan. Its handle is nil until the goal is accepted.
 ;
 ; An instance is asked one thing at a time: its slot busy-with says which. A request that finds no manager stays PENDING and
 ; is sent again at the next tick. Where several requests wait for an instance, these numbers say which goes first, as in the
 ; CLIPS-Executive; agents count on it (objects before the fluents that name them, goals before the plan). Questions go at once.
-; Of a template nothing is taken for granted but the slots and states that CX has: an agent may have defined it anew, with more.
+; An agent may redefine a template with more slots and states, so these rules rely only on the slots and states that CX has.
 
 (defglobal
   ?*PRIORITY-PDDL-INSTANCES* = -5100

@@ -2,7 +2,7 @@
 ; lets begin (package cxlab_choices; docs/reference/learning.md). Without an answer the step of the smallest rank is looked at, as ever.
 
 (defrule dispatch-free
-  "No step before it, that uses its product or machine, has yet to begin."
+  "No step that must come before this one, because of a product or machine, is still to begin: this step is free."
   (declare (salience 20))
   (logical
     (candidate ?id)
@@ -12,7 +12,7 @@
   (assert (free ?id)))
 
 (defrule dispatch-without-choice
-  "Machines do not choose, and a robot that drives there already has been chosen."
+  "A free step of a machine, or one for which a robot drives already, needs no choice: it is allowed."
   (declare (salience 20))
   (logical
     (free ?id)
@@ -22,7 +22,7 @@
   (assert (allowed ?id)))
 
 (defrule dispatch-chosen
-  "Until its conditions have been looked at."
+  "A free step was chosen: it is allowed until the world changes."
   (declare (salience 20))
   (logical
     (free ?id)
@@ -62,13 +62,13 @@
            (share (length$ (find-all-facts ((?s step)) (eq ?s:state OPEN))) 40)))
 
 (deffunction earlier-step (?a ?b)
-  "For sort: by rank, and of equals by name, as agenda-look looks at them."
+  "Order of steps for sort: by rank, and then by name, as in agenda-look."
   (bind ?one (fact-slot-value ?a rank))
   (bind ?other (fact-slot-value ?b rank))
   (or (> ?one ?other) (and (= ?one ?other) (> (str-compare (fact-slot-value ?a id) (fact-slot-value ?b id)) 0))))
 
 (deffunction ask-for-step (?version ?now)
-  "The steps that have not been looked at since the world changed, by rank; the last option is to look at none until then."
+  "Ask for one of the steps, by rank, that nobody has looked at since the world changed. The last option is none of them."
   (bind ?items (create$))
   (bind ?options (create$))
   (bind ?allowed (create$))
@@ -83,7 +83,7 @@
                   (situation (situation)) (features ?features 0.0 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0) (since ?now))))
 
 (defrule dispatch-ask
-  "A robot is idle, and nothing that is allowed is still to be looked at."
+  "A robot is idle, and every allowed step has been looked at: ask for a choice."
   (may-begin)
   (not (choice (kind begin-step)))
   (not (step (state CHECKING)))
@@ -107,7 +107,7 @@
   (assert (looks-at ?step ?version)))
 
 (defrule dispatch-withdrawn
-  "A new plan takes the place of these steps."
+  "A new plan replaces the steps of an open choice: withdraw it."
   ?choice <- (choice (kind begin-step))
   (not (may-begin))
   =>
@@ -120,5 +120,5 @@
   (retract ?looked))
 
 (deffunction why-held-back (?step)
-  "FALSE: the strategy does not hold it back."
+  "The reason why the strategy holds a step back; FALSE if it does not."
   (why-linked ?step))

@@ -4,7 +4,7 @@
 (defglobal ?*AHEAD* = (groups-ahead (ros-param-get-value "strategy.dispatch" "groups")))
 
 (defrule dispatch-group
-  "All steps of earlier groups are done, but for those of the last N. For waits of the agent itself no group waits."
+  "All steps of earlier groups are done, except for the last N groups: the step is allowed. No group waits for waits of the agent."
   (declare (salience 20))
   (logical
     (candidate ?id)
@@ -14,7 +14,7 @@
   (assert (allowed ?id)))
 
 (deffunction why-held-back (?step)
-  "FALSE: the strategy does not hold it back."
+  "The reason why the strategy holds a step back; FALSE if it does not."
   (bind ?group (fact-slot-value ?step group))
   (do-for-fact ((?s step)) (and (neq ?s:state DONE) (neq ?s:worker AGENT) (< 0 ?s:group (- ?group ?*AHEAD*)))
     (return (str-cat (step-text ?s) " of group " ?s:group " is not done, and this is group " ?group)))

@@ -10,5 +10,5 @@
   (assert (allowed ?id)))
 
 (deffunction why-held-back (?step)
-  "FALSE: the strategy does not hold it back."
+  "The reason why the strategy holds a step back; FALSE if it does not."
   (why-linked ?step))

@@ -13,7 +13,7 @@
   (assert (allowed ?id)))
 
 (deffunction why-held-back (?step)
-  "FALSE: the strategy does not hold it back."
+  "The reason why the strategy holds a step back; FALSE if it does not."
   (do-for-all-facts ((?f follows)) (eq ?f:step (fact-slot-value ?step id))
     (bind ?first (step-that-is-not ?f:after DONE))
     (if ?first then (return (str-cat "the plan gives its robot " ?first " first"))))
