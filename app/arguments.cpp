@@ -20,7 +20,7 @@ std::optional<double> finite_number(const std::string& text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::string expected(const std::string& found, const char* what) { return "found '" + found + "', expected " + what; }
+std::string expected(const std::string& found, const char* what) { return found_text(found, what); }
 
 }  // namespace
 
@@ -126,7 +126,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
   for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
   return {[words = std::move(words)](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-            return "found '" + text + "', expected one of: " + some_of(words, words.size()) + did_you_mean(text, words);
+            return found_text(text, "one of: " + some_of(words, words.size()) + did_you_mean(text, words));
           },
           '{' + list + '}'};
 }
@@ -180,8 +180,7 @@ std::string missing_command(const CLI::App& command) {
   for (const CLI::App* sub : command.get_subcommands(nullptr)) names.push_back(sub->get_name());
   const std::vector<std::string> rest = command.remaining();
   if (rest.empty()) return "a command is missing" + (command.get_parent() ? ": " + some_of(names, names.size()) : "");
-  return "found '" + rest.front() + "', expected one of: " + some_of(names, names.size()) +
-         did_you_mean(rest.front(), names);
+  return found_text(rest.front(), "one of: " + some_of(names, names.size()) + did_you_mean(rest.front(), names));
 }
 
 /// One of its words if there are only some, else what its description says.
@@ -232,7 +231,7 @@ Status check_values(const CLI::App& app) {
     for (const CLI::Option* option : command->get_options())
       if (option->get_expected_max() > 0)
         for (const std::string& value : option->results())
-          if (value.empty()) return usage_error(option->get_name() + ": found '', expected a value");
+          if (value.empty()) return usage_error(option->get_name() + ": " + found_text("", "a value"));
   }
   return {};
 }

@@ -150,8 +150,9 @@ Expected<std::vector<lab::Cell>> chosen_cells(const lab::Suite& suite, const std
   const auto first = read_number<std::size_t>(text.substr(0, dots));
   const auto last = dots == text.npos ? first : read_number<std::size_t>(text.substr(dots + 2));
   if (!first || !last || *first < 1 || *last < *first || *last > suite.size())
-    return usage_error("--cell: found '" + text + "', expected the number of a cell, 1 to " +
-                       std::to_string(suite.size()) + ", or a range of them, as 1.." + std::to_string(suite.size()));
+    return usage_error("--cell: " +
+                       found_text(text, "the number of a cell, 1 to " + std::to_string(suite.size()) +
+                                            ", or a range of them, as 1.." + std::to_string(suite.size())));
   return suite.cells(*first, *last);
 }
 

@@ -57,7 +57,7 @@ int examine(const CheckCommand& command) {
   const std::filesystem::path graph(command.graph);
   if (!command.graph.empty()) {
     if (graph.extension() != ".svg" && graph.extension() != ".dot")
-      return fail(usage_error("--graph: found '" + command.graph + "', expected a file that ends in .svg or .dot"));
+      return fail(usage_error("--graph: " + found_text(command.graph, "a file that ends in .svg or .dot")));
     options.graph = true;
     options.dot = graph.extension() == ".dot";
   }

@@ -238,7 +238,7 @@ static void add_size(CLI::App& command, const std::string& name, std::int64_t& b
       ->transform(CLI::Validator(
           [](std::string& text) {
             const auto size = size_of(text);
-            if (!size) return "found '" + text + "', expected a size of at least 1MB as 500MB or 4GB, or 0";
+            if (!size) return found_text(text, "a size of at least 1MB as 500MB or 4GB, or 0");
             text = std::to_string(*size);
             return std::string();
           },

@@ -53,7 +53,7 @@ int make_game(const GameOptions& options) {
   if (!scenario) return fail(scenario.error());
   if (scenario->world.kind != &rcll::kWorld)
     return fail(
-        input_error("world.kind: found '" + std::string(scenario->world.kind->name) + "', expected rcll",
+        input_error("world.kind: " + found_text(std::string(scenario->world.kind->name), "rcll"),
                     options.scenario.empty() ? Origin{} : Origin{options.scenario, scenario->world.origin.line}));
   if (path_exists(options.file) && !options.force)
     return fail(usage_error("there is a file already: choose another one, or --force", options.file));
@@ -157,7 +157,7 @@ CLI::App* add_kind(CLI::App& command, Action& action, const Kind& kind, std::sha
   sub->footer(std::string("Example:\n  cxlab new ") + kind.word + " my_" + kind.word);
   sub->add_option("folder", *folder, "The folder, new or empty. Its last part is the name of the package")
       ->required()
-      ->check([](const std::string& text) { return text.empty() ? "found '', expected a folder" : ""; });
+      ->check([](const std::string& text) { return text.empty() ? found_text("", "a folder") : ""; });
   sub->callback([=, &action] { action = [=] { return make(*package, *folder, kind.next); }; });
   return sub;
 }

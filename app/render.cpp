@@ -33,7 +33,7 @@ Status check_name(const std::string& out) {
   std::string suffix = fs::path(out).extension().string();
   std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
   if (suffix.empty() || suffix == ".png") return {};
-  return usage_error("--out: found '" + out + "', expected a name that ends in .png");
+  return usage_error("--out: " + found_text(out, "a name that ends in .png"));
 }
 
 Expected<Scenario> load_scenario(const RenderOptions& options) {
@@ -64,7 +64,7 @@ int render(RenderOptions options) {
   lab::RenderOptions& picture = options.picture;
   lab::VideoOptions& video = options.film.video;
   const std::string out = video.file.empty() ? picture.out.string() : video.file;
-  if (out.empty()) return fail(usage_error("found nothing to draw, expected --out PICTURE or --video FILM"));
+  if (out.empty()) return fail(usage_error(found_expected("nothing to draw", "--out PICTURE or --video FILM")));
   if (Status s = check_name(picture.out.string()); !s) return fail(s.error());
   if (Status s = make_folder_of(out); !s) return fail(s.error());
   if (!options.size.empty()) {

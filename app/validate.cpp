@@ -120,9 +120,9 @@ Expected<std::string> read_template_data(const std::string& file, const std::str
   auto text = read_file(file);
   if (!text) return text.error();
   const Json json = parse_json(*text);
-  if (json.is_discarded()) return input_error("found no JSON, expected an object such as {\"robots\": 2}", file);
+  if (json.is_discarded()) return input_error(found_expected("no JSON", "an object such as {\"robots\": 2}"), file);
   if (!json.is_object())
-    return input_error(std::string("found ") + json.type_name() + ", expected an object such as {\"robots\": 2}", file);
+    return input_error(found_expected(json.type_name(), "an object such as {\"robots\": 2}"), file);
   for (const std::string& source : {domain, problem})
     if (const auto read = read_file(source); !read || planner::is_template(*read)) return text;
   return input_error("these data are not used: neither " + domain + " nor " + problem + " is a template", file);

@@ -117,7 +117,7 @@ Expected<explain::Wanted> wanted_of(const std::vector<std::string>& where) {
     std::string name = text.substr(0, equals);
     name.erase(0, name.starts_with("$?") ? 2 : name.starts_with('?') ? 1 : 0);
     if (equals == text.npos || name.empty())
-      return usage_error("--where: found '" + text + "', expected VARIABLE=VALUE, as in id=5");
+      return usage_error("--where: " + found_text(text, "VARIABLE=VALUE, as in id=5"));
     const auto [known, fresh] = wanted.emplace(name, text.substr(equals + 1));
     if (!fresh && known->second != text.substr(equals + 1))
       return usage_error("--where: ?" + name + " cannot have two values");

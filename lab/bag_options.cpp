@@ -42,8 +42,7 @@ Expected<std::vector<Override>> overrides_of(const BagOptions& options) {
   std::string remaps, given;
   for (const std::string& remap : options.remaps) {
     const std::size_t sign = remap.find(":=");
-    if (sign == std::string::npos || sign == 0)
-      return usage_error("--bag-remap: found '" + remap + "', expected FROM:=TO");
+    if (sign == std::string::npos || sign == 0) return usage_error("--bag-remap: " + found_text(remap, "FROM:=TO"));
     remaps += (remaps.empty() ? "" : ", ") + quoted_value(remap.substr(0, sign)) + ": " +
               quoted_value(remap.substr(sign + 2));
     given += " --bag-remap " + remap;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 Expected<std::pair<std::string, std::string>> split(const std::string& option, const std::string& text,
                                                     const std::string& sign, const char* form) {
   const std::size_t at = text.find(sign);
-  if (at == std::string::npos || at == 0) return usage_error(option + ": found '" + text + "', expected " + form);
+  if (at == std::string::npos || at == 0) return usage_error(option + ": " + found_text(text, form));
   return std::pair(text.substr(0, at), text.substr(at + sign.size()));
 }
 
@@ -118,13 +118,13 @@ Status check_companions(const EnvOptions& options, const Catalogue& catalogue, c
     if (!seen.insert(name).second) return usage_error("--with: '" + name + "' was named twice");
     if ((world && name == world->name) || catalogue.find_node(name)) continue;
     if (find_world(catalogue, name))
-      return usage_error("--with: found the worlds '" + std::string(world->name) + "' and '" + name +
-                         "', expected one");
+      return usage_error("--with: " +
+                         found_expected("the worlds '" + std::string(world->name) + "' and '" + name + "'", "one"));
     std::vector<std::string> known;
     for (const WorldKind* kind : catalogue.worlds) known.emplace_back(kind->name);
     for (const NodeKind* kind : catalogue.nodes) known.emplace_back(kind->name);
-    return usage_error("--with: found '" + name + "', expected one of: " + known_companions(catalogue) +
-                       did_you_mean(name, known));
+    return usage_error("--with: " +
+                       found_text(name, "one of: " + known_companions(catalogue) + did_you_mean(name, known)));
   }
   return {};
 }
@@ -184,7 +184,7 @@ Expected<std::vector<cx::GivenParameter>> manager_params(const EnvOptions& optio
     if (!is_of(param, {manager.name, manager.full_name()})) {
       std::string names = manager.name;
       for (const std::string& node : options.with) names += ", " + node;
-      return usage_error("--param: found '" + param + "', expected NODE.NAME=VALUE with one of the nodes " + names);
+      return usage_error("--param: " + found_text(param, "NODE.NAME=VALUE with one of the nodes " + names));
     }
     auto value = yaml::Document::parse(named->second, option);
     if (!value) return value.error();
@@ -226,14 +226,14 @@ Expected<Stimulus> transition(const Scenario& scenario, const std::string& text)
   auto parts = split("--transition", text, ":", form);
   if (!parts) return parts.error();
   const auto at = read_number<double>(parts->first);
-  if (!at || !(*at >= 0 && *at < 1e9)) return usage_error("--transition: found '" + text + "', expected " + form);
+  if (!at || !(*at >= 0 && *at < 1e9)) return usage_error("--transition: " + found_text(text, form));
   const std::size_t where = parts->second.find('@');
   const std::string name = parts->second.substr(0, where);
   const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
   if (std::ranges::find(known, name) == known.end())
-    return usage_error("--transition: found '" + name +
-                       "', expected configure, activate, deactivate, cleanup or shutdown" + did_you_mean(name, known));
-  if (where + 1 == parts->second.size()) return usage_error("--transition: found '" + text + "', expected " + form);
+    return usage_error("--transition: " + found_text(name, "configure, activate, deactivate, cleanup or shutdown" +
+                                                               did_you_mean(name, known)));
+  if (where + 1 == parts->second.size()) return usage_error("--transition: " + found_text(text, form));
   const std::string node =
       where == std::string::npos ? manager_node(scenario.agents.front()).full_name() : parts->second.substr(where + 1);
   return Stimulus{.at = from_seconds(*at),

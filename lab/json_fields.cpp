@@ -28,14 +28,14 @@ std::string without_code(const Json::exception& e) {
 void check_time(const char* name, double time, const Json& in) {
   if (!(time >= 0 && time <= to_seconds(kLongestRun)))
     throw Json::other_error::create(
-        500, "'" + std::string(name) + "': found " + general_text(time, 9) + ", expected s from 0 to 1e9", &in);
+        500, "'" + std::string(name) + "': " + found_expected(general_text(time, 9), "s from 0 to 1e9"), &in);
 }
 
 Json::other_error unknown_word(const char* name, const Json& found, const std::vector<std::string>& words) {
-  return Json::other_error::create(500,
-                                   "'" + std::string(name) + "': found '" + found.get<std::string>() +
-                                       "', expected one of: " + some_of(words, words.size()),
-                                   &found);
+  return Json::other_error::create(
+      500,
+      "'" + std::string(name) + "': " + found_text(found.get<std::string>(), "one of: " + some_of(words, words.size())),
+      &found);
 }
 
 }  // namespace cxlab::lab

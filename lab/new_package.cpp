@@ -36,9 +36,9 @@ std::string nearest_name(std::string_view text) {
 std::string objection(const std::string& name) {
   const std::string nearest = nearest_name(name);
   if (name != nearest)
-    return "its last part names the package: found '" + name +
-           "', expected lower-case letters, digits and single '_', a letter first" +
-           (nearest.empty() ? "" : ", as in '" + nearest + "'");
+    return "its last part names the package: " +
+           found_text(name, "lower-case letters, digits and single '_', a letter first" +
+                                (nearest.empty() ? "" : ", as in '" + nearest + "'"));
   if (name == "null") return "its last part names the package: found 'null', which is no name in YAML";
   std::error_code error;
   if (fs::is_directory(find_share().interfaces / name, error) || own_packages().contains(name))
@@ -74,12 +74,12 @@ Status copy_template(const fs::path& origin, const fs::path& to, const Replaceme
 /// Why the pipelines cannot use this tarball; empty if they can.
 std::string objection(const NewPackage::Tarball& tarball) {
   if (tarball.address.find_first_of(" \t\r\n") != std::string::npos)
-    return "the address of the tarball: found '" + tarball.address + "', expected one without blanks";
+    return "the address of the tarball: " + found_text(tarball.address, "one without blanks");
   const bool is_hash =
       tarball.sha256.size() == 64 && tarball.sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (!tarball.sha256.empty() && !is_hash)
-    return "the SHA-256 of the tarball: found '" + tarball.sha256 +
-           "', expected 64 hexadecimal digits, as sha256sum prints them";
+    return "the SHA-256 of the tarball: " +
+           found_text(tarball.sha256, "64 hexadecimal digits, as sha256sum prints them");
   return {};
 }
 

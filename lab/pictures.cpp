@@ -17,14 +17,14 @@ constexpr int kWidth = 640, kHeight = 400;
 
 Expected<std::vector<double>> snapshot_times(const std::string& text, double end) {
   const auto wrong = [](const std::string& message) { return usage_error("--snapshot: " + message); };
-  const auto bad = [&] { return wrong("found '" + text + "', expected every:SECONDS or SECONDS,SECONDS,..."); };
+  const auto bad = [&] { return wrong(found_text(text, "every:SECONDS or SECONDS,SECONDS,...")); };
   std::vector<double> times;
   if (text.empty()) return times;
   if (text.starts_with("every:")) {
     const auto step = read_number<double>(text.substr(6));
     constexpr double kLeast = 1e-3;  // s; no tick in use is shorter, and every time is kept
     if (!step || !(*step > 0) || std::isinf(*step)) return bad();
-    if (*step < kLeast) return wrong("found '" + text + "', expected at least " + seconds_text(kLeast));
+    if (*step < kLeast) return wrong(found_text(text, "at least " + seconds_text(kLeast)));
     for (int k = 0; k * *step <= end; ++k) times.push_back(k * *step);
     return times;
   }

@@ -218,9 +218,10 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
                            run.folder.string(),
                        run.folder.string());
   if (given.until && given.what_if && *given.until < given.what_if->at)
-    return usage_error("--until: found " + general_text(*given.until, 9) + ", expected a time after that of --at");
+    return usage_error("--until: " + found_expected(general_text(*given.until, 9), "a time after that of --at"));
   if (std::error_code none; given.what_if && std::filesystem::equivalent(given.out, run.folder, none))
-    return usage_error("--out: found the folder of the run itself, expected another one, to compare them", given.out);
+    return usage_error("--out: " + found_expected("the folder of the run itself", "another one, to compare them"),
+                       given.out);
   auto changes = changes_of(run, given.what_if, *scenario);
   if (!changes) return changes.error();
   if (given.what_if && !run.manifest.seats.empty())

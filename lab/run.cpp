@@ -30,8 +30,8 @@ Status read_result(const Json& json, Run& run) {
   run.status = json.at("status").get<std::string>();
   const double end = json.at("sim_time_s").get<double>();
   if (!(end >= 0 && end <= to_seconds(kLongestRun)))
-    return input_error("not the result of a run: sim_time_s: found " + general_text(end, 9) +
-                       ", expected s from 0 to 1e9");
+    return input_error("not the result of a run: sim_time_s: " +
+                       found_expected(general_text(end, 9), "s from 0 to 1e9"));
   run.sim_time = from_seconds(end);
   run.ticks = json.at("ticks").get<std::int64_t>();
   run.stream_hashes = json.at("stream_hashes").get<std::map<std::string, std::string>>();

@@ -57,8 +57,8 @@ class Parser {
     const std::string found = kind_ == Kind::kEnd        ? "the end"
                               : kind_ == Kind::kUnclosed ? "a quote without its end"
                                                          : text_.substr(at_, end_ - at_);
-    return usage_error("-k '" + text_ + "': found " + found + " at column " + std::to_string(at_ + 1) + ", expected " +
-                       expected);
+    return usage_error("-k '" + text_ +
+                       "': " + found_expected(found + " at column " + std::to_string(at_ + 1), expected));
   }
 
   /// Parts with this word between them.

@@ -30,7 +30,7 @@ std::pair<std::filesystem::path, std::filesystem::path> names_of(const std::stri
 Status check_kind(const VideoOptions& options) {
   const FilmKind kind = film_kind(options.file);
   if (kind == FilmKind::kNone)
-    return usage_error("--video: found '" + options.file + "', expected a name that ends in " + film_endings());
+    return usage_error("--video: " + found_text(options.file, "a name that ends in " + film_endings()));
   if (kind == FilmKind::kGif && options.frame_rate > kMostOfGif)
     return usage_error("the frame rate is " + general_text(options.frame_rate, 6) +
                        ", expected at most 50 for an animated image");

@@ -73,18 +73,18 @@ Error not_to_set(const std::string& name, const std::string& value, const Run& r
                        option);
   std::vector<std::string> nodes;
   for (const AgentSpec& agent : scenario.agents) nodes.push_back(manager_node(agent).name);
-  return usage_error("found '" + name + "', expected a parameter of an agent's node (NODE.NAME, of " +
-                         list(nodes_of(scenario)) + ") or a global of rules (?*NAME*)" + did_you_mean(node, nodes),
+  return usage_error(found_text(name, "a parameter of an agent's node (NODE.NAME, of " + list(nodes_of(scenario)) +
+                                          ") or a global of rules (?*NAME*)" + did_you_mean(node, nodes)),
                      option);
 }
 
 Status check_set(const std::string& assignment, const Run& run, const Scenario& scenario) {
   const auto [name, value] = name_and_value(assignment);
   if (name.empty() || name.size() == assignment.size())
-    return usage_error("--set: found '" + assignment + "', expected NODE.NAME=VALUE or ?*GLOBAL*=VALUE");
+    return usage_error("--set: " + found_text(assignment, "NODE.NAME=VALUE or ?*GLOBAL*=VALUE"));
   const std::string option = "--set " + assignment;
   if (name.starts_with('?')) {
-    if (!is_global(name)) return usage_error("found '" + name + "', expected a global of rules: ?*NAME*", option);
+    if (!is_global(name)) return usage_error(found_text(name, "a global of rules: ?*NAME*"), option);
     const FormReading reading = read_forms(value, {});
     if (!reading.errors.empty()) return usage_error(reading.errors.front().message, option);
     if (reading.forms.empty()) return usage_error("the value is missing", option);

@@ -33,9 +33,9 @@ struct PlanningCost {
 inline Status validate(const PlanningCost& cost) {
   if (cost.latency_a < 0 || cost.latency_b < 0) return input_error("latency: a and b must be 0 or more");
   if (cost.budget <= 0)
-    return input_error("budget: found " + std::to_string(cost.budget) + ", expected work units above 0");
+    return input_error("budget: " + found_expected(std::to_string(cost.budget), "work units above 0"));
   if (cost.patience && *cost.patience <= 0)
-    return input_error("patience: found " + std::to_string(*cost.patience) + ", expected work units above 0");
+    return input_error("patience: " + found_expected(std::to_string(*cost.patience), "work units above 0"));
   return {};
 }
 

@@ -170,7 +170,8 @@ Status Episode::build_stage() {
     if (Status s = server.kind->add(server, setup, *stage_); !s) return at(server.origin, s.error());
     const std::vector<std::string> names = bus_->nodes();
     if (const auto twice = std::ranges::adjacent_find(names); twice != names.end())
-      return input_error("found a second node '" + *twice + "', expected another `name` or `namespace`", server.origin);
+      return input_error(found_expected("a second node '" + *twice + "'", "another `name` or `namespace`"),
+                         server.origin);
   }
   if (WallMeter* meter = options_.meters.physics)
     for (auto& moving : stage_->worlds) moving = std::make_unique<MeasuredWorld>(std::move(moving), *meter);
@@ -344,9 +345,9 @@ Status Episode::check_stimuli() {
       if (offered.providers > 0 && offered.name.ends_with(service))
         known.push_back(offered.name.substr(0, offered.name.size() - service.size()));
     if (std::ranges::find(known, node) == known.end())
-      return usage_error(
-          "found the node '" + node + "', expected one of: " + some_of(known, known.size()) + did_you_mean(node, known),
-          stimulus.origin.source, stimulus.origin.line);
+      return usage_error(found_expected("the node '" + node + "'",
+                                        "one of: " + some_of(known, known.size()) + did_you_mean(node, known)),
+                         stimulus.origin.source, stimulus.origin.line);
   }
   return {};
 }

@@ -79,7 +79,7 @@ void read_world(const yaml::Value& value, const Catalogue& catalogue, Scenario& 
   if (const yaml::Value kind = map.get("kind")) {
     const std::string name = kind.as_string();
     spec.kind = catalogue.find_world(name);
-    if (!spec.kind) return kind.fail("found '" + name + "', expected one of: " + names_of(catalogue.worlds));
+    if (!spec.kind) return kind.fail(found_text(name, "one of: " + names_of(catalogue.worlds)));
   }
   read_settings(map, spec);
   scenario.set_world(std::move(spec));
@@ -92,7 +92,7 @@ void read_server(const yaml::Value& value, const Catalogue& catalogue, Scenario&
   const auto find = [&](const yaml::Value& node) {
     const std::string name = node.as_string();
     spec.kind = catalogue.find_node(name);
-    if (!spec.kind && !name.empty()) node.fail("found '" + name + "', expected one of: " + names_of(catalogue.nodes));
+    if (!spec.kind && !name.empty()) node.fail(found_text(name, "one of: " + names_of(catalogue.nodes)));
   };
   if (value.is_scalar()) {
     find(value);
@@ -114,8 +114,8 @@ void read_tier(yaml::Map& map, Scenario& scenario) {
   scenario.tier = tier == "timed" ? Tier::kTimed : Tier::kPhysics;
   const WorldKind& world = *scenario.world.kind;
   if (world.tiers.empty() || std::ranges::find(world.tiers, scenario.tier) != world.tiers.end()) return;
-  map.get("tier").fail("found '" + tier + "', expected " + std::string(to_string(world.tiers.front())) + ": " +
-                       std::string(world.name) + " has no other tier");
+  map.get("tier").fail(found_text(
+      tier, std::string(to_string(world.tiers.front())) + ": " + std::string(world.name) + " has no other tier"));
 }
 
 /// A world makes all steps of a tick before anybody can look at it.
@@ -124,7 +124,7 @@ constexpr SimTime kLongestTick = std::chrono::hours(1);
 void check_steps(yaml::Map& map, const Scenario& scenario) {
   const yaml::Value tick = map.get("tick_s"), step = map.get("physics_step_s");
   if (scenario.tick <= SimTime::zero()) return tick.fail("must be more than 0");
-  if (scenario.tick > kLongestTick) return tick.fail("found " + tick.text() + ", expected at most 3600 s");
+  if (scenario.tick > kLongestTick) return tick.fail(found_expected(tick.text(), "at most 3600 s"));
   if (scenario.physics_step <= SimTime::zero()) return step.fail("must be more than 0");
   if (scenario.world.kind->any_tick || scenario.tick % scenario.physics_step == SimTime::zero()) return;
   const auto shown = [](SimTime t) {
@@ -133,8 +133,8 @@ void check_steps(yaml::Map& map, const Scenario& scenario) {
     return text.str();
   };
   (step ? step : tick)
-      .fail("found tick_s " + shown(scenario.tick) + " and physics_step_s " + shown(scenario.physics_step) +
-            ", expected a tick of whole steps");
+      .fail(found_expected("tick_s " + shown(scenario.tick) + " and physics_step_s " + shown(scenario.physics_step),
+                           "a tick of whole steps"));
 }
 
 bool reads(const WorldKind& world, const SectionKind& section) {
@@ -203,7 +203,7 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
                                   {"stories", "a file of stories, and no scenario; cxlab test plays them"}})
     if (document->root().as_map().has(key)) return input_error(std::string("this is ") + what, file.string(), 1);
   if (const yaml::Value schema = map.require("schema"); schema && schema.as_integer() != 1)
-    schema.fail("found " + schema.text() + ", expected 1");
+    schema.fail(found_expected(schema.text(), "1"));
   if (const yaml::Value world = map.get("world")) read_world(world, catalogue, scenario);
   read_tier(map, scenario);
   map.read("seed", scenario.seed).read("epoch", scenario.epoch);

@@ -58,7 +58,7 @@ Stimulus read_stimulus(const yaml::Value& value) {
   if (verbs != 1) {
     std::string list;
     for (const VerbWord& word : kVerbs) list += (list.empty() ? "" : ", ") + std::string(word.key);
-    value.fail("found " + std::to_string(verbs) + " verbs, expected exactly one of: " + list);
+    value.fail(found_expected(std::to_string(verbs) + " verbs", "exactly one of: " + list));
   }
   return stimulus;
 }

@@ -177,7 +177,7 @@ Status check_result_path(const std::string& path, const Scenario& scenario) {
     if (before == "stream_hashes") return {};  // then the name of a stream
     const std::string step = take_step(rest);
     if (at.is_array()) {
-      if (!is_index(step)) return input_error("found '" + path + "', expected an index like " + before + "[0]");
+      if (!is_index(step)) return input_error(found_text(path, "an index like " + before + "[0]"));
       if (at.empty())
         return input_error("in a world of kind " + std::string(scenario.world.kind->name) + ", '" + before +
                            "' is empty");

@@ -102,7 +102,7 @@ Expected<std::vector<Solid>> solids_of(std::string_view look) {
     const std::string_view part = look.substr(0, look.find(';'));
     look.remove_prefix(std::min(part.size() + 1, look.size()));
     const auto wrong = [&](std::string_view word, const char* expected) {
-      return input_error("look '" + std::string(part) + "': found '" + std::string(word) + "', expected " + expected);
+      return input_error("look '" + std::string(part) + "': " + found_text(std::string(word), expected));
     };
     std::string_view rest = part;
     Solid solid;

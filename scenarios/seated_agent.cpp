@@ -90,7 +90,7 @@ class SeatedAgent final : public Agent, private SeatBus {
     Expected<std::unique_ptr<Agent>> agent = std::unique_ptr<Agent>();
     if (seat.make) agent = seat.make(*self);
     if (!agent) return self->named(agent.error());
-    if (!*agent) return self->named(usage_error("found no agent, expected `make` to give one"));
+    if (!*agent) return self->named(usage_error(found_expected("no agent", "`make` to give one")));
     self->agent_ = *std::move(agent);
     const Status sent =
         seat.joins_after ? self->send(SeatTurn::kJoined, *seat.joins_after) : self->send(SeatTurn::kMade);
@@ -141,9 +141,9 @@ class SeatedAgent final : public Agent, private SeatBus {
     const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
     const auto fits_later = [&fits](char c) { return fits(c) || (c >= '0' && c <= '9'); };
     if (name.empty() || !fits(name.front()) || !std::ranges::all_of(name, fits_later))
-      return usage_error("found a seat called '" + name + "', expected letters, digits and '_', a letter first");
+      return usage_error(found_expected("a seat called '" + name + "'", "letters, digits and '_', a letter first"));
     if (bus.find_node('/' + name))
-      return usage_error("found a node /" + name + " already, expected another name of the seat");
+      return usage_error(found_expected("a node /" + name + " already", "another name of the seat"));
     return {};
   }
   Error named(Error error) const {
@@ -181,8 +181,8 @@ class SeatedAgent final : public Agent, private SeatBus {
   Status cancel(SeatGoal goal) override {
     const auto number = static_cast<std::uint32_t>(goal);
     if (number >= goals_.size())
-      return named(usage_error("found goal " + std::to_string(number) + ", expected one of the " +
-                               std::to_string(goals_.size()) + " that were sent"));
+      return named(usage_error(found_expected("goal " + std::to_string(number),
+                                              "one of the " + std::to_string(goals_.size()) + " that were sent")));
     waiting_.push_back({{Verb::kCancel, {}, {}, {}, number}});
     return {};
   }
@@ -193,16 +193,17 @@ class SeatedAgent final : public Agent, private SeatBus {
     const auto wrong = [&](const Error& error) {
       return named({error.kind, act.name + ": " + error.message, {}, 0, {}});
     };
-    if (act.name.empty()) return named(usage_error("found an empty name, expected that of a topic, service or action"));
+    if (act.name.empty())
+      return named(usage_error(found_expected("an empty name", "that of a topic, service or action")));
     auto type = type_of(bus_.registry(), act.type);
     if (!type) return wrong(type.error());
     item.type = *type;
     const bool service = act.verb == Verb::kCall, action = act.verb == Verb::kGoal;
     if (service != (type->service != nullptr) || action != (type->action != nullptr))
-      return wrong(usage_error("found the type " + act.type + ", expected that of " +
-                               (service  ? "a service"
-                                : action ? "an action"
-                                         : "a message")));
+      return wrong(
+          usage_error(found_expected("the type " + act.type, std::string("that of ") + (service  ? "a service"
+                                                                                        : action ? "an action"
+                                                                                                 : "a message"))));
     if (content) {
       if (const auto* text = std::get_if<std::string>(content)) {
         auto message = bus::Message::from_yaml(*type->sent, text->empty() ? "{}" : *text);
@@ -211,9 +212,9 @@ class SeatedAgent final : public Agent, private SeatBus {
       } else {
         const auto& message = std::get<bus::Message>(*content);
         if (!message || &message.view().type() != type->sent)
-          return wrong(usage_error("found a message of " +
-                                   (message ? message.view().type().name() : std::string("no type")) +
-                                   ", expected one of " + type->sent->name()));
+          return wrong(usage_error(
+              found_expected("a message of " + (message ? message.view().type().name() : std::string("no type")),
+                             "one of " + type->sent->name())));
         item.message = std::make_shared<const bus::Message>(message);
       }
       item.message->serialize(act.content);

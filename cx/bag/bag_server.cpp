@@ -50,16 +50,16 @@ Status validate(const BagSpec& spec) {
   };
   const auto number = [](double value) { return general_text(value, 9); };
   if (!(spec.start_s >= 0 && spec.start_s <= 1e9))
-    return fail("start_s", "found " + number(spec.start_s) + ", expected s from 0 to 1e9");
+    return fail("start_s", found_expected(number(spec.start_s), "s from 0 to 1e9"));
   if (!(spec.offset_s >= 0 && spec.offset_s <= 1e9))
-    return fail("offset_s", "found " + number(spec.offset_s) + ", expected s from 0 to 1e9");
+    return fail("offset_s", found_expected(number(spec.offset_s), "s from 0 to 1e9"));
   if (!(spec.rate >= 0.001 && spec.rate <= 1000))
-    return fail("rate", "found " + number(spec.rate) + ", expected a number from 0.001 to 1000");
+    return fail("rate", found_expected(number(spec.rate), "a number from 0.001 to 1000"));
   for (const auto& [key, expression] : {std::pair("topics", &spec.topics), std::pair("exclude", &spec.exclude)}) {
     try {
       (void)matches("/", *expression);
     } catch (const std::regex_error& error) {
-      return fail(key, "found '" + *expression + "', expected a regular expression (ECMAScript): " + error.what());
+      return fail(key, found_text(*expression, std::string("a regular expression (ECMAScript): ") + error.what()));
     }
   }
   for (const auto& remap : spec.remap)

@@ -48,13 +48,14 @@ Expected<FilesOfBag> files_of_metadata(const fs::path& folder) {
   map.read("compression_mode", mode).read("compression_format", format);
   out.packed_messages = mode == "MESSAGE" || mode == "message";
   if (!format.empty() && format != "zstd")
-    return input_error("found the compression '" + format + "', expected zstd: rewrite the bag with ros2 bag convert",
-                       file.string());
+    return input_error(
+        found_expected("the compression '" + format + "'", "zstd: rewrite the bag with ros2 bag convert"),
+        file.string());
   if (const yaml::Value names = map.get("relative_file_paths"))
     for (const yaml::Value& name : names.as_list()) {
       const fs::path path(name.as_string());
       if (path != path.filename() || path.empty() || path == "..")
-        name.fail("found '" + path.string() + "', expected the name of a file in this folder");
+        name.fail(found_text(path.string(), "the name of a file in this folder"));
       else
         out.paths.push_back(folder / path);
     }

@@ -86,8 +86,8 @@ class SqliteFile final : public BagFile {
       const auto topic = places_.find(sqlite3_column_int64(row, 1));
       const auto where = [&] { return "row " + std::to_string(number) + " of the table messages: "; };
       if (topic == places_.end())
-        return input_error(where() + "found topic " + std::to_string(sqlite3_column_int64(row, 1)) +
-                               ", expected one of the table topics",
+        return input_error(where() + found_expected("topic " + std::to_string(sqlite3_column_int64(row, 1)),
+                                                    "one of the table topics"),
                            name_);
       const auto time = sqlite3_column_int64(row, 2);
       if (time < 0) return input_error(where() + "found the time " + std::to_string(time) + " ns", name_);

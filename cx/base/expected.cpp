@@ -65,6 +65,14 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return near.empty() ? near : std::string(separator) + "did you mean '" + near + "'?";
 }
 
+std::string found_expected(std::string_view found, std::string_view expected) {
+  return "found " + std::string(found) + ", expected " + std::string(expected);
+}
+
+std::string found_text(std::string_view text, std::string_view expected) {
+  return found_expected('\'' + std::string(text) + '\'', expected);
+}
+
 std::string some_of(const std::vector<std::string>& names, std::size_t most) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];

@@ -96,6 +96,10 @@ class [[nodiscard]] Status {
   std::optional<Error> error_;
 };
 
+/// "found X, expected Y": how a message names what stands where something else should; more may follow behind Y.
+std::string found_expected(std::string_view found, std::string_view expected);
+/// The same with what was found in quotes: "found 'X', expected Y".
+std::string found_text(std::string_view text, std::string_view expected);
 /// The candidate nearest to `word` by edit distance, or empty if none is near; for "did you mean".
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 /// ", did you mean 'X'?" with the nearest candidate, or nothing; for the end of a message.

@@ -44,7 +44,7 @@ Expected<std::string> read_file(const std::filesystem::path& path) {
     if (got == 0) break;
     text.append(piece.data(), static_cast<std::size_t>(got));
     if (text.size() > most)
-      return input_error("found more than " + std::to_string(most >> 20) + " MB, expected a file", path.string());
+      return input_error(found_expected("more than " + std::to_string(most >> 20) + " MB", "a file"), path.string());
   }
   if (text.empty() && std::filesystem::is_fifo(path, error))
     return input_error("is a pipe into which nobody writes, expected a file", path.string());

@@ -125,11 +125,11 @@ CdrWriter& CdrWriter::message(const MessageView& message) {
 
 CdrReader::CdrReader(std::string_view value) {
   if (value.size() < kLittleEndian.size())
-    status_ = input_error("found " + std::to_string(value.size()) + " bytes, expected CDR with its header of 4");
+    status_ = input_error(found_expected(std::to_string(value.size()) + " bytes", "CDR with its header of 4"));
   else if (value[0] != 0 || value[1] != 1)
-    status_ = input_error("found the representation " + std::to_string(static_cast<unsigned char>(value[0])) + ' ' +
-                          std::to_string(static_cast<unsigned char>(value[1])) +
-                          ", expected 0 1, which is little-endian CDR");
+    status_ = input_error(found_expected("the representation " + std::to_string(static_cast<unsigned char>(value[0])) +
+                                             ' ' + std::to_string(static_cast<unsigned char>(value[1])),
+                                         "0 1, which is little-endian CDR"));
   else
     fields_ = value.substr(kLittleEndian.size());
 }
@@ -153,7 +153,7 @@ const char* CdrReader::take(std::size_t size, std::size_t alignment) {
 
 CdrReader& CdrReader::size(std::uint32_t& size, std::uint32_t most) {
   number(size);
-  if (size > most) fail("found " + std::to_string(size) + " elements, expected at most " + std::to_string(most));
+  if (size > most) fail(found_expected(std::to_string(size) + " elements", "at most " + std::to_string(most)));
   return *this;
 }
 
@@ -217,7 +217,7 @@ void CdrReader::read_numbers(const MessageView& message, const Field& field, std
     if (const char* const other = std::find_if(data, data + count, [](char c) { return c != 0 && c != 1; });
         other != data + count) {
       at_ -= static_cast<std::size_t>(data + count - other);
-      return fail("found " + std::to_string(static_cast<unsigned char>(*other)) + ", expected 0 or 1 for a bool");
+      return fail(found_expected(std::to_string(static_cast<unsigned char>(*other)), "0 or 1 for a bool"));
     }
   std::memcpy(numbers_of(message, field), data, count * field.stride);
 }

@@ -91,7 +91,7 @@ class LineParser {
     Field& field = spec.field;
     std::string_view base = word;
     if (const auto bracket = base.find('['); bracket != std::string_view::npos) {
-      if (base.back() != ']') return fail("found " + in_quotes(word) + ", expected an array like T[], T[3] or T[<=3]");
+      if (base.back() != ']') return fail(found_expected(in_quotes(word), "an array like T[], T[3] or T[<=3]"));
       std::string_view size = base.substr(bracket + 1, base.size() - bracket - 2);
       base = base.substr(0, bracket);
       field.array = size.empty() ? ArrayKind::kUnbounded : ArrayKind::kFixed;
@@ -132,9 +132,8 @@ class LineParser {
     const bool good_kind = count < 3 || parts[1] == "msg";
     if (type.empty() || !is_upper(type.front()) ||
         !std::ranges::all_of(type, [&](char c) { return letter(c) || is_digit(c); }) || !good_package || !good_kind) {
-      return fail("found type " + in_quotes(word) +
-                  ", expected a primitive type, Name, package/Name or package/msg/Name" +
-                  nearest_is(std::string(base), primitives()));
+      return fail(found_expected("type " + in_quotes(word), "a primitive type, Name, package/Name or package/msg/Name" +
+                                                                nearest_is(std::string(base), primitives())));
     }
     spec.field.type = FieldType::kMessage;
     spec.nested_name = base;
@@ -144,8 +143,8 @@ class LineParser {
   Status parse_limit(std::string_view text, std::string_view word, std::size_t& limit) const {
     const auto value = parse_integer(text, FieldType::kUint32);
     if (!value || !is_digit(text.front()) || *value < 1 || *value > static_cast<std::int64_t>(kMaxElements))
-      return fail("found " + in_quotes(text) + " in " + in_quotes(word) + ", expected a number from 1 to " +
-                  std::to_string(kMaxElements));
+      return fail(found_expected(in_quotes(text) + " in " + in_quotes(word),
+                                 "a number from 1 to " + std::to_string(kMaxElements)));
     limit = static_cast<std::size_t>(*value);
     return {};
   }
@@ -153,7 +152,7 @@ class LineParser {
   Status add_constant(const FieldSpec& spec, std::string_view value, Section& section) const {
     const Field& field = spec.field;
     if (!is_word(field.name, is_upper))
-      return fail("found constant " + in_quotes(field.name) + ", expected a name in capitals like MAX_SPEED");
+      return fail(found_expected("constant " + in_quotes(field.name), "a name in capitals like MAX_SPEED"));
     if (field.is_message() || field.array != ArrayKind::kSingle)
       return fail("constant " + in_quotes(field.name) + " has type " + in_quotes(field.type_text()) +
                   ", expected a primitive type, not an array");
@@ -180,8 +179,9 @@ class LineParser {
   Status add_field(FieldSpec spec, std::string_view value, Section& section) const {
     const std::string& name = spec.field.name;
     if (!is_word(name, is_lower))
-      return fail("found field " + in_quotes(name) + ", expected a name in lower case like max_speed" +
-                  (is_word(name, is_upper) ? " (a constant needs '=')" : ""));
+      return fail(
+          found_expected("field " + in_quotes(name), std::string("a name in lower case like max_speed") +
+                                                         (is_word(name, is_upper) ? " (a constant needs '=')" : "")));
     for (const FieldSpec& other : section.fields)
       if (other.field.name == name)
         return fail("field " + in_quotes(name) + " is defined twice, first in line " + std::to_string(other.line));
@@ -223,8 +223,8 @@ Expected<std::vector<Section>> parse_definition(std::string_view text, const std
   }
   if (result.size() != sections)
     return input_error(
-        "found " + std::to_string(result.size() - 1) + " lines of '---', expected " + std::to_string(sections - 1),
-        file, line);
+        found_expected(std::to_string(result.size() - 1) + " lines of '---'", std::to_string(sections - 1)), file,
+        line);
   return result;
 }
 

@@ -48,8 +48,8 @@ std::vector<std::string> split(std::string_view text) {
 Expected<std::string> read_definition(const fs::path& path) {
   auto text = read_file(path);
   if (text && text->size() > kMaxFileBytes)
-    return input_error("found " + std::to_string(text->size()) + " bytes, expected a definition of at most " +
-                           std::to_string(kMaxFileBytes),
+    return input_error(found_expected(std::to_string(text->size()) + " bytes",
+                                      "a definition of at most " + std::to_string(kMaxFileBytes)),
                        path.string());
   return text;
 }
@@ -71,8 +71,7 @@ Status set_default(const MessageView& message, const Field& field) {
     if (!list) return list.error();
     items = std::move(*list);
     if (field.array == ArrayKind::kFixed && items.size() != field.size_limit)
-      return input_error("found " + std::to_string(items.size()) + " values, expected " +
-                         std::to_string(field.size_limit));
+      return input_error(found_expected(std::to_string(items.size()) + " values", std::to_string(field.size_limit)));
     if (field.is_sequence())
       if (Status status = message.resize(field, items.size()); !status) return status;
   }
@@ -167,7 +166,7 @@ bool holds_definitions(const fs::path& package) {
 
 Status Registry::add_package(const std::string& package, const fs::path& folder) {
   if (!is_identifier(package))
-    return input_error("found package name '" + package + "', expected letters, digits and underscores");
+    return input_error(found_expected("package name '" + package + "'", "letters, digits and underscores"));
   std::error_code failure;
   if (!fs::is_directory(folder, failure))
     return input_error("package '" + package + "': found no folder", folder.string());
@@ -346,17 +345,16 @@ Expected<const MessageType*> Registry::message(const std::string& name) {
           return status.error();
         return state_->messages.at(name);
       }
-      return input_error("found '" + name + "', expected " + parts[0] + '/' + parts[1] + "/Name" +
-                         std::string(form.suffixes[0]) + " or the like");
+      return input_error(
+          found_text(name, parts[0] + '/' + parts[1] + "/Name" + std::string(form.suffixes[0]) + " or the like"));
     }
   }
-  return input_error("found '" + name + "', expected a message type: package/msg/Name");
+  return input_error(found_text(name, "a message type: package/msg/Name"));
 }
 
 Expected<const ServiceType*> Registry::service(const std::string& name) {
   const auto parts = split(name);
-  if (parts.size() != 3 || parts[1] != "srv")
-    return input_error("found '" + name + "', expected a service type: package/srv/Name");
+  if (parts.size() != 3 || parts[1] != "srv") return input_error(found_text(name, "a service type: package/srv/Name"));
   if (!state_->services.count(name))
     if (Status status = read(parts[0], parts[1], parts[2]); !status) return status.error();
   return &state_->services.at(name);
@@ -365,7 +363,7 @@ Expected<const ServiceType*> Registry::service(const std::string& name) {
 Expected<const ActionType*> Registry::action(const std::string& name) {
   const auto parts = split(name);
   if (parts.size() != 3 || parts[1] != "action")
-    return input_error("found '" + name + "', expected an action type: package/action/Name");
+    return input_error(found_text(name, "an action type: package/action/Name"));
   if (!state_->actions.count(name))
     if (Status status = read(parts[0], parts[1], parts[2]); !status) return status.error();
   return &state_->actions.at(name);

@@ -61,18 +61,17 @@ Expected<std::int64_t> parse_integer(std::string_view text, FieldType type) {
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), magnitude, base);
   const bool out_of_range = failure == std::errc::result_out_of_range;
   if (!out_of_range && (failure != std::errc{} || end != digits.data() + digits.size()))
-    return input_error("found " + in_quotes(text) + ", expected an integer of " + range_text(type));
+    return input_error(found_expected(in_quotes(text), "an integer of " + range_text(type)));
   const IntegerRange range = integer_range(type);
   const std::uint64_t limit = negative ? std::uint64_t{0} - static_cast<std::uint64_t>(range.min) : range.max;
-  if (out_of_range || magnitude > limit)
-    return input_error("found " + std::string(text) + ", expected " + range_text(type));
+  if (out_of_range || magnitude > limit) return input_error(found_expected(std::string(text), range_text(type)));
   return static_cast<std::int64_t>(negative ? std::uint64_t{0} - magnitude : magnitude);
 }
 
 Expected<bool> parse_bool(std::string_view text) {
   if (text == "true" || text == "True" || text == "1") return true;
   if (text == "false" || text == "False" || text == "0") return false;
-  return input_error("found " + in_quotes(text) + ", expected true or false");
+  return input_error(found_expected(in_quotes(text), "true or false"));
 }
 
 Expected<double> parse_real(std::string_view text) {
@@ -81,9 +80,9 @@ Expected<double> parse_real(std::string_view text) {
   double value = 0;
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (failure == std::errc::result_out_of_range)
-    return input_error("found " + std::string(text) + ", expected a number that a float64 can hold");
+    return input_error(found_expected(std::string(text), "a number that a float64 can hold"));
   if (failure != std::errc{} || end != digits.data() + digits.size())
-    return input_error("found " + in_quotes(text) + ", expected a number");
+    return input_error(found_expected(in_quotes(text), "a number"));
   return value;
 }
 
@@ -109,7 +108,7 @@ Expected<std::string> parse_text(std::string_view text) {
   for (std::size_t i = 1; i < text.size(); ++i) {
     if (text[i] == quote) {
       if (i + 1 == text.size()) return value;
-      return input_error("found " + in_quotes(text.substr(i + 1)) + " after the closing quote, expected the end");
+      return input_error(found_expected(in_quotes(text.substr(i + 1)) + " after the closing quote", "the end"));
     }
     if (text[i] == '\\' && i + 1 < text.size()) {
       const char escaped = text[++i];
@@ -130,7 +129,7 @@ Expected<std::string> parse_text(std::string_view text) {
 
 Expected<std::vector<std::string>> parse_list(std::string_view text) {
   if (text.size() < 2 || text.front() != '[' || text.back() != ']')
-    return input_error("found " + in_quotes(text) + ", expected a list like [1, 2]");
+    return input_error(found_expected(in_quotes(text), "a list like [1, 2]"));
   text = text.substr(1, text.size() - 2);
   std::vector<std::string> items;
   if (trim(text).empty()) return items;

@@ -126,8 +126,7 @@ Status MessageView::set_integer(const Field& field, std::int64_t value, std::siz
   assert(field.is_integer());
   const IntegerRange range = integer_range(field.type);
   if (value < range.min || value > static_cast<std::int64_t>(range.max))
-    return input_error("field '" + field.name + "': found " + std::to_string(value) + ", expected " +
-                       range_text(field.type));
+    return input_error("field '" + field.name + "': " + found_expected(std::to_string(value), range_text(field.type)));
   switch (field.stride) {
     case 1: store(at, static_cast<std::uint8_t>(value)); break;
     case 2: store(at, static_cast<std::uint16_t>(value)); break;
@@ -147,8 +146,9 @@ void MessageView::set_real(const Field& field, double value, std::size_t index) 
 Status MessageView::set_text(const Field& field, std::string_view value, std::size_t index) const {
   assert(field.is_text());
   if (field.string_limit > 0 && text_length(field, value) > field.string_limit)
-    return input_error("field '" + field.name + "': found a text of " + std::to_string(text_length(field, value)) +
-                       " characters, expected at most " + std::to_string(field.string_limit));
+    return input_error("field '" + field.name + "': " +
+                       found_expected("a text of " + std::to_string(text_length(field, value)) + " characters",
+                                      "at most " + std::to_string(field.string_limit)));
   reinterpret_cast<std::string*>(element(field, memory_, index))->assign(value);
   return {};
 }
@@ -158,8 +158,9 @@ Status MessageView::resize(const Field& field, std::size_t size) const {
     return input_error("field '" + field.name + "' (" + field.type_text() + ") cannot change its size to " +
                        std::to_string(size));
   if (field.array == ArrayKind::kBounded && size > field.size_limit)
-    return input_error("field '" + field.name + "': found " + std::to_string(size) + " elements, expected at most " +
-                       std::to_string(field.size_limit));
+    return input_error(
+        "field '" + field.name +
+        "': " + found_expected(std::to_string(size) + " elements", "at most " + std::to_string(field.size_limit)));
   resize_sequence(field, sequence_of(field, memory_), size);
   return {};
 }

@@ -35,7 +35,7 @@ Status read_message(const YAML::Node& node, const MessageView& message, const st
 
 Status read_scalar(const YAML::Node& node, const MessageView& message, const Field& field, std::size_t index) {
   if (!node.IsScalar())
-    return input_error("found " + kind_of(node) + ", expected a value of type " + std::string(to_string(field.type)));
+    return input_error(found_expected(kind_of(node), "a value of type " + std::string(to_string(field.type))));
   const std::string& text = node.Scalar();
   if (field.is_text()) return message.set_text(field, text, index);
   if (field.is_real()) {
@@ -43,7 +43,7 @@ Status read_scalar(const YAML::Node& node, const MessageView& message, const Fie
     if (!real) return real.error();
     if (field.type == FieldType::kFloat32 && std::isfinite(*real) &&
         std::abs(*real) > static_cast<double>(std::numeric_limits<float>::max()))
-      return input_error("found " + text + ", expected a number that a float32 can hold");
+      return input_error(found_expected(text, "a number that a float32 can hold"));
     message.set_real(field, *real, index);
     return {};
   }
@@ -66,12 +66,13 @@ Status read_field(const YAML::Node& node, const MessageView& message, const Fiel
   if (field.array == ArrayKind::kSingle) return read_element(node, message, field, 0, path);
   if (!node.IsSequence())
     return error_at(node,
-                    "field '" + path + "': found " + kind_of(node) + ", expected a list (" + field.type_text() + ")");
+                    "field '" + path + "': " + found_expected(kind_of(node), "a list (" + field.type_text() + ")"));
   if (field.is_sequence()) {
     if (Status status = message.resize(field, node.size()); !status) return error_at(node, status.error().message);
   } else if (node.size() != field.size_limit) {
-    return error_at(node, "field '" + path + "': found " + std::to_string(node.size()) + " elements, expected " +
-                              std::to_string(field.size_limit));
+    return error_at(
+        node, "field '" + path +
+                  "': " + found_expected(std::to_string(node.size()) + " elements", std::to_string(field.size_limit)));
   }
   for (std::size_t i = 0; i < node.size(); ++i)
     if (Status status = read_element(node[i], message, field, i, path + '[' + std::to_string(i) + ']'); !status)
@@ -83,8 +84,8 @@ Status read_message(const YAML::Node& node, const MessageView& message, const st
   const MessageType& type = message.type();
   if (node.IsNull()) return {};
   if (!node.IsMap())
-    return error_at(node, (path.empty() ? "" : "field '" + path + "': ") + "found " + kind_of(node) +
-                              ", expected a map of the fields of " + type.name());
+    return error_at(node, (path.empty() ? "" : "field '" + path + "': ") +
+                              found_expected(kind_of(node), "a map of the fields of " + type.name()));
   std::vector<std::string> seen;
   for (const auto& entry : node) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : kind_of(entry.first);

@@ -109,7 +109,7 @@ std::string remap_fault(const std::pair<std::string, std::string>& remap) {
     const std::string_view node = from.substr(0, colon);
     if (const std::string fault = name_fault(node);
         !fault.empty() || node.find_first_of("/~{") != std::string_view::npos)
-      return "found '" + std::string(node) + "' before ':', expected the name of a node";
+      return found_expected("'" + std::string(node) + "' before ':'", "the name of a node");
     from.remove_prefix(colon + 1);
   }
   const auto bad = [](std::string_view name, const std::string& fault) {

@@ -139,7 +139,7 @@ FormReading read_forms(std::string_view text, const std::string& file) {
   const std::size_t start = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     reading.errors.push_back(
-        input_error("found a zero byte, expected text", file, 1 + count_lines(text.substr(0, zero))));
+        input_error(found_expected("a zero byte", "text"), file, 1 + count_lines(text.substr(0, zero))));
   }
 
   Scanner scanner(text, start, 1);

@@ -71,8 +71,7 @@ struct CallFrame {
         return;
       }
       if (size < record.spec.min_args || size > record.spec.max_args) {
-        say_error(env, context,
-                  "found " + std::to_string(size) + " arguments, expected " + expected_arguments(record.spec));
+        say_error(env, context, found_expected(std::to_string(size) + " arguments", expected_arguments(record.spec)));
         result->lexemeValue = FalseSymbol(env);
         return;
       }

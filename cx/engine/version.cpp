@@ -33,8 +33,9 @@ Status check_clips_library() {
   static const std::string found = trimmed(library_banner());
   const std::string expected = trimmed(BANNER_STRING);
   if (found == expected) return {};
-  return resource_error("found the CLIPS library '" + found + "', expected '" + expected +
-                        "' that cxlab was built with; $LD_LIBRARY_PATH and $LD_PRELOAD must not name another one");
+  return resource_error(found_expected(
+      "the CLIPS library '" + found + "'",
+      "'" + expected + "' that cxlab was built with; $LD_LIBRARY_PATH and $LD_PRELOAD must not name another one"));
 }
 
 }  // namespace cxlab

@@ -105,8 +105,8 @@ Status EnvironmentManager::check_environment_name(const std::string& name) {
   constexpr std::size_t kLongest = 200;  // its log is a file of that name
   if (name.empty()) return input_error("an environment needs a name");
   if (name.size() > kLongest)
-    return input_error("found a name of " + std::to_string(name.size()) +
-                       " characters for an environment, expected at most " + std::to_string(kLongest));
+    return input_error(found_expected("a name of " + std::to_string(name.size()) + " characters for an environment",
+                                      "at most " + std::to_string(kLongest)));
   return {};
 }
 

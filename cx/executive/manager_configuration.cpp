@@ -45,9 +45,10 @@ Expected<std::unique_ptr<EnvironmentManager>> EnvironmentManager::create(Manager
     const std::vector<std::string> nodes{options.node + '.', full_name + '.'};
     const auto node = std::ranges::find_if(nodes, [&](const auto& prefix) { return given.name.starts_with(prefix); });
     if (node == nodes.end())
-      return input_error("found the parameter '" + given.name + "', expected NODE.NAME with the node " + options.node +
-                             did_you_mean_node(given.name, options.node),
-                         given.origin);
+      return input_error(
+          found_expected("the parameter '" + given.name + "'",
+                         "NODE.NAME with the node " + options.node + did_you_mean_node(given.name, options.node)),
+          given.origin);
     if (Status s = parameters->set(given.name.substr(node->size()), given.value, given.origin); !s) return s.error();
   }
   auto manager = std::unique_ptr<EnvironmentManager>(
@@ -102,7 +103,7 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
   if (Status s = parameters_.read(instance + ".plugin", type); !s) return s.error();
   if (type.empty() && parameters_.find(instance + ".plugin"))
     return parameters_.error_at(instance + ".plugin",
-                                "parameter '" + instance + ".plugin': found '', expected the class of a plugin");
+                                "parameter '" + instance + ".plugin': " + found_text("", "the class of a plugin"));
   if (type.empty()) {
     std::vector<std::string> typed;
     for (const auto& group : parameters_.below(""))
@@ -185,7 +186,7 @@ Status EnvironmentManager::check_configuration() {
   std::string compat = "released";
   if (Status s = parameters_.declare("compat", compat); !s) return s;
   if (compat != "released" && compat != "next")
-    return parameters_.error_at("compat", "parameter 'compat': found '" + compat + "', expected released or next");
+    return parameters_.error_at("compat", "parameter 'compat': " + found_text(compat, "released or next"));
   options_.next = compat == "next";
   const bool none = !parameters_.find("environments");
   if (Status s = parameters_.declare("environments", names); !s) return s;

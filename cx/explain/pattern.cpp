@@ -83,7 +83,7 @@ class ConstraintReader {
       single.kind = Single::Kind::kConstant;
       single.constant = constant_of(term);
     } else {
-      return input_error("found " + term.print() + ", expected a value");
+      return input_error(found_expected(term.print(), "a value"));
     }
     return single;
   }
@@ -202,9 +202,8 @@ Expected<Pattern> Pattern::parse_plain(const std::string& text, const std::strin
   if (reading.forms.size() != 1 || !reading.forms[0].list) return bad("expected one pattern in parentheses");
   for (const Token& token : tokens_of(reading.forms[0]))
     if (token.kind == Token::Kind::kConnective)
-      return bad(
-          "&, | and ~ are not understood here: found one of them, expected a value, or ? for any; ask once for each "
-          "value");
+      return bad("&, | and ~ are not understood here: " +
+                 found_expected("one of them", "a value, or ? for any; ask once for each value"));
   const Term term = tree_of(reading.forms[0]);
   for (const Term& slot : term.items)
     for (const Term& value : slot.items)

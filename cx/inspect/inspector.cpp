@@ -99,7 +99,7 @@ FactHistory Inspector::history_of(std::int64_t number, std::int64_t index, std::
 
 Error Inspector::no_template(const std::string& name) const {
   if (name.find_first_of(" ()") != name.npos)
-    return input_error("found '" + name + "', expected a template, or a pattern in parentheses: '(order (id 3))'");
+    return input_error(found_text(name, "a template, or a pattern in parentheses: '(order (id 3))'"));
   return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
 }
 

@@ -95,8 +95,7 @@ Expected<StoredFiles> StoredFiles::open(const fs::path& run) {
     };
     const std::string name = word("name"), hash = word("hash");
     if (!is_logical_name(name))
-      return input_error("found '" + name + "', expected the name of a copy in the folder of the run", index_path,
-                         number);
+      return input_error(found_text(name, "the name of a copy in the folder of the run"), index_path, number);
     if (!is_hash(hash)) return input_error("expected a hash of 32 hex digits for '" + name + "'", index_path, number);
     store.hashes_.emplace(name, hash);
   }

@@ -64,7 +64,7 @@ Expected<bool> Reader::read_record() {
     return false;
   }
   if (size > kMostBytes)
-    return broken("found " + std::to_string(size) + " bytes, expected at most " + std::to_string(kMostBytes));
+    return broken(found_expected(std::to_string(size) + " bytes", "at most " + std::to_string(kMostBytes)));
   content_.resize(size);
   in_->read(content_.data(), static_cast<std::streamsize>(size));
   if (!*in_) return broken("the file cannot be read");

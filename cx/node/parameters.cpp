@@ -210,7 +210,7 @@ Error wrong_type(const Parameter& p, std::string_view name, std::string_view exp
   using Type = Parameter::Type;
   std::string found(to_string(p.type));
   if (!p.text.empty()) found = "'" + p.text + "' (" + found + ")";
-  std::string message = "parameter '" + std::string(name) + "': found " + found + ", expected " + std::string(expected);
+  std::string message = "parameter '" + std::string(name) + "': " + found_expected(found, std::string(expected));
   const bool plain = p.type == Type::kBool || p.type == Type::kInteger || p.type == Type::kDouble;
   if (plain && expected.ends_with("string")) message += ": in quotes it is one";
   if (plain && expected.ends_with("strings")) message += ": in quotes it is a string";

@@ -59,24 +59,23 @@ struct FrameHeader {
 /// `bytes` has at least a header.
 Expected<FrameHeader> read_header(std::string_view bytes) {
   if (byte_at(bytes, 0) != kVersion)
-    return input_error("found frame header version " + std::to_string(byte_at(bytes, 0)) + ", expected " +
-                       std::to_string(kVersion));
+    return input_error(
+        found_expected("frame header version " + std::to_string(byte_at(bytes, 0)), std::to_string(kVersion)));
   if (byte_at(bytes, 1) >= kCiphers.size())
-    return input_error("found cipher " + std::to_string(byte_at(bytes, 1)) + ", expected 0 to " +
-                       std::to_string(kCiphers.size() - 1));
+    return input_error(
+        found_expected("cipher " + std::to_string(byte_at(bytes, 1)), "0 to " + std::to_string(kCiphers.size() - 1)));
   return FrameHeader{static_cast<Cipher>(byte_at(bytes, 1)), read_u32(bytes.substr(4))};
 }
 
 Expected<Frame> read_payload(std::string_view payload) {
   if (payload.size() < kMessageHeader)
-    return input_error("found a payload of " + std::to_string(payload.size()) + " bytes, expected at least " +
-                       std::to_string(kMessageHeader));
+    return input_error(found_expected("a payload of " + std::to_string(payload.size()) + " bytes",
+                                      "at least " + std::to_string(kMessageHeader)));
   return Frame{{read_u16(payload), read_u16(payload.substr(2))}, std::string(payload.substr(kMessageHeader))};
 }
 
 Error wrong_size(std::size_t found, std::size_t expected) {
-  return input_error("Invalid number of bytes: found " + std::to_string(found) + ", expected " +
-                     std::to_string(expected));
+  return input_error("Invalid number of bytes: " + found_expected(std::to_string(found), std::to_string(expected)));
 }
 
 }  // namespace
@@ -135,8 +134,8 @@ std::string Crypto::encrypt(std::string_view plain) {
 Expected<std::string> Crypto::decrypt(std::string_view encrypted) const {
   const std::size_t iv = iv_size(cipher_);
   if (encrypted.size() <= iv)
-    return input_error("Decryption failed: found " + std::to_string(encrypted.size()) +
-                       " encrypted bytes, expected more than " + std::to_string(iv));
+    return input_error("Decryption failed: " + found_expected(std::to_string(encrypted.size()) + " encrypted bytes",
+                                                              "more than " + std::to_string(iv)));
   const std::string_view body = encrypted.substr(iv);
   std::string out(body.size() + EVP_MAX_BLOCK_LENGTH, '\0');
   EVP_CIPHER_CTX* evp = context_->evp.get();
@@ -204,8 +203,8 @@ Expected<std::optional<Frame>> StreamReader::next() {
   if (!header) return header.error();
   if (header->cipher != Cipher::kNone) return input_error("Received encrypted message, but encryption is disabled");
   if (header->payload > kLargestPayload)
-    return input_error("found a payload of " + std::to_string(header->payload) + " bytes, expected at most " +
-                       std::to_string(kLargestPayload));
+    return input_error(found_expected("a payload of " + std::to_string(header->payload) + " bytes",
+                                      "at most " + std::to_string(kLargestPayload)));
   if (rest.size() - kFrameHeader < header->payload) return std::optional<Frame>();
   read_ += kFrameHeader + header->payload;
   auto frame = read_payload(rest.substr(kFrameHeader, header->payload));

@@ -97,7 +97,7 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
     if (!out.action && o.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
   if (const yaml::Value list = map.get("under_way")) {
     if (!out.action || step)
-      list.fail("found `under_way` here, expected it only in `skills`: only goals can run when a story begins");
+      list.fail(found_expected("`under_way` here", "it only in `skills`: only goals can run when a story begins"));
     read_under_way(list, out);
   }
   map.finish();
@@ -117,7 +117,7 @@ Fault read_fault(const yaml::Value& item) {
   const yaml::Value probability = map.require("probability");
   if (probability) fault.probability = probability.as_number();
   if (!(fault.probability >= 0 && fault.probability <= 1))
-    probability.fail("found " + probability.text() + ", expected a probability from 0 to 1");
+    probability.fail(found_expected(probability.text(), "a probability from 0 to 1"));
   map.read("times", fault.most);
   if (map.has("times") && fault.most < 1) map.fail("times: expected at least 1");
   map.finish();
@@ -190,7 +190,7 @@ void replace(const yaml::Value& key, StorySpec& spec) {
   if (const auto list = lists.find(word); list != lists.end()) return list->second();
   std::vector<std::string> words;
   for (const auto& [name, forgets] : lists) words.push_back(name);
-  key.fail("found '" + word + "', expected some of: " + some_of(words, words.size()) + did_you_mean(word, words));
+  key.fail(found_text(word, "some of: " + some_of(words, words.size()) + did_you_mean(word, words)));
 }
 
 void read_story(yaml::Map& map, StorySpec& spec) {
@@ -214,7 +214,7 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   if (const yaml::Value seed = map.get("seed")) {
     map.read("seed", spec.seed);
     spec.seeds.clear();
-    if (map.has("seeds")) seed.fail("found beside seeds, expected one of the two");
+    if (map.has("seeds")) seed.fail(found_expected("beside seeds", "one of the two"));
   }
   if (const yaml::Value seeds = map.get("seeds")) {
     spec.seeds = yaml::read_seeds(seeds);
@@ -224,7 +224,7 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   map.read_seconds("begins_s", spec.begins).read("moment", spec.moment).read("leaves_nothing", spec.leaves_nothing);
   if (const yaml::Value given_at = map.get("given_at_s")) {
     map.read_seconds("given_at_s", spec.given_at);
-    if (spec.given_at < spec.begins) given_at.fail("found " + given_at.text() + ", expected no time before begins_s");
+    if (spec.given_at < spec.begins) given_at.fail(found_expected(given_at.text(), "no time before begins_s"));
   }
   if (const yaml::Value calls = map.get("calls"))
     for (const yaml::Value& call : calls.as_list()) spec.calls.push_back({call.as_string(), call.line()});

@@ -11,7 +11,8 @@ namespace {
 
 void add_seed(std::uint64_t seed, const Value& place, std::vector<std::uint64_t>& seeds) {
   if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end())
-    place.fail("found seed " + std::to_string(seed) + " twice, expected each once: the same game is no second sample");
+    place.fail(
+        found_expected("seed " + std::to_string(seed) + " twice", "each once: the same game is no second sample"));
   else
     seeds.push_back(seed);
 }
@@ -34,7 +35,7 @@ std::vector<std::uint64_t> read_seeds(const Value& value) {
   const auto first = read_number<std::uint64_t>(text.substr(0, dots));
   const auto last = read_number<std::uint64_t>(dots == text.npos ? "" : text.substr(dots + 2));
   if (!first || !last || *last < *first || *last - *first >= kMost) {
-    value.fail("found '" + text + "', expected a list of seeds or a range \"0..29\"");
+    value.fail(found_text(text, "a list of seeds or a range \"0..29\""));
     return out;
   }
   out.resize(*last - *first + 1);

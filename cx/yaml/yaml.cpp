@@ -151,27 +151,27 @@ void Value::fail(std::string what) const {
 
 std::string Value::as_string(std::string fallback) const {
   if (is_scalar()) return node_->Scalar();
-  fail(std::string("found ") + kind_of(*node_) + ", expected a text");
+  fail(found_expected(kind_of(*node_), "a text"));
   return fallback;
 }
 
 double Value::as_number(double fallback) const {
   const auto number = read_number<double>(text());
   if (number && std::isfinite(*number)) return *number;
-  fail("found " + found() + ", expected a number");
+  fail(found_expected(found(), "a number"));
   return fallback;
 }
 
 std::int64_t Value::as_integer(std::int64_t fallback) const {
   if (const auto number = read_number<std::int64_t>(text())) return *number;
-  fail("found " + found() + ", expected an integer");
+  fail(found_expected(found(), "an integer"));
   return fallback;
 }
 
 bool Value::as_bool(bool fallback) const {
   bool value = fallback;
   if (is_scalar() && YAML::convert<bool>::decode(*node_, value)) return value;
-  fail("found " + found() + ", expected true or false");
+  fail(found_expected(found(), "true or false"));
   return fallback;
 }
 
@@ -185,7 +185,7 @@ std::vector<std::string> Value::as_strings() const {
 std::vector<Value> Value::as_list() const {
   std::vector<Value> out;
   if (!is_list()) {
-    fail(std::string("found ") + kind_of(*node_) + ", expected a list");
+    fail(found_expected(kind_of(*node_), "a list"));
     return out;
   }
   for (const auto& item : *node_) {
@@ -201,7 +201,7 @@ std::vector<Value> Value::as_list() const {
 Map Value::as_map() const {
   Map map;
   map.value_ = *this;
-  if (*this && !is_map()) fail(std::string("found ") + kind_of(*node_) + ", expected a map");
+  if (*this && !is_map()) fail(found_expected(kind_of(*node_), "a map"));
   return map;
 }
 
@@ -256,7 +256,7 @@ Map& Map::read(std::string_view key, std::uint64_t& field) {
     if (const auto number = read_number<std::uint64_t>(v.text()))
       field = *number;
     else
-      v.fail("found " + v.found() + ", expected an integer of at least 0");
+      v.fail(found_expected(v.found(), "an integer of at least 0"));
   }
   return *this;
 }
@@ -272,7 +272,7 @@ Map& Map::read_seconds(std::string_view key, SimTime& field) {
   if (const Value v = get(key)) {
     const double seconds = v.as_number();
     if (seconds < 0 || seconds > 1e9)
-      v.fail("found " + v.text() + ", expected seconds from 0 to 1e9");
+      v.fail(found_expected(v.text(), "seconds from 0 to 1e9"));
     else
       field = from_seconds(seconds);
   }
@@ -286,7 +286,7 @@ Map& Map::read_word(std::string_view key, std::string& field, const std::vector<
       return *this;
     }
     if (!v.is_scalar()) return *this;  // reported already
-    v.fail("found '" + word + "', expected one of: " + some_of(words, words.size()) + did_you_mean(word, words));
+    v.fail(found_text(word, "one of: " + some_of(words, words.size()) + did_you_mean(word, words)));
   }
   return *this;
 }
@@ -373,7 +373,7 @@ YAML::Node load(const std::string& text) {
   DocumentStart start;
   if (!parser.HandleNextDocument(start)) return {};
   if (parser.HandleNextDocument(start))
-    throw YAML::RepresentationException(start.at, "found a second document, expected one");
+    throw YAML::RepresentationException(start.at, found_expected("a second document", "one"));
   const YAML::Node root = YAML::Load(text);
   check_end(root, text);
   return root;
@@ -385,7 +385,7 @@ Error syntax_error(const YAML::Exception& thrown, const std::string& text, const
   std::string line;
   for (int i = 0; i <= thrown.mark.line && std::getline(lines, line); ++i)
     if (const std::size_t tab = line.find('\t'); i + 1 >= thrown.mark.line && tab < line.find_first_not_of(" \t"))
-      return input_error("found a tab in the indentation, expected spaces", file, i + 1);
+      return input_error(found_expected("a tab in the indentation", "spaces"), file, i + 1);
   if (thrown.msg == YAML::ErrorMsg::UNKNOWN_TOKEN && thrown.mark.column >= 0 &&
       static_cast<std::size_t>(thrown.mark.column) < line.size())
     return input_error(std::string("not YAML: found '") + line[static_cast<std::size_t>(thrown.mark.column)] +

@@ -82,7 +82,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
   };
   static const auto count = [](D& d, const std::string& rest, std::int64_t D::* what) -> A {
     const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
-    if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
+    if (!n || *n < 1) return {false, found_text(rest, "a number from 1")};
     d.*what = *n;
     return d.go_on();
   };
@@ -264,8 +264,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
        [](D& d, const std::string& rest) -> A {
          if (rest.empty() || rest.front() != '(') {
            const std::string index = rest.starts_with("f-") ? rest.substr(2) : rest;
-           if (!read_number<std::uint64_t>(index))
-             return {false, "found '" + rest + "', expected a fact's index or a pattern"};
+           if (!read_number<std::uint64_t>(index)) return {false, found_text(rest, "a fact's index or a pattern")};
            return d.act(cx::ControlAct::Verb::kEval, "(retract " + index + ")");
          }
          const auto environment = d.looked_at();
@@ -449,7 +448,7 @@ Debugger::Answer Debugger::only_when_recorded() {
 Debugger::Answer Debugger::go_to_time(const std::string& text) {
   if (!options_.recorded) return only_when_recorded();
   const auto time = time_in(text);
-  if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
+  if (!time) return {false, found_text(text, "a time such as 312.4, 5:12 or 5:12.4")};
   const auto there = std::ranges::lower_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
   if (there != visits_.end()) return show({static_cast<std::size_t>(there - visits_.begin()), there->place.fired});
   if (at_end_) return {false, "the run ends at " + seconds_text(to_seconds(place_.t))};
@@ -461,7 +460,7 @@ Debugger::Answer Debugger::go_to_time(const std::string& text) {
 Debugger::Answer Debugger::go_after(const std::string& text) {
   if (!options_.recorded) return only_when_recorded();
   const auto time = time_in(text);
-  if (!time) return {false, "found '" + text + "', expected a time such as 312.4, 5:12 or 5:12.4"};
+  if (!time) return {false, found_text(text, "a time such as 312.4, 5:12 or 5:12.4")};
   const auto later = std::ranges::upper_bound(visits_, *time, {}, [](const Visit& visit) { return visit.place.t; });
   if (later == visits_.end()) return show(kEnd);
   const auto over = std::find_if(std::reverse_iterator(later), visits_.rend(),
@@ -475,8 +474,7 @@ Debugger::Answer Debugger::set_speed(const std::string& text) {
   if (!text.empty()) {
     constexpr double kMost = 1e6;
     const auto speed = read_number<double>(text);
-    if (!speed || !(*speed >= 0 && *speed <= kMost))
-      return {false, "found '" + text + "', expected a number from 0 to 1000000"};
+    if (!speed || !(*speed >= 0 && *speed <= kMost)) return {false, found_text(text, "a number from 0 to 1000000")};
     speed_ = *speed;
     pace_.reset();
   }
@@ -486,7 +484,7 @@ Debugger::Answer Debugger::set_speed(const std::string& text) {
 Debugger::Answer Debugger::back(const std::string& rest) {
   if (!options_.recorded) return only_when_recorded();
   const auto n = rest.empty() ? std::optional<std::int64_t>(1) : read_number<std::int64_t>(rest);
-  if (!n || *n < 1) return {false, "found '" + rest + "', expected a number from 1"};
+  if (!n || *n < 1) return {false, found_text(rest, "a number from 1")};
   const auto there = before_firing(*n);
   if (!there) return {false, "no rule fired before" + std::string(rest.empty() ? "" : " that often")};
   return show(*there);

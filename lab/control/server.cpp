@@ -65,15 +65,14 @@ Expected<ControlAddress> ControlAddress::parse(const std::string& text) {
     if (!text.starts_with(host)) continue;
     const auto port = read_number<std::uint32_t>(std::string_view(text).substr(host.size()));
     if (!port || *port > 65535)
-      return usage_error("found '" + text + "', expected a port from 0 to 65535 behind " + std::string(host));
+      return usage_error(found_text(text, "a port from 0 to 65535 behind " + std::string(host)));
     address.port = static_cast<std::uint16_t>(*port);
     return address;
   }
   const std::size_t colon = text.find('/') == text.npos ? text.rfind(':') : text.npos;
   if (colon != text.npos && text.find_first_not_of("0123456789", colon + 1) == text.npos)
     return usage_error(
-        "found '" + text +
-        "', expected 127.0.0.1:PORT, because only programs of this machine may control a run, or a path");
+        found_text(text, "127.0.0.1:PORT, because only programs of this machine may control a run, or a path"));
   constexpr std::size_t kLongestPath = 107;  // of a Unix socket
   if (text.size() > kLongestPath)
     return usage_error("a Unix socket's path has at most 107 characters, found '" + text +

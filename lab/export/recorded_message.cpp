@@ -41,7 +41,7 @@ Status set_element(const bus::MessageView& message, const bus::Field& field, std
   } else if (const auto whole = whole_of(value)) {
     return message.set_integer(field, *whole, index);
   }
-  return input_error("field '" + field.name + "': found " + to_json(value) + ", expected " + field.type_text());
+  return input_error("field '" + field.name + "': " + found_expected(to_json(value), field.type_text()));
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ Status set_element(const bus::MessageView& message, const bus::Field& field, std
 Status set_message(const bus::MessageView& message, const RecordValue& recorded) {
   const std::string& type = message.type().name();
   const auto* map = std::get_if<RecordValue::Map>(&recorded.value);
-  if (!map) return input_error("found " + to_json(recorded) + ", expected a message " + type);
+  if (!map) return input_error(found_expected(to_json(recorded), "a message " + type));
   const auto& fields = message.type().fields();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const bus::Field& field = fields[i];
@@ -63,12 +63,12 @@ Status set_message(const bus::MessageView& message, const RecordValue& recorded)
       continue;
     }
     const auto* list = std::get_if<RecordValue::List>(&value->value);
-    if (!list) return input_error("field '" + field.name + "': found " + to_json(*value) + ", expected a list");
+    if (!list) return input_error("field '" + field.name + "': " + found_expected(to_json(*value), "a list"));
     if (field.is_sequence()) {
       if (Status s = message.resize(field, list->size()); !s) return s;
     } else if (list->size() != field.size_limit) {
-      return input_error("field '" + field.name + "': found " + std::to_string(list->size()) + " elements, expected " +
-                         std::to_string(field.size_limit));
+      return input_error("field '" + field.name + "': " +
+                         found_expected(std::to_string(list->size()) + " elements", std::to_string(field.size_limit)));
     }
     for (std::size_t k = 0; k < list->size(); ++k)
       if (Status s = set_element(message, field, k, (*list)[k]); !s) return s;

@@ -23,8 +23,8 @@ Expected<Process> begin(const GameAgain& again) {
   ProcessOptions process;
   process.argv = words_of_shell(again.game->command);
   if (process.argv.size() < 3 || process.argv[0] != "cxlab" || process.argv[1] != "run")
-    return input_error("found the command '" + again.game->command +
-                           "', expected 'cxlab run ...': only an index, runs.sqlite, has the commands of games",
+    return input_error(found_expected("the command '" + again.game->command + "'",
+                                      "'cxlab run ...': only an index, runs.sqlite, has the commands of games"),
                        again.game->file);
   process.argv[0] = fs::read_symlink("/proc/self/exe", error).string();
   for (const std::string& word :

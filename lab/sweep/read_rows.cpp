@@ -40,7 +40,7 @@ Expected<std::vector<CsvLine>> lines_of_csv(const std::string& text, const std::
         }
         ++i;
         if (i < text.size() && text[i] != ',' && text[i] != '\r' && text[i] != '\n')
-          return input_error("found text after the end of a quote, expected a comma", from, line);
+          return input_error(found_expected("text after the end of a quote", "a comma"), from, line);
       } else {
         while (i < text.size() && text[i] != ',' && text[i] != '\r' && text[i] != '\n') field += text[i++];
       }
@@ -79,28 +79,28 @@ const WorldKind* world_of(const std::vector<const Row*>& rows, const Catalogue& 
 Expected<std::vector<Row>> rows_of_csv(const std::string& text, const std::string& from, const Catalogue& catalogue) {
   auto lines = lines_of_csv(text, from);
   if (!lines) return lines.error();
-  if (lines->empty()) return input_error("found an empty file, expected the rows of a sweep", from);
+  if (lines->empty()) return input_error(found_expected("an empty file", "the rows of a sweep"), from);
   const std::vector<std::string> columns = lines->front().fields;
   const auto column = [&columns](std::string_view name) {
     return static_cast<std::size_t>(std::ranges::find(columns, name) - columns.begin());
   };
   for (const char* needed : {"scenario", "strategy", "seed"})
     if (column(needed) == columns.size())
-      return input_error("found the columns " + some_of(columns, 8) + ", expected '" + needed +
-                             "' among them, as in rows.csv of cxlab bench",
+      return input_error(found_expected("the columns " + some_of(columns, 8),
+                                        std::string("'") + needed + "' among them, as in rows.csv of cxlab bench"),
                          from, lines->front().line);
   std::vector<Row> out;
   for (auto line = lines->begin() + 1; line != lines->end(); ++line) {
     if (line->fields.size() != columns.size())
-      return input_error("found " + std::to_string(line->fields.size()) + " fields, expected " +
-                             std::to_string(columns.size()) + ", as in the first line",
+      return input_error(found_expected(std::to_string(line->fields.size()) + " fields",
+                                        std::to_string(columns.size()) + ", as in the first line"),
                          from, line->line);
     const auto field = [&](std::string_view name, const char* otherwise) {
       const std::size_t at = column(name);
       return at < columns.size() ? line->fields[at] : std::string(otherwise);
     };
     const auto not_number = [&](const std::string& name, const std::string& what) {
-      return input_error("found '" + field(name, "") + "' as " + name + ", expected " + what, from, line->line);
+      return input_error(found_expected("'" + field(name, "") + "' as " + name, what), from, line->line);
     };
     Row& row = out.emplace_back();
     row.cell.scenario = field("scenario", "");
@@ -142,8 +142,9 @@ Expected<std::vector<Row>> rows_of_folder(const fs::path& folder) {
   for (fs::directory_iterator it(folder / "rows", error), end; !error && it != end; it.increment(error))
     if (it->path().extension() == ".json") files.push_back(it->path());
   if (files.empty())
-    return input_error("found no rows.csv and no rows/*.json, expected the folder of a sweep, as cxlab bench writes it",
-                       folder.string());
+    return input_error(
+        found_expected("no rows.csv and no rows/*.json", "the folder of a sweep, as cxlab bench writes it"),
+        folder.string());
   std::ranges::sort(files);
   std::vector<Row> out;
   for (const fs::path& file : files) {
@@ -162,11 +163,12 @@ Status check_rows(const std::vector<Row>& rows, const std::string& from) {
   std::set<std::tuple<std::string, std::string, std::string, std::uint64_t>> known;
   for (const Row& row : rows)
     if (const Cell& cell = row.cell; !known.insert({cell.scenario, cell.strategy, cell.game, cell.seed}).second)
-      return input_error("found two rows of " + cell.scenario + ", " + cell.strategy +
-                             (cell.game.empty() ? "" : ", game " + cell.game) + ", seed " + std::to_string(cell.seed) +
-                             ", expected one: the same game is no second sample",
-                         from);
-  return rows.empty() ? Status(input_error("found no row, expected at least one", from)) : Status();
+      return input_error(
+          found_expected("two rows of " + cell.scenario + ", " + cell.strategy +
+                             (cell.game.empty() ? "" : ", game " + cell.game) + ", seed " + std::to_string(cell.seed),
+                         "one: the same game is no second sample"),
+          from);
+  return rows.empty() ? Status(input_error(found_expected("no row", "at least one"), from)) : Status();
 }
 
 }  // namespace

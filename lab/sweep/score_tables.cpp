@@ -425,9 +425,9 @@ std::vector<std::string> remarks_on(const std::vector<Answer>& answers) {
     const std::size_t fewest =
         statistics::fewest_games(one.is_difference ? About::kDifferences : About::kMean, answers.size());
     if (one.judgement == Judgement::kUndecided && one.values.size() < fewest)
-      out.push_back(who + "found " + std::to_string(one.values.size()) + (one.is_difference ? " pairs of" : "") +
-                    " games, expected at least " + std::to_string(fewest) +
-                    " to answer anything; add seeds to the suite");
+      out.push_back(
+          who + found_expected(std::to_string(one.values.size()) + (one.is_difference ? " pairs of" : "") + " games",
+                               "at least " + std::to_string(fewest) + " to answer anything; add seeds to the suite"));
   }
   return out;
 }

@@ -43,19 +43,19 @@ std::vector<SuiteGame> read_games(const yaml::Value& value, const fs::path& from
     if (it->path().extension() == ".yaml") out.push_back({it->path().stem().string(), it->path()});
   std::ranges::sort(out, {}, &SuiteGame::name);
   if (error)
-    value.fail("found '" + value.text() + "', expected a folder: " + error.message());
+    value.fail(found_text(value.text(), "a folder: " + error.message()));
   else if (out.empty())
-    value.fail("found '" + value.text() + "', expected a folder with files of games, NAME.yaml");
+    value.fail(found_text(value.text(), "a folder with files of games, NAME.yaml"));
   return out;
 }
 
 void read_requirement(const yaml::Value& value, std::vector<Requirement>& out) {
   const auto same = [&value](const Requirement& other) { return other.text == value.text(); };
   if (!value.is_scalar()) {
-    value.fail("found " + value.found() +
-               ", expected a text, as mean(points) >= 250; in quotes if it begins with the name of a strategy");
+    value.fail(found_expected(value.found(),
+                              "a text, as mean(points) >= 250; in quotes if it begins with the name of a strategy"));
   } else if (std::ranges::any_of(out, same)) {
-    value.fail("found '" + value.text() + "' twice, expected it once");
+    value.fail(found_expected("'" + value.text() + "' twice", "it once"));
   } else if (auto requirement = Requirement::parse(value.text()); !requirement) {
     value.fail(requirement.error().message);
   } else {
@@ -104,10 +104,10 @@ Axis read_axis(const std::string& path, const yaml::Value& values) {
   Axis axis{path, {}};
   const auto add = [&axis](Choice choice, const yaml::Value& place) {
     if (choice.label.empty() || choice.label.find('/') != std::string::npos)
-      place.fail("found '" + choice.label + "', expected a value without '/'; with a label any value can be given: " +
-                 axis.name + ": {LABEL: [PATH=VALUE]}");
+      place.fail(found_text(choice.label, "a value without '/'; with a label any value can be given: " + axis.name +
+                                              ": {LABEL: [PATH=VALUE]}"));
     else if (std::ranges::find(axis.choices, choice.label, &Choice::label) != axis.choices.end())
-      place.fail("found the value '" + choice.label + "' twice, expected each once");
+      place.fail(found_expected("the value '" + choice.label + "' twice", "each once"));
     else
       axis.choices.push_back(std::move(choice));
   };
@@ -121,8 +121,8 @@ Axis read_axis(const std::string& path, const yaml::Value& values) {
   } else {
     for (const yaml::Value& item : values.as_list())
       if (!item.is_scalar())
-        item.fail("found " + item.found() + ", expected a number or a word; other values need a label: " + axis.name +
-                  ": {LABEL: [PATH=VALUE]}");
+        item.fail(found_expected(
+            item.found(), "a number or a word; other values need a label: " + axis.name + ": {LABEL: [PATH=VALUE]}"));
       else
         add({item.text(), {path + '=' + item.dump()}, {item.origin()}}, item);
   }
@@ -153,7 +153,7 @@ std::vector<Strategy> read_grid(const yaml::Value& value, const Strategy& base) 
   for (const auto& [path, values] : map.entries()) {
     if (path.empty()) map.fail("expected the path of a parameter, as world.robots");
     if (std::ranges::find(axes, path, &Axis::name) != axes.end())
-      map.fail("found '" + path + "' twice, expected each once");
+      map.fail(found_expected("'" + path + "' twice", "each once"));
     axes.push_back(read_axis(path, values));
   }
   shorten_names(axes);
@@ -167,7 +167,7 @@ std::vector<Strategy> read_grid(const yaml::Value& value, const Strategy& base) 
     if (axis.choices.empty()) return out;  // reported
     combinations *= axis.choices.size();
     if (combinations > kMost) {
-      value.fail("found more than " + std::to_string(kMost) + " combinations, expected fewer");
+      value.fail(found_expected("more than " + std::to_string(kMost) + " combinations", "fewer"));
       return out;
     }
   }
@@ -206,7 +206,7 @@ std::vector<Strategy> read_strategy(const std::string& name, const yaml::Value& 
 void add_strategies(std::vector<Strategy> more, const yaml::Value& place, std::vector<Strategy>& out) {
   for (Strategy& strategy : more)
     if (std::ranges::find(out, strategy.name, &Strategy::name) != out.end())
-      place.fail("found strategy '" + strategy.name + "' twice, expected each once");
+      place.fail(found_expected("strategy '" + strategy.name + "' twice", "each once"));
     else
       out.push_back(std::move(strategy));
 }
@@ -231,7 +231,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
       if (const auto known = own.find(item.text()); known != own.end() && !path_exists(path)) path = known->second;
       if (std::find(files.begin(), files.end(), path) != files.end()) {
-        item.fail("found the scenario '" + item.text() + "' twice, expected each once");
+        item.fail(found_expected("the scenario '" + item.text() + "' twice", "each once"));
       } else {
         files.push_back(path);
         origins.push_back(item.origin());
@@ -249,7 +249,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
     yaml::Map names = strategies.as_map();
     for (const auto& [name, value] : names.entries()) {
       if (name.empty() || name.find('/') != name.npos)
-        strategies.fail("found '" + name + "', expected a name for the strategy, without '/'");
+        strategies.fail(found_text(name, "a name for the strategy, without '/'"));
       add_strategies(read_strategy(name, value), strategies, suite.strategies);
     }
   }

@@ -259,7 +259,7 @@ Expected<SweepRecord> read_sweep(const fs::path& path, const Catalogue& catalogu
   if (is_folder(path) && is_file(path / "runs.sqlite")) {
     auto rows = read_index(path / "runs.sqlite");
     if (!rows) return rows.error();
-    if (rows->empty()) return input_error("found no row, expected at least one", (path / "runs.sqlite").string());
+    if (rows->empty()) return input_error(found_expected("no row", "at least one"), (path / "runs.sqlite").string());
     out.rows = *std::move(rows);
     return out;
   }

@@ -56,7 +56,7 @@ std::optional<ViewReply> ViewAccess::refuse(const ViewRequest& request) const {
       return view_error(403, "the request comes from another page, '" + origin + "'; " + kRemedy);
     const std::string type = request.header("content-type");
     if (type.substr(0, type.find(';')) != "application/json")
-      return view_error(400, "found Content-Type '" + type + "', expected application/json");
+      return view_error(400, found_expected("Content-Type '" + type + "'", "application/json"));
   }
   if (!knows_token(request)) return view_error(403, std::string("the token is missing or wrong; ") + kRemedy);
   return std::nullopt;

@@ -97,13 +97,13 @@ ViewReply Viewer::answer_run(const ViewRequest& request, const std::string& id, 
   }
   if (rest == "events") {
     const auto after = read_number<std::uint64_t>(request.query.contains("after") ? request.parameter("after") : "0");
-    if (!after) return view_error(400, "after: found '" + request.parameter("after") + "', expected a number");
+    if (!after) return view_error(400, "after: " + found_text(request.parameter("after"), "a number"));
     const auto run = visit(id, *folder);
     return run ? run->events(*after) : view_error(500, "cxlab view has ended");
   }
   if (rest == "scene.bin") {
     const auto from = read_number<std::size_t>(request.query.contains("from") ? request.parameter("from") : "0");
-    if (!from) return view_error(400, "from: found '" + request.parameter("from") + "', expected a number of bytes");
+    if (!from) return view_error(400, "from: " + found_text(request.parameter("from"), "a number of bytes"));
     return view_scene(*folder, *from);
   }
   if (!rest.empty() && rest != "data.json") return view_file(*folder, rest);

@@ -60,8 +60,8 @@ Expected<std::string> command_of(const Json& request) {
     if (found->is_number() && !verb.text) return std::string(verb.command) + ' ' + json_text(*found);
     if (found->is_string() && verb.text && is_one_line(found->get<std::string>()))
       return std::string(verb.command) + ' ' + found->get<std::string>();
-    return input_error("\"" + std::string(verb.key) + "\": found " + json_text(*found) + ", expected " +
-                       (verb.text ? "a text of one line" : "a number"));
+    return input_error("\"" + std::string(verb.key) + "\": " +
+                       found_expected(json_text(*found), verb.text ? "a text of one line" : "a number"));
   }
   return input_error(
       "expected where to go: {\"t\": S}, {\"step\": N}, {\"back\": N}, {\"until\": TEXT} or {\"back_until\": TEXT}; "
@@ -276,7 +276,7 @@ std::optional<Visit::Answer> Visit::set_time(const Json& request) {
   if (found == request.end() || found->is_null()) return std::nullopt;
   const double t = found->is_number() ? found->get<double>() : -1;
   if (!(t >= 0 && t <= 1e9))
-    return Answer{input_error("\"t\": found " + json_text(*found) + ", expected a time of the run in s"), false, {}};
+    return Answer{input_error("\"t\": " + found_expected(json_text(*found), "a time of the run in s")), false, {}};
   if (live_)
     return Answer{
         input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};

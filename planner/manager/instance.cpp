@@ -97,9 +97,9 @@ Expected<Found> Instance::look_up(const char* what, const ById<Item>& items, con
     const ObjectId object = objects.emplace_back(find(problem().object_names, lower_case(argument)));
     if (object < 0) return unknown_name("object", argument, names_of(problem().objects));
     if (!fits(domain(), problem().objects[object], parameter.types))
-      return input_error("'" + name + "': '" + argument + "' has the wrong type for " + parameter.name + ": found " +
-                         types_text(domain(), problem().objects[object].types) + ", expected " +
-                         types_text(domain(), parameter.types));
+      return input_error(
+          "'" + name + "': '" + argument + "' has the wrong type for " + parameter.name + ": " +
+          found_expected(types_text(domain(), problem().objects[object].types), types_text(domain(), parameter.types)));
   }
   return found;
 }
@@ -166,8 +166,8 @@ Expected<std::vector<Object>> Instance::new_objects(const std::vector<ObjectName
     if (!there)
       made.push_back({object.name, {*type_id}, {Source::File::kProblem, 0}});
     else if (!fits(domain(), *there, {*type_id}))
-      return input_error("object '" + object.name + "' is there already: found the type " +
-                         types_text(domain(), there->types) + ", expected " + object.type);
+      return input_error("object '" + object.name + "' is there already: " +
+                         found_expected("the type " + types_text(domain(), there->types), object.type));
   }
   return made;
 }
@@ -191,8 +191,8 @@ Expected<std::vector<char>> Instance::others_than(const std::vector<ObjectName>&
       auto type_id = type(object.type);
       if (!type_id) return type_id.error();
       if (!fits(domain(), there, {*type_id}))
-        return input_error("object '" + object.name + "': found the type " + types_text(domain(), there.types) +
-                           ", expected " + object.type);
+        return input_error("object '" + object.name +
+                           "': " + found_expected("the type " + types_text(domain(), there.types), object.type));
     }
     if (id < static_cast<ObjectId>(domain().constants.size()))
       return input_error("'" + object.name + "' is a constant of the domain and cannot be removed");

@@ -390,7 +390,7 @@ struct PddlManager::Services {
     if (point == "START") return check(q.nested("action"), Instance::When::kAtStart, a);
     if (point == "OVER-ALL") return check(q.nested("action"), Instance::When::kOverAll, a);
     if (point == "END") return check(q.nested("action"), Instance::When::kEnd, a);
-    return input_error("time_point: found '" + point + "', expected START, OVER-ALL or END");
+    return input_error("time_point: " + found_text(point, "START, OVER-ALL or END"));
   }
 
   Status get_action_effects(const View& q, const View& a) {

@@ -90,7 +90,7 @@ class DomainParser {
   void requirements(const Node& section) {
     for (const Node& item : section.rest()) {
       if (item.is_list || !item.word.starts_with(':'))
-        resolver_.fail(item, "found ", item, ", expected a requirement such as :typing");
+        resolver_.fail(item, found_expected(message(item), "a requirement such as :typing"));
       if (std::ranges::find(kSupported, item.word) == kSupported.end())
         resolver_.fail_unsupported(item, "found requirement ", item.word, ": not supported",
                                    did_you_mean(std::string(item.word), {kSupported.begin(), kSupported.end()}));
@@ -122,7 +122,7 @@ class DomainParser {
       const Node& item = section.items[i];
       const bool is_parent = section.items[i - 1].is_word("-");
       if (item.is_list && (!is_parent || item.head() != "either"))
-        resolver_.fail(item, "found ", item, ", expected a type");
+        resolver_.fail(item, found_expected(message(item), "a type"));
       for (const Node& parent : item.rest()) parents.push_back(&parent);
       if (item.is_list) continue;
       if (is_parent)
@@ -131,9 +131,9 @@ class DomainParser {
         add(item);
     }
     for (const Node* parent : parents) {
-      if (parent->is_list || parent->is_word("-")) resolver_.fail(*parent, "found ", *parent, ", expected a type");
+      if (parent->is_list || parent->is_word("-")) resolver_.fail(*parent, found_expected(message(*parent), "a type"));
       if (parent->word.starts_with('?'))
-        resolver_.fail(*parent, "found the variable ", parent->word, ", expected a type");
+        resolver_.fail(*parent, found_expected(message("the variable ", parent->word), "a type"));
       add(*parent);
     }
   }
@@ -143,7 +143,7 @@ class DomainParser {
       const TypeId id = find(domain_.type_names, entry.name->word);
       if (id == Domain::kObjectType) {
         if (entry.types != std::vector<TypeId>{Domain::kObjectType})
-          resolver_.fail(*entry.name, "found a supertype of object, expected none: object is the root of all types");
+          resolver_.fail(*entry.name, found_expected("a supertype of object", "none: object is the root of all types"));
         continue;
       }
       auto& parents = domain_.types[id].parents;
@@ -187,8 +187,9 @@ class DomainParser {
   /// The parameters of `(name ?x - t ...)`, the head of a predicate or function.
   std::vector<Variable> signature(const Node& node, const char* what) {
     const std::string_view name = node.head();
-    if (name.empty()) resolver_.fail(node, "found ", node, ", expected ", what, " such as (name ?x - TYPE)");
-    if (name.starts_with('?')) resolver_.fail(node, "found the variable ", name, ", expected the name of ", what);
+    if (name.empty()) resolver_.fail(node, found_expected(message(node), message(what)), " such as (name ?x - TYPE)");
+    if (name.starts_with('?'))
+      resolver_.fail(node, found_expected(message("the variable ", name), "the name of "), what);
     if (std::ranges::find(kReserved, name) != kReserved.end())
       resolver_.fail(node, "found '", name, "' as the name of ", what, ", which is a word of the language");
     return resolver_.signature(node.rest());
@@ -223,7 +224,7 @@ class DomainParser {
     resolver_.begin_frame(false);
     Fact fact = resolver_.ground_fact(node);
     if (domain_.predicates[fact.predicate].derived)
-      resolver_.fail(node, "found ", node, ", which is derived by a rule, expected a predicate without one");
+      resolver_.fail(node, found_expected(message(node, ", which is derived by a rule"), "a predicate without one"));
     domain_.timeless.push_back(std::move(fact));
   }
 
@@ -245,8 +246,9 @@ class DomainParser {
         found.implies = &section.items[i + 1];
     }
     if (!found.implies || found.implies->head().empty())
-      resolver_.fail(section, "found ", section,
-                     ", expected (:axiom :vars (?x - TYPE ...) :context CONDITION :implies (PREDICATE ?x ...))");
+      resolver_.fail(section,
+                     found_expected(message(section),
+                                    "(:axiom :vars (?x - TYPE ...) :context CONDITION :implies (PREDICATE ?x ...))"));
     return found;
   }
 
@@ -265,8 +267,10 @@ class DomainParser {
     std::vector<Variable> declared;
     if (from.variables) declared = resolver_.variables(*from.variables);
     if (head.rest().size() != predicate.parameters.size())
-      resolver_.fail(head, "found ", head.rest().size(), " arguments of '", predicate.name, "', expected ",
-                     predicate.parameters.size(), resolver_.declared(predicate.source));
+      resolver_.fail(head,
+                     found_expected(message(head.rest().size(), " arguments of '", predicate.name, "'"),
+                                    message(predicate.parameters.size())),
+                     resolver_.declared(predicate.source));
     std::vector<std::string_view> arguments;
     for (const Node& argument : head.rest()) {
       const auto variable = std::ranges::find(declared, argument.word, &Variable::name);
@@ -301,13 +305,13 @@ class DomainParser {
 
   void mark_derived(const Node& head) {
     const int id = find(domain_.predicate_names, head.head());
-    if (id < 0) resolver_.fail(head, "found '", head.head(), "', expected a predicate that is declared in :predicates");
+    if (id < 0) resolver_.fail(head, found_text(head.head(), "a predicate that is declared in :predicates"));
     domain_.predicates[id].derived = true;
   }
 
   void derived_name(const Node& section) {
     if (section.items.size() != 3 || section.items[1].head().empty())
-      resolver_.fail(section, "found ", section, ", expected (:derived (PREDICATE ?x - TYPE ...) CONDITION)");
+      resolver_.fail(section, found_expected(message(section), "(:derived (PREDICATE ?x - TYPE ...) CONDITION)"));
     mark_derived(section.items[1]);
   }
 
@@ -320,8 +324,10 @@ class DomainParser {
     rule.predicate = find(domain_.predicate_names, head.head());
     const Predicate& predicate = domain_.predicates[rule.predicate];
     if (rule.parameters.size() != predicate.parameters.size())
-      resolver_.fail(head, "found ", rule.parameters.size(), " parameters of '", predicate.name, "', expected ",
-                     predicate.parameters.size(), resolver_.declared(predicate.source));
+      resolver_.fail(head,
+                     found_expected(message(rule.parameters.size(), " parameters of '", predicate.name, "'"),
+                                    message(predicate.parameters.size())),
+                     resolver_.declared(predicate.source));
     for (std::size_t i = 0; i < rule.parameters.size(); ++i)  // a rule need not repeat the types
       if (rule.parameters[i].types == std::vector<TypeId>{Domain::kObjectType})
         rule.parameters[i].types = predicate.parameters[i].types;
@@ -333,10 +339,10 @@ class DomainParser {
   void action(const Node& section) {
     const bool durative = section.head() == ":durative-action";
     if (section.items.size() < 2 || section.items[1].is_list)
-      resolver_.fail(section, "found ", section, ", expected the name of the action");
+      resolver_.fail(section, found_expected(message(section), "the name of the action"));
     const std::string_view name = section.items[1].word;
     if (name.starts_with('?'))
-      resolver_.fail(section.items[1], "found the variable ", name, ", expected the name of the action");
+      resolver_.fail(section.items[1], found_expected(message("the variable ", name), "the name of the action"));
     Action& action = declare(section, "action", name, domain_.actions, domain_.action_names);
     action.durative = durative;
     const std::string_view condition = durative ? ":condition" : ":precondition";
@@ -361,7 +367,8 @@ class DomainParser {
                        durative ? ":duration, :condition or :effect of a durative action"
                                 : ":precondition or :effect of an action");
       if (part->second) resolver_.fail(key, "found ", key.word, " a second time");
-      if (i + 1 == section.items.size()) resolver_.fail(key, "found nothing behind ", key.word, ", expected a list");
+      if (i + 1 == section.items.size())
+        resolver_.fail(key, found_expected(message("nothing behind ", key.word), "a list"));
       part->second = &section.items[i + 1];
     }
     if (durative && !parts[":duration"])
@@ -371,8 +378,7 @@ class DomainParser {
     std::vector<Node> parameters(agent.begin(), agent.end());
     for (const Node* part : {parts[":parameters"], parts[":vars"]}) {
       if (!part) continue;
-      if (!part->is_list)
-        resolver_.fail(*part, "found '", part->word, "', expected a list of variables: (?x ?y - TYPE ...)");
+      if (!part->is_list) resolver_.fail(*part, found_text(part->word, "a list of variables: (?x ?y - TYPE ...)"));
       parameters.insert(parameters.end(), part->items.begin(), part->items.end());
     }
     action.parameters = resolver_.variables(parameters);

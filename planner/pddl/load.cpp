@@ -38,7 +38,8 @@ Expected<Task> load_task(const std::string& domain_file, const std::string& prob
   auto problem = parse_problem(problem_text->first, problem_text->second, *domain, options.deadline);
   if (!problem) return problem.error();
   if (options.needs_goal && !problem->has_goal)
-    return input_error("found no :goal, expected (:goal CONDITION); (:goal (and)) always holds", problem_text->second);
+    return input_error(found_expected("no :goal", "(:goal CONDITION); (:goal (and)) always holds"),
+                       problem_text->second);
   return Task{std::move(*domain), std::move(*problem)};
 }
 

@@ -181,8 +181,7 @@ class PlanReader {
     }
     if (names.empty()) fail("found an empty action, ", kForm);
     step.action = find(domain_.action_names, names[0]);
-    if (step.action < 0)
-      fail("found '", names[0], "', expected an action of ", domain_.file, hint(names[0], domain_.actions));
+    if (step.action < 0) fail(found_text(names[0], "an action of "), domain_.file, hint(names[0], domain_.actions));
     const Action& action = domain_.actions[step.action];
     const std::string declared = message("; declared at ", domain_.file, ":", action.source.line);
     if (names.size() - 1 != action.parameters.size())
@@ -191,10 +190,11 @@ class PlanReader {
     for (const Variable& parameter : action.parameters) {
       const std::string& name = names[step.arguments.size() + 1];
       const ObjectId object = step.arguments.emplace_back(find(problem_.object_names, name));
-      if (object < 0) fail("found '", name, "', expected an object of ", problem_.file, hint(name, problem_.objects));
+      if (object < 0) fail(found_text(name, "an object of "), problem_.file, hint(name, problem_.objects));
       if (!fits(domain_, problem_.objects[object], parameter.types))
-        fail("found '", name, "' for argument ", step.arguments.size(), " of ", action.name,
-             ", expected an object for ", Printer(domain_, problem_.objects).variables({parameter}), declared);
+        fail(found_expected(message("'", name, "' for argument ", step.arguments.size(), " of ", action.name),
+                            "an object for "),
+             Printer(domain_, problem_.objects).variables({parameter}), declared);
     }
   }
 
@@ -205,11 +205,11 @@ class PlanReader {
       return;
     }
     if (!text.starts_with('[') || !text.ends_with(']'))
-      fail("found '", text.substr(0, 60), "' behind the action, expected [DURATION]");
+      fail(found_expected(message("'", text.substr(0, 60), "' behind the action"), "[DURATION]"));
     std::string_view number = trimmed(text.substr(1, text.size() - 2));
     if (number.starts_with("d:")) number = trimmed(number.substr(2, number.find(';') - 2));
     double seconds = 0;
-    if (!to_number(number, seconds)) fail("found '", text.substr(0, 60), "', expected a duration such as [5.000]");
+    if (!to_number(number, seconds)) fail(found_text(text.substr(0, 60), "a duration such as [5.000]"));
     if (action.durative) step.duration = seconds;
   }
 

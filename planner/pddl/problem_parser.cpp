@@ -55,10 +55,11 @@ class ProblemParser {
  private:
   void domain_name(const Node& section) {
     if (section.items.size() != 2 || section.items[1].is_list)
-      resolver_.fail(section, "found ", section, ", expected (:domain NAME)");
+      resolver_.fail(section, found_expected(message(section), "(:domain NAME)"));
     const std::string_view name = section.items[1].word;
     if (plain_name(std::string(name)) != plain_name(domain_.name))
-      resolver_.fail(section, "found domain '", name, "', expected '", domain_.name, "', the name in ", domain_.file);
+      resolver_.fail(section, found_expected(message("domain '", name, "'"), "'"), domain_.name, "', the name in ",
+                     domain_.file);
   }
 
   void element(const Node& node) {
@@ -68,7 +69,8 @@ class ProblemParser {
     if (head == "and") {
       for (const Node& part : node.rest()) element(part);
     } else if (head == "at" && node.items.size() == 3 && node.items[2].is_list && to_number(node.items[1].word, time)) {
-      if (time < 0) resolver_.fail(node, "found time ", node.items[1].word, ", expected a time that is not negative");
+      if (time < 0)
+        resolver_.fail(node, found_expected(message("time ", node.items[1].word), "a time that is not negative"));
       if (time >= kLatestTime)
         resolver_.fail_unsupported(node, "found time ", node.items[1].word, ": only times below ",
                                    number_text(kLatestTime), " s are supported");
@@ -93,17 +95,19 @@ class ProblemParser {
   void literal(const Node& node, std::optional<double> time) {
     const bool negative = node.head() == "not";
     if (negative && node.items.size() != 2)
-      resolver_.fail(node, "found ", node, ", expected (not (PREDICATE OBJECT...))");
+      resolver_.fail(node, found_expected(message(node), "(not (PREDICATE OBJECT...))"));
     const Node& positive = negative ? node.items[1] : node;
     Fact fact = resolver_.ground_fact(positive);
     if (const Predicate& predicate = domain_.predicates[fact.predicate]; predicate.derived)
-      resolver_.fail(node, "found '", predicate.name, "', which is derived by a rule, expected a predicate without one",
-                     resolver_.declared(predicate.source));
+      resolver_.fail(
+          node,
+          found_expected(message("'", predicate.name, "', which is derived by a rule"), "a predicate without one"),
+          resolver_.declared(predicate.source));
     if (time) {
       const auto [known, fresh] = timed_facts_.try_emplace({in_nanoseconds(*time), fact.predicate, fact.objects},
                                                            !negative, resolver_.source(node));
       if (known->second.first != !negative)
-        resolver_.fail(node, "found ", node, " and its opposite at one time, expected one of them",
+        resolver_.fail(node, found_expected(message(node, " and its opposite at one time"), "one of them"),
                        resolver_.declared(known->second.second));
       if (fresh) problem_.timed_facts.push_back({*time, std::move(fact), !negative, resolver_.source(node)});
     } else if (negative) {
@@ -117,14 +121,14 @@ class ProblemParser {
   void value(const Node& node, std::optional<double> time) {
     double number = 0;
     if (node.items.size() != 3 || !to_number(node.items[2].word, number))
-      resolver_.fail(node, "found ", node, ", expected (= (FUNCTION OBJECT...) NUMBER)");
+      resolver_.fail(node, found_expected(message(node), "(= (FUNCTION OBJECT...) NUMBER)"));
     resolver_.expect_exact(node.items[2], number);
     const Fact fluent = resolver_.ground_function(node.items[1]);
     if (time) {
       const auto [known, fresh] =
           timed_values_.try_emplace({in_nanoseconds(*time), fluent.predicate, fluent.objects}, number);
       if (known->second != number)
-        resolver_.fail(node, "found a second value for ", node.items[1], " at one time, expected one");
+        resolver_.fail(node, found_expected(message("a second value for ", node.items[1], " at one time"), "one"));
       if (fresh)
         problem_.timed_values.push_back({*time, {fluent.predicate, fluent.objects, number}, resolver_.source(node)});
       return;
@@ -133,14 +137,14 @@ class ProblemParser {
     if (fresh)
       problem_.values.push_back({fluent.predicate, fluent.objects, number});
     else if (known->second != number)
-      resolver_.fail(node, "found a second value for ", node.items[1], ", expected one");
+      resolver_.fail(node, found_expected(message("a second value for ", node.items[1]), "one"));
   }
 
   void goal(const Node& section) {
     problem_.has_goal = true;
     if (section.items.size() != 2)
-      resolver_.fail(section, "found ", section.rest().size(),
-                     " conditions in :goal, expected one; several are joined by (and ...)");
+      resolver_.fail(section, found_expected(message(section.rest().size(), " conditions in :goal"),
+                                             "one; several are joined by (and ...)"));
     resolver_.begin_frame(false);
     problem_.goal = resolver_.condition(section.items[1]);
     problem_.goal_slots = resolver_.slots();
@@ -149,7 +153,7 @@ class ProblemParser {
   void metric(const Node& section) {
     const std::string_view word = section.items.size() == 3 ? section.items[1].word : std::string_view();
     if (word != "minimize" && word != "maximize")
-      resolver_.fail(section, "found ", section, ", expected (:metric minimize VALUE) or (:metric maximize VALUE)");
+      resolver_.fail(section, found_expected(message(section), "(:metric minimize VALUE) or (:metric maximize VALUE)"));
     resolver_.begin_frame(false);
     problem_.metric = Metric{word == "maximize", resolver_.metric(section.items[2])};
   }

@@ -53,23 +53,23 @@ bool Resolver::may_be(const std::vector<TypeId>& types, const std::vector<TypeId
 
 std::string Resolver::define(const Node& root, const FileShape& shape) const {
   const std::string form = message("(", shape.kind, " NAME)");
-  if (root.head() != "define") fail(root, "found ", root, ", expected (define ", form, " ...)");
+  if (root.head() != "define") fail(root, found_expected(message(root), "(define "), form, " ...)");
   const Node title = root.items.size() > 1 ? root.items[1] : Node();
   if (title.head() == shape.other_kind)
-    fail(root, "found a ", shape.other_kind, ", expected a ", shape.kind, ": (define ", form,
+    fail(root, found_expected(message("a ", shape.other_kind), "a "), shape.kind, ": (define ", form,
          " ...); are the files swapped?");
   if (title.head() != shape.kind) fail(root, "expected ", form, " behind 'define'");
-  if (title.items.size() != 2 || title.items[1].is_list) fail(title, "found ", title, ", expected ", form);
+  if (title.items.size() != 2 || title.items[1].is_list) fail(title, found_expected(message(title), message(form)));
   std::vector<std::string_view> seen;
   for (const Node& section : root.items | std::views::drop(2)) {
     const std::string_view head = section.head();
     const auto is_in = [&](const auto& heads) { return std::ranges::find(heads, head) != heads.end(); };
     if (is_in(shape.unsupported)) fail_unsupported(section, "found section ", head, ": not supported");
-    if (is_in(seen)) fail(section, "found ", head, " a second time, expected one");
+    if (is_in(seen)) fail(section, found_expected(message(head, " a second time"), "one"));
     if (is_in(shape.single))
       seen.push_back(head);
     else if (!is_in(shape.many))
-      fail(section, "found ", section, ", expected ", shape.expected);
+      fail(section, found_expected(message(section), message(shape.expected)));
   }
   return std::string(title.items[1].word);
 }
@@ -83,35 +83,36 @@ void Resolver::begin_frame(bool durative) {
 std::vector<Resolver::TypedName> Resolver::typed_list(std::span<const Node> items, std::string_view what) const {
   const auto add_type = [&](const Node& node, std::vector<TypeId>& types) {
     const int id = find(domain_.type_names, node.word);
-    if (node.word.starts_with('?')) fail(node, "found the variable ", node.word, ", expected a type");
+    if (node.word.starts_with('?')) fail(node, found_expected(message("the variable ", node.word), "a type"));
     if (id < 0 && node.word == "number")
       fail_unsupported(node, what, " of type number: not supported, numbers are values of functions only");
     if (id < 0)
-      fail(node, "found type '", node.word, "', expected a type of the domain", hint(node.word, domain_.type_names));
+      fail(node, found_expected(message("type '", node.word, "'"), "a type of the domain"),
+           hint(node.word, domain_.type_names));
     if (std::ranges::find(types, id) == types.end()) types.push_back(id);
   };
   std::vector<TypedName> names;
   std::size_t untyped = 0;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const Node& item = items[i];
-    if (item.is_list) fail(item, "found ", item, ", expected ", what);
+    if (item.is_list) fail(item, found_expected(message(item), message(what)));
     if (item.word != "-") {
       if (item.word.starts_with('?') && what != "a variable")
-        fail(item, "found the variable ", item.word, ", expected ", what);
+        fail(item, found_expected(message("the variable ", item.word), message(what)));
       names.push_back({&item, {}});
       continue;
     }
-    if (i + 1 == items.size()) fail(item, "found the end of the list behind '-', expected a type");
-    if (untyped == names.size()) fail(item, "found '-', expected ", what, " before it");
+    if (i + 1 == items.size()) fail(item, found_expected("the end of the list behind '-'", "a type"));
+    if (untyped == names.size()) fail(item, found_expected("'-'", message(what)), " before it");
     const Node& types_node = items[++i];
     std::vector<TypeId> types;
     if (!types_node.is_list) {
       add_type(types_node, types);
     } else if (types_node.head() != "either" || types_node.items.size() < 2) {
-      fail(types_node, "found ", types_node, ", expected a type or (either TYPE...)");
+      fail(types_node, found_expected(message(types_node), "a type or (either TYPE...)"));
     }
     for (const Node& type : types_node.rest()) {
-      if (type.is_list) fail(types_node, "found ", type, ", expected a type");
+      if (type.is_list) fail(types_node, found_expected(message(type), "a type"));
       add_type(type, types);
     }
     for (; untyped < names.size(); ++untyped) names[untyped].types = types;
@@ -149,7 +150,7 @@ void Resolver::declare_objects(const Node& section, std::string_view what) {
 }
 
 std::vector<Variable> Resolver::variables(const Node& list) {
-  if (!list.is_list) fail(list, "found '", list.word, "', expected a list of variables: (?x ?y - TYPE ...)");
+  if (!list.is_list) fail(list, found_text(list.word, "a list of variables: (?x ?y - TYPE ...)"));
   return variables(list.items);
 }
 
@@ -181,7 +182,7 @@ void Resolver::declare(std::vector<Variable>& variables) {
 }
 
 Term Resolver::term(const Node& node) {
-  if (node.is_list) fail(node, "found ", node, ", expected an object or a variable");
+  if (node.is_list) fail(node, found_expected(message(node), "an object or a variable"));
   if (node.word.starts_with('?')) {
     for (const Variable& variable : scope_ | std::views::reverse)
       if (variable.name == node.word) return Term::variable(variable.slot);
@@ -200,7 +201,7 @@ template <class Declaration>
 std::vector<Term> Resolver::arguments(const Node& node, const Declaration& declaration) {
   const std::vector<Variable>& parameters = declaration.parameters;
   if (node.rest().size() != parameters.size())
-    fail(node, "found ", count(node.rest().size(), "argument"), " in ", node, ", expected ", parameters.size(),
+    fail(node, found_expected(message(count(node.rest().size(), "argument"), " in ", node), message(parameters.size())),
          declared(declaration.source));
   std::vector<Term> terms;
   for (const Variable& parameter : parameters) {
@@ -223,7 +224,7 @@ std::vector<Term> Resolver::arguments(const Node& node, const Declaration& decla
 
 Resolver::Call Resolver::atom(const Node& node, Words words) {
   const std::string_view name = node.head();
-  if (name.empty()) fail(node, "found ", node, ", expected (PREDICATE ARGUMENT...)");
+  if (name.empty()) fail(node, found_expected(message(node), "(PREDICATE ARGUMENT...)"));
   if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
     fail(node, "found ", node, " where ", in_durative_ ? "the time is already given" : "no time can be given",
          ", expected (PREDICATE ARGUMENT...)");
@@ -234,25 +235,24 @@ Resolver::Call Resolver::atom(const Node& node, Words words) {
   if (name == "oneof" || name == "probabilistic" || name == "unknown")
     fail_unsupported(node, "found (", name, " ...): actions with several outcomes are not supported");
   if (const int function = find(domain_.function_names, name); function >= 0)
-    fail(node, "found the numeric fluent '", name, "', expected a predicate",
+    fail(node, found_expected(message("the numeric fluent '", name, "'"), "a predicate"),
          declared(domain_.functions[function].source));
-  fail(node, "found '", name, "', expected a predicate of the domain", hint(name, domain_.predicate_names, words));
+  fail(node, found_text(name, "a predicate of the domain"), hint(name, domain_.predicate_names, words));
 }
 
 Resolver::Call Resolver::function_term(const Node& node, Words words) {
   const std::string_view name = node.is_list ? node.head() : node.word;
-  if (name.empty()) fail(node, "found ", node, ", expected a number, (FUNCTION ARGUMENT...) or (+ - * / ...)");
+  if (name.empty()) fail(node, found_expected(message(node), "a number, (FUNCTION ARGUMENT...) or (+ - * / ...)"));
   const FunctionId function = find(domain_.function_names, name);
   if (function < 0) {
     if (const int predicate = find(domain_.predicate_names, name); predicate >= 0)
-      fail(node, "found the predicate '", name, "', expected a numeric fluent",
+      fail(node, found_expected(message("the predicate '", name, "'"), "a numeric fluent"),
            declared(domain_.predicates[predicate].source));
-    fail(node, "found '", name, "', expected a number or a function of the domain",
-         hint(name, domain_.function_names, words));
+    fail(node, found_text(name, "a number or a function of the domain"), hint(name, domain_.function_names, words));
   }
   const Function& declaration = domain_.functions[function];
   if (!node.is_list && !declaration.parameters.empty())
-    fail(node, "found '", name, "' without arguments, expected ", declaration.parameters.size(),
+    fail(node, found_expected(message("'", name, "' without arguments"), message(declaration.parameters.size())),
          declared(declaration.source));
   return {function, arguments(node, declaration)};
 }
@@ -280,7 +280,7 @@ Expression Resolver::expression(const Node& node, Place place) {
       return out;
     }
     if (node.word == "#t")
-      fail(node, "found #t, expected it only in the rate of a continuous effect: (increase (f) (* #t RATE))");
+      fail(node, found_expected("#t", "it only in the rate of a continuous effect: (increase (f) (* #t RATE))"));
   }
   const std::string_view head = node.is_list ? node.head() : node.word;
   if (head == "total-time" && place == Place::kMetric && find(domain_.function_names, "total-time") < 0) {
@@ -313,13 +313,13 @@ Condition Resolver::condition(const Node& node) {
   using Kind = Condition::Kind;
   Condition out;
   out.source = source(node);
-  if (!node.is_list) fail(node, "found '", node.word, "', expected a condition in parentheses");
+  if (!node.is_list) fail(node, found_text(node.word, "a condition in parentheses"));
   if (node.items.empty()) return out;
   const std::string_view head = node.head();
   const std::span<const Node> operands = node.rest();
   const auto check_count = [&](std::size_t wanted) {
     if (operands.size() != wanted)
-      fail(node, "found ", count(operands.size(), "operand"), " in ", node, ", expected ", wanted);
+      fail(node, found_expected(message(count(operands.size(), "operand"), " in ", node), message(wanted)));
   };
   if (const auto comparison = kind_of<Comparison>(kComparisonWords, head)) {
     check_count(2);
@@ -337,7 +337,7 @@ Condition Resolver::condition(const Node& node) {
   if (out.kind == Kind::kAtom) {
     std::tie(out.predicate, out.terms) = atom(node, kOperators);
   } else if (out.kind == Kind::kForall || out.kind == Kind::kExists) {
-    if (operands.size() != 2) fail(node, "found ", node, ", expected (", head, " (?x - TYPE ...) CONDITION)");
+    if (operands.size() != 2) fail(node, found_expected(message(node), "("), head, " (?x - TYPE ...) CONDITION)");
     const std::size_t outer = scope_.size();
     out.variables = variables(operands[0]);
     out.operands.push_back(condition(operands[1]));
@@ -369,7 +369,7 @@ void Resolver::timed_condition(const Node& node, TimedCondition& out) {
     return;
   }
   if (head == "forall") {
-    if (node.items.size() != 3) fail(node, "found ", node, ", expected (forall (?x - TYPE ...) TIMED-CONDITION)");
+    if (node.items.size() != 3) fail(node, found_expected(message(node), "(forall (?x - TYPE ...) TIMED-CONDITION)"));
     const std::size_t outer = scope_.size();
     const std::vector<Variable> bound = variables(node.items[1]);
     TimedCondition inner;
@@ -397,7 +397,7 @@ void Resolver::timed_condition(const Node& node, TimedCondition& out) {
 }
 
 Fact Resolver::ground_fact(const Node& node) {
-  if (!node.is_list) fail(node, "found '", node.word, "', expected (PREDICATE OBJECT...)");
+  if (!node.is_list) fail(node, found_text(node.word, "(PREDICATE OBJECT...)"));
   const auto [predicate, terms] = atom(node, {});
   return {predicate, objects_in(terms)};
 }

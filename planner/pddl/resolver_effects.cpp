@@ -17,7 +17,7 @@ bool mentions_elapsed(const Node& node) {
 }  // namespace
 
 std::vector<DurationConstraint> Resolver::duration(const Node& node) {
-  if (!node.is_list) fail(node, "found '", node.word, "', expected (= ?duration NUMBER)");
+  if (!node.is_list) fail(node, found_text(node.word, "(= ?duration NUMBER)"));
   std::vector<DurationConstraint> out;
   if (node.items.empty()) return out;
   const std::string_view head = node.head();
@@ -32,9 +32,9 @@ std::vector<DurationConstraint> Resolver::duration(const Node& node) {
   }
   auto comparison = kind_of<Comparison>(kComparisonWords, head);
   if (node.items.size() != 3 || !comparison || head == "<" || head == ">")
-    fail(node, "found ", node, ", expected (= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)");
+    fail(node, found_expected(message(node), "(= ?duration NUMBER), (<= ?duration NUMBER) or (>= ?duration NUMBER)"));
   const bool left = node.items[1].is_word("?duration");
-  if (!left && !node.items[2].is_word("?duration")) fail(node, "found ", node, ", expected ?duration on one side");
+  if (!left && !node.items[2].is_word("?duration")) fail(node, found_expected(message(node), "?duration on one side"));
   if (!left && head == "<=") comparison = Comparison::kGreaterEqual;
   if (!left && head == ">=") comparison = Comparison::kLessEqual;
   out.push_back({*comparison, expression(node.items[left ? 2 : 1], Place::kDuration)});
@@ -48,7 +48,7 @@ std::vector<Effect> Resolver::effects(const Node& node) {
 }
 
 void Resolver::effect(const Node& node, Effect pattern, bool timed, std::vector<Effect>& out) {
-  if (!node.is_list) fail(node, "found '", node.word, "', expected an effect in parentheses");
+  if (!node.is_list) fail(node, found_text(node.word, "an effect in parentheses"));
   if (node.items.empty()) return;
   const std::string_view head = node.head();
   if (head == "and") {
@@ -56,7 +56,7 @@ void Resolver::effect(const Node& node, Effect pattern, bool timed, std::vector<
     return;
   }
   if (head == "forall") {
-    if (node.items.size() != 3) fail(node, "found ", node, ", expected (forall (?x - TYPE ...) EFFECT)");
+    if (node.items.size() != 3) fail(node, found_expected(message(node), "(forall (?x - TYPE ...) EFFECT)"));
     const std::size_t outer = scope_.size();
     std::ranges::move(variables(node.items[1]), std::back_inserter(pattern.variables));
     effect(node.items[2], std::move(pattern), timed, out);
@@ -71,7 +71,8 @@ void Resolver::effect(const Node& node, Effect pattern, bool timed, std::vector<
       return effect(node.items[2], std::move(pattern), true, out);
     }
     if ((head != "increase" && head != "decrease") || !mentions_elapsed(node))
-      fail(node, "found ", node, ", expected (at start ...), (at end ...) or a continuous (increase F (* #t RATE))");
+      fail(node,
+           found_expected(message(node), "(at start ...), (at end ...) or a continuous (increase F (* #t RATE))"));
     pattern.time = Effect::Time::kContinuous;
   }
   if (kind_of<Effect::Kind>(kEffectWords, head)) {
@@ -80,13 +81,14 @@ void Resolver::effect(const Node& node, Effect pattern, bool timed, std::vector<
   }
   for (const std::string_view word : {"or", "imply", "exists", "=", "<", "<=", ">", ">="})
     if (head == word && find(domain_.predicate_names, head) < 0)
-      fail(node, "found ", node,
-           ", expected an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)");
+      fail(node,
+           found_expected(message(node),
+                          "an effect: it cannot leave open what happens, and numbers are set by (assign F NUMBER)"));
   out.push_back(literal_effect(node, std::move(pattern)));
 }
 
 void Resolver::conditional_effect(const Node& node, Effect pattern, bool timed, std::vector<Effect>& out) {
-  if (node.items.size() != 3) fail(node, "found ", node, ", expected (when CONDITION EFFECT)");
+  if (node.items.size() != 3) fail(node, found_expected(message(node), "(when CONDITION EFFECT)"));
   TimedCondition& condition = pattern.condition;
   if (!timed)
     timed_condition(node.items[1], condition);
@@ -97,7 +99,8 @@ void Resolver::conditional_effect(const Node& node, Effect pattern, bool timed, 
   for (const Effect& effect : out | std::views::drop(first)) {
     const TimedCondition& when = effect.condition;
     if (effect.time == Effect::Time::kStart && (!when.over_all.is_true() || !when.end.is_true()))
-      fail(node, "found an effect at start with a condition that is known only later, expected a condition at start");
+      fail(node,
+           found_expected("an effect at start with a condition that is known only later", "a condition at start"));
     if (effect.time == Effect::Time::kContinuous)
       fail_unsupported(node, "found a conditional continuous effect: not supported");
   }
@@ -128,7 +131,7 @@ Expression Resolver::rate(const Node& node) {
   if ((head != "+" && head != "-") || operands == 0)
     fail_unsupported(node, "found the rate ", node, ": only linear change (* #t RATE) is supported");
   out.kind = head == "+" ? Kind::kAdd : operands == 1 ? Kind::kNegate : Kind::kSubtract;
-  if (head == "+" ? operands < 2 : operands > 2) fail(node, "found ", node, ", expected 2 operands");
+  if (head == "+" ? operands < 2 : operands > 2) fail(node, found_expected(message(node), "2 operands"));
   for (const Node& item : node.rest()) {
     if (!mentions_elapsed(item))
       fail_unsupported(node, "found ", node, ": only linear change is supported, each summand must have its #t");
@@ -138,7 +141,8 @@ Expression Resolver::rate(const Node& node) {
 }
 
 Effect Resolver::numeric_effect(const Node& node, Effect effect) {
-  if (node.items.size() != 3) fail(node, "found ", node, ", expected (", node.head(), " (FUNCTION ARGUMENT...) VALUE)");
+  if (node.items.size() != 3)
+    fail(node, found_expected(message(node), "("), node.head(), " (FUNCTION ARGUMENT...) VALUE)");
   effect.kind = *kind_of<Effect::Kind>(kEffectWords, node.head());
   effect.source = source(node);
   std::tie(effect.function, effect.terms) = function_term(node.items[1], {});
@@ -149,9 +153,9 @@ Effect Resolver::numeric_effect(const Node& node, Effect effect) {
 
 Effect Resolver::literal_effect(const Node& node, Effect effect) {
   const bool negative = node.head() == "not";
-  if (negative && node.items.size() != 2) fail(node, "found ", node, ", expected (not (PREDICATE ARGUMENT...))");
+  if (negative && node.items.size() != 2) fail(node, found_expected(message(node), "(not (PREDICATE ARGUMENT...))"));
   const Node& literal = negative ? node.items[1] : node;
-  if (!literal.is_list) fail(literal, "found '", literal.word, "', expected (PREDICATE ARGUMENT...)");
+  if (!literal.is_list) fail(literal, found_text(literal.word, "(PREDICATE ARGUMENT...)"));
   effect.kind = negative ? Effect::Kind::kDelete : Effect::Kind::kAdd;
   effect.source = source(node);
   static constexpr std::string_view kWords[] = {"and",      "not",      "when",     "forall",    "assign",

@@ -22,7 +22,7 @@ class FormReader {
   Node read_file() {
     skip_space();
     if (at_end()) fail(line_, "the file is empty; expected (define ...)");
-    if (text_[position_] != '(') fail(line_, "found '", word_at(position_).substr(0, 60), "', expected (define ...)");
+    if (text_[position_] != '(') fail(line_, found_text(word_at(position_).substr(0, 60), "(define ...)"));
     Node node = read_list(0);
     skip_space();
     if (!at_end())
@@ -88,7 +88,7 @@ class FormReader {
       if (nodes_++ % kReadBetweenLooks == 0 && is_over(deadline_)) throw Rejected{too_late(file_)};
       skip_space();
       if (at_end())
-        fail(list.line, "found the end of the file, expected a ')' for the list that begins here", last_section());
+        fail(list.line, found_expected("the end of the file", "a ')' for the list that begins here"), last_section());
       if (text_[position_] == ')') {
         ++position_;
         return list;
@@ -102,7 +102,8 @@ class FormReader {
         word.word = word_at(position_);
         position_ += word.word.size();
         if (const auto control = std::ranges::find_if(word.word, is_control); control != word.word.end())
-          fail(line_, "found a control character (code ", static_cast<int>(*control), ") in a name, expected text");
+          fail(line_, found_expected(message("a control character (code ", static_cast<int>(*control), ") in a name"),
+                                     "text"));
       }
     }
   }

@@ -106,7 +106,7 @@ class PlayedEpisode {
 
   StepTuple step(std::optional<double> until, std::optional<std::int64_t> ticks) {
     const Use use(*this);
-    if (until && std::isnan(*until)) raise(usage_error("found nan, expected a time, s", "until"));
+    if (until && std::isnan(*until)) raise(usage_error(found_expected("nan", "a time, s"), "until"));
     const SimTime end = until && *until < 1e9 ? from_seconds(*until) : kNever;
     std::int64_t played = 0;
     while (true) {
@@ -319,8 +319,8 @@ class PlayedEpisode {
     if (!name && all.size() == 1) return *all.front();
     if (names.empty()) raise(usage_error("the episode has no environment of rules", "env"));
     const std::string known = "of " + some_of(names, names.size());
-    if (!name) raise(usage_error("found none, expected one " + known, "env"));
-    raise(usage_error("found '" + *name + "', expected one " + known + did_you_mean(*name, names), "env"));
+    if (!name) raise(usage_error(found_expected("none", "one " + known), "env"));
+    raise(usage_error(found_text(*name, "one " + known + did_you_mean(*name, names)), "env"));
   }
 
   static void check_pattern(const explain::Pattern& pattern, const cx::Environment& environment) {

@@ -19,7 +19,7 @@ lab::PlayOptions play_options(std::optional<double> until, const std::string& jo
   lab::PlayOptions options;
   options.spec.until = until;
   if (auto level = named(options.spec.journal, kJournalLevels); !level.set(journal))
-    raise(usage_error("found '" + journal + "', expected none, decisions or full", "journal"));
+    raise(usage_error(found_text(journal, "none, decisions or full"), "journal"));
   options.out = out.empty() ? "none" : out;
   options.force = force;
   options.command = {"python"};

@@ -121,7 +121,7 @@ class PythonAgent final : public Agent {
     return call([this](nb::object& seat) {
       seat.attr("act")();
       const double due = nb::cast<double>(seat.attr("next_due")());
-      if (std::isnan(due)) raise(usage_error("next_due: found nan, expected a time, s"));
+      if (std::isnan(due)) raise(usage_error("next_due: " + found_expected("nan", "a time, s")));
       due_ = due < 1e9 ? from_seconds(std::max(due, 0.0)) : kNever;
     });
   }
@@ -137,7 +137,7 @@ class PythonAgent final : public Agent {
     } catch (nb::python_error& error) {
       return play_->keep(error, who_);
     } catch (const nb::cast_error&) {
-      return usage_error(who_ + ": next_due: found no number, expected a time, s");
+      return usage_error(who_ + ": next_due: " + found_expected("no number", "a time, s"));
     }
     return {};
   }
@@ -157,7 +157,7 @@ Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play) {
     raise(usage_error("found a seat whose name is no text", "seats"));
   for (const char* method : {"perceive", "decide", "act", "next_due"})
     if (!nb::hasattr(object, method))
-      raise(usage_error("found a seat without the method " + std::string(method) + ", expected one of class cxlab.Seat",
+      raise(usage_error(found_expected("a seat without the method " + std::string(method), "one of class cxlab.Seat"),
                         "seats"));
   return {name,
           [name, play, shared = share(object)](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {

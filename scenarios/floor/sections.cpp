@@ -29,15 +29,14 @@ void read_when(yaml::Map& map, const FaultWord& word, Fault& fault) {
   if (word.by_occasion) {
     map.read("probability", fault.probability);
     if (!(fault.probability >= 0 && fault.probability <= 1))
-      map.get("probability").fail("found " + map.get("probability").text() + ", expected a probability, 0 .. 1");
+      map.get("probability").fail(found_expected(map.get("probability").text(), "a probability, 0 .. 1"));
   } else {
     map.read_seconds("mean_s", fault.mean);
     if (fault.mean < from_seconds(0.001))
-      map.get("mean_s").fail("found " + map.get("mean_s").text() + ", expected at least 0.001 s");
+      map.get("mean_s").fail(found_expected(map.get("mean_s").text(), "at least 0.001 s"));
   }
   map.read_seconds("from", fault.from).read_seconds("until", fault.until).read("times", fault.times);
-  if (fault.until <= fault.from)
-    map.get("until").fail("found " + map.get("until").text() + ", expected a time after from");
+  if (fault.until <= fault.from) map.get("until").fail(found_expected(map.get("until").text(), "a time after from"));
   if (fault.times < 0) map.get("times").fail("must be 0 (no limit) or more");
 }
 
@@ -47,19 +46,19 @@ void read_error(yaml::Map& map, Fault& fault) {
   if (!map.has("error") || std::ranges::find(kCodes, fault.error) != std::end(kCodes)) return;
   std::string list;
   for (const int code : kCodes) list += (list.empty() ? "" : ", ") + std::to_string(code);
-  map.get("error").fail("found " + std::to_string(fault.error) + ", expected one of: " + list);
+  map.get("error").fail(found_expected(std::to_string(fault.error), "one of: " + list));
 }
 
 void read_factor(yaml::Map& map, Fault& fault) {
   map.read("factor", fault.factor);
   if (!(fault.factor >= 0.05 && fault.factor <= 1))
-    map.get("factor").fail("found " + map.get("factor").text() + ", expected a share of the speed, 0.05 .. 1");
+    map.get("factor").fail(found_expected(map.get("factor").text(), "a share of the speed, 0.05 .. 1"));
 }
 
 void read_sigma(yaml::Map& map, const char* key, double most, double& sigma) {
   map.read(key, sigma);
   if (!(sigma >= 0 && sigma <= most))
-    map.get(key).fail("found " + map.get(key).text() + ", expected 0 to " + std::to_string(static_cast<int>(most)));
+    map.get(key).fail(found_expected(map.get(key).text(), "0 to " + std::to_string(static_cast<int>(most))));
 }
 
 Fault read_fault(const yaml::Value& value) {

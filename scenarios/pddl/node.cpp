@@ -46,9 +46,9 @@ Status validate(const Config& config) {
   if (Status s = bus::check_node(config.options.node.name_space, config.options.node.remaps); !s) return s;
   if (config.options.bond_period < 0) return input_error("bond_heartbeat_period: must be 0 (no heartbeats) or more");
   if (!command.empty() && command.find("{plan}") == std::string::npos)
-    return input_error("command: found no {plan} in it, expected a command that writes its plan to {plan}");
+    return input_error("command: " + found_expected("no {plan} in it", "a command that writes its plan to {plan}"));
   if (!command.empty() && !config.engine.empty())
-    return input_error("engine: found beside command, expected one of the two");
+    return input_error("engine: " + found_expected("beside command", "one of the two"));
   if (config.engine.empty() && config.python != Config().python)
     return input_error("python: says which interpreter has the engine, but there is no engine");
   return {};

@@ -34,7 +34,7 @@ Expected<std::vector<std::string>> all_of(const std::vector<std::string>& predef
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   if (all.size() > Spaces::kMost)
-    return input_error("found " + std::to_string(all.size()) + ", expected at most " + std::to_string(Spaces::kMost));
+    return input_error(found_expected(std::to_string(all.size()), "at most " + std::to_string(Spaces::kMost)));
   return all;
 }
 

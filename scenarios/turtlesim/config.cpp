@@ -23,12 +23,12 @@ Status validate(const Config& config) {
                                     {"background_g", config.background_g},
                                     {"background_b", config.background_b}})
     if (value < 0 || value > 255)
-      return input_error(std::string(name) + ": found " + std::to_string(value) + ", expected 0 to 255");
+      return input_error(std::string(name) + ": " + found_expected(std::to_string(value), "0 to 255"));
   if (Status s = bus::check_node(config.name_space, config.remaps); !s) return s;
   std::set<std::string> names;
   for (const StartTurtle& turtle : config.turtles) {
     if (!is_turtle_name(turtle.name))
-      return input_error("turtles: found the name '" + turtle.name + "', expected letters, digits and '_'");
+      return input_error("turtles: " + found_expected("the name '" + turtle.name + "'", "letters, digits and '_'"));
     if (!names.insert(turtle.name).second) return input_error("turtles: two turtles are named '" + turtle.name + "'");
     if (!std::isfinite(turtle.x) || !std::isfinite(turtle.y) || !std::isfinite(turtle.theta))
       return input_error("turtles: the place of '" + turtle.name + "' is no number");

@@ -106,12 +106,13 @@ Status TurtlesimNode::serve_parameters() {
   std::array<std::int64_t, 3> values{now.r, now.g, now.b};
   for (std::size_t i = 0; i < kBackground.size(); ++i)
     if (Status s = parameters_.declare(kBackground[i], values[i]); !s) return s;
-  const auto served = cx::serve_parameters(
-      bus_, *self_, parameters_, [](const std::string& name, const cx::Parameter& value) -> Status {
-        const long number = std::strtol(value.text.c_str(), nullptr, 10);
-        if (number < 0 || number > 255) return input_error(name + ": found " + value.text + ", expected 0 to 255");
-        return {};
-      });
+  const auto served = cx::serve_parameters(bus_, *self_, parameters_,
+                                           [](const std::string& name, const cx::Parameter& value) -> Status {
+                                             const long number = std::strtol(value.text.c_str(), nullptr, 10);
+                                             if (number < 0 || number > 255)
+                                               return input_error(name + ": " + found_expected(value.text, "0 to 255"));
+                                             return {};
+                                           });
   return served ? Status() : served.error();
 }
 

@@ -97,7 +97,7 @@ Expected<SkillGoal> SkillServer::read_goal(const Action& action, const bus::Mess
     if (const bus::Field* wait = message.type().find("wait_s"); wait && action.kind == SkillKind::kPick) {
       const double seconds = message.real(*wait), longest = to_seconds(kLongestWait);
       if (!(seconds >= 0 && seconds <= longest))
-        return input_error("wait_s: found " + shortest_text(seconds) + ", expected 0 to " + shortest_text(longest));
+        return input_error("wait_s: " + found_expected(shortest_text(seconds), "0 to " + shortest_text(longest)));
       goal.wait = from_seconds(seconds);
     }
     return goal;

@@ -52,7 +52,7 @@ Status validate(const TimedSkillsConfig& config) {
                          {"pick_failure", config.pick_failure, 0, 1, "a probability, 0 .. 1"},
                          {"place_failure", config.place_failure, 0, 1, "a probability, 0 .. 1"}})
     if (!(v.value >= v.least && v.value <= v.most))
-      return input_error(std::string(v.name) + ": found " + std::to_string(v.value) + ", expected " + v.expected);
+      return input_error(std::string(v.name) + ": " + found_expected(std::to_string(v.value), v.expected));
   return {};
 }
 

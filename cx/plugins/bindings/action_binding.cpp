@@ -122,8 +122,7 @@ void ActionBinding::fail_state(Call& call, const ServedGoal& goal, const char* e
 bool ActionBinding::has_message(Call& call, const bus::MessageType& type) {
   const bus::MessageView view = store_.view(call.handle(1));
   if (view && &view.type() == &type) return true;
-  call.fail(view ? "found a message of type " + view.type().name() + ", expected " + type.name()
-                 : "invalid message pointer");
+  call.fail(view ? found_expected("a message of type " + view.type().name(), type.name()) : "invalid message pointer");
   return false;
 }
 

@@ -35,9 +35,9 @@ class ExecutivePlugin final : public Plugin {
     if (Status s = parameter("refresh_rate", refresh_rate_); !s) return s;
     if (Status s = parameter("autostart", autostart); !s) return s;
     if (refresh_rate_ <= 0)
-      return context().parameters.error_at(name() + ".refresh_rate", "parameter '" + name() + ".refresh_rate': found " +
-                                                                         std::to_string(refresh_rate_) +
-                                                                         ", expected a rate in Hz above 0");
+      return context().parameters.error_at(name() + ".refresh_rate",
+                                           "parameter '" + name() + ".refresh_rate': " +
+                                               found_expected(std::to_string(refresh_rate_), "a rate in Hz above 0"));
     start_ = context().bus.now();
     paused_ = !autostart;
     if (Status s = serve_control(); !s) return s;

@@ -92,8 +92,8 @@ namespace {
 
 using Problem = std::optional<FieldProblem>;
 
-FieldProblem found_expected(const ValueRef& value, std::string_view expected) {
-  return {"found " + value.copy().print() + ", expected " + std::string(expected)};
+FieldProblem value_expected(const ValueRef& value, std::string_view expected) {
+  return {found_expected(value.copy().print(), std::string(expected))};
 }
 
 /// A number of which CX would take the bits as they are.
@@ -102,13 +102,13 @@ Problem unconverted(const Field& field, const ValueRef& value) {
     case Field::CPPTYPE_DOUBLE:
     case Field::CPPTYPE_FLOAT:
       if (!value.is(ValueType::kInteger)) return {};
-      return found_expected(value, "a FLOAT: CX converts no INTEGER (--strict-cx)");
+      return value_expected(value, "a FLOAT: CX converts no INTEGER (--strict-cx)");
     case Field::CPPTYPE_INT32:
     case Field::CPPTYPE_INT64:
     case Field::CPPTYPE_UINT32:
     case Field::CPPTYPE_UINT64:
       if (!value.is(ValueType::kFloat)) return {};
-      return found_expected(value, "an INTEGER: CX converts no FLOAT (--strict-cx)");
+      return value_expected(value, "an INTEGER: CX converts no FLOAT (--strict-cx)");
     default: return {};
   }
 }
@@ -171,7 +171,7 @@ struct Writer {
   Problem put_whole(void (proto::Reflection::*set)(proto::Message*, const Field*, Integer) const,
                     void (proto::Reflection::*append)(proto::Message*, const Field*, Integer) const) {
     const auto number = whole<Integer>(value);
-    if (!number) return found_expected(value, "a whole number that " + std::string(field.type_name()) + " can hold");
+    if (!number) return value_expected(value, "a whole number that " + std::string(field.type_name()) + " can hold");
     return put(*number, set, append);
   }
 };
@@ -191,17 +191,17 @@ std::optional<FieldProblem> set_field(proto::Message& message, const Field& fiel
     case Field::CPPTYPE_UINT32: return writer.put_whole<std::uint32_t>(&R::SetUInt32, &R::AddUInt32);
     case Field::CPPTYPE_UINT64: return writer.put_whole<std::uint64_t>(&R::SetUInt64, &R::AddUInt64);
     case Field::CPPTYPE_DOUBLE:
-      if (!value.is_number()) return found_expected(value, "a number");
+      if (!value.is_number()) return value_expected(value, "a number");
       return writer.put(value.as_number(), &R::SetDouble, &R::AddDouble);
     case Field::CPPTYPE_FLOAT:
-      if (!value.is_number()) return found_expected(value, "a number");
+      if (!value.is_number()) return value_expected(value, "a number");
       return writer.put(static_cast<float>(value.as_number()), &R::SetFloat, &R::AddFloat);
     case Field::CPPTYPE_BOOL:
-      if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
+      if (!value.is_text()) return value_expected(value, "TRUE or FALSE");
       return writer.put(value.text() == "TRUE", &R::SetBool, &R::AddBool);
     case Field::CPPTYPE_STRING:
       if (field.type() == Field::TYPE_BYTES) return {};
-      if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
+      if (!value.is_text()) return value_expected(value, "a STRING or SYMBOL");
       return writer.put(std::string(value.text()), &R::SetString, &R::AddString);
     case Field::CPPTYPE_ENUM: {
       const proto::EnumValueDescriptor* known =
@@ -212,10 +212,10 @@ std::optional<FieldProblem> set_field(proto::Message& message, const Field& fiel
     }
     case Field::CPPTYPE_MESSAGE: {
       const proto::Message* part = value.is(ValueType::kHandle) ? messages.find(value.as_handle()) : nullptr;
-      if (!part) return found_expected(value, "a message of type " + field.message_type()->full_name());
+      if (!part) return value_expected(value, "a message of type " + field.message_type()->full_name());
       if (part->GetDescriptor() != field.message_type())
-        return FieldProblem{"found a message of type " + part->GetDescriptor()->full_name() + ", expected " +
-                            field.message_type()->full_name()};
+        return FieldProblem{found_expected("a message of type " + part->GetDescriptor()->full_name(),
+                                           field.message_type()->full_name())};
       if (is_deeper(*part, kDeepest - 1))
         return FieldProblem{"messages would lie more than " + std::to_string(kDeepest) + " deep in each other"};
       pb::MessagePtr copy(part->New());  // it may be the message itself

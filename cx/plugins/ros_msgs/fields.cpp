@@ -22,7 +22,7 @@ FieldFault unknown_field(const bus::MessageType& type, std::string_view field) {
 }
 
 FieldFault wrong_type(const bus::MessageType& found, const bus::MessageType& expected) {
-  return {FieldFault::Kind::kNoMessage, "found a message of type " + found.name() + ", expected " + expected.name()};
+  return {FieldFault::Kind::kNoMessage, found_expected("a message of type " + found.name(), expected.name())};
 }
 
 std::string char_text(const MessageView& view, const Field& field, std::size_t index) {
@@ -70,8 +70,8 @@ void give_array(Call& call, MessageStore& store, Handle message, const MessageVi
 using Fault = std::optional<FieldFault>;
 
 FieldFault value_fault(std::string text) { return {FieldFault::Kind::kValue, std::move(text)}; }
-FieldFault found_expected(const ValueRef& value, std::string_view expected) {
-  return value_fault("found " + value.copy().print() + ", expected " + std::string(expected));
+FieldFault value_expected(const ValueRef& value, std::string_view expected) {
+  return value_fault(found_expected(value.copy().print(), std::string(expected)));
 }
 Fault fault_of(const Status& status) {
   if (status) return std::nullopt;
@@ -86,27 +86,27 @@ Fault set_integer(const MessageView& view, const Field& field, const ValueRef& v
     return fault_of(
         view.set_integer(field, value.text().empty() ? 0 : static_cast<unsigned char>(value.text()[0]), index));
   if (!value.is(ValueType::kFloat))
-    return found_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
+    return value_expected(value, field.type == FieldType::kChar ? "one character" : "an INTEGER");
   const double number = value.as_number();
   constexpr double kLimit = 9223372036854775808.0;                                  // 2^63
   if (field.type == FieldType::kUint64 && number >= kLimit && number < 2 * kLimit)  // as INTEGERs have it: wrapped
     return fault_of(view.set_integer(field, static_cast<std::int64_t>(static_cast<std::uint64_t>(number)), index));
   if (std::trunc(number) != number || number < -kLimit || number >= kLimit)
-    return found_expected(value, "a whole number");
+    return value_expected(value, "a whole number");
   return fault_of(view.set_integer(field, static_cast<std::int64_t>(number), index));
 }
 
 Fault set_real(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
-  if (!value.is_number()) return found_expected(value, "a number");
+  if (!value.is_number()) return value_expected(value, "a number");
   const double number = value.as_number();
   const bool single = field.type == FieldType::kFloat32;
   if (value.is(ValueType::kInteger)) {
     // Exact: the number comes back. 2^63 would not fit into an integer.
     const double stored = single ? static_cast<double>(static_cast<float>(number)) : number;
     if (stored >= 9223372036854775808.0 || static_cast<std::int64_t>(stored) != value.as_integer())
-      return found_expected(value, "an integer that a float of this size holds exactly");
+      return value_expected(value, "an integer that a float of this size holds exactly");
   } else if (single && std::isfinite(number) && !std::isfinite(static_cast<float>(number))) {
-    return found_expected(value, "a number within the range of float32");
+    return value_expected(value, "a number within the range of float32");
   }
   view.set_real(field, number, index);
   return {};
@@ -137,16 +137,16 @@ MessageView Fields::source(const Field& field, const ValueRef& value, Fault& fau
 
 Fault Fields::set_value(const MessageView& view, const Field& field, const ValueRef& value, std::size_t index) {
   if (field.type == FieldType::kBool) {
-    if (!value.is_text()) return found_expected(value, "TRUE or FALSE");
+    if (!value.is_text()) return value_expected(value, "TRUE or FALSE");
     return fault_of(view.set_integer(field, value.text() == "TRUE" ? 1 : 0, index));
   }
   if (strict_ && !field.is_text() && !field.is_message() && value.is_number() &&
       field.is_real() == value.is(ValueType::kInteger))
-    return found_expected(value, field.is_real() ? "a FLOAT: CX converts no INTEGER (--strict-cx)"
+    return value_expected(value, field.is_real() ? "a FLOAT: CX converts no INTEGER (--strict-cx)"
                                                  : "an INTEGER: CX converts no FLOAT (--strict-cx)");
   if (field.is_real()) return set_real(view, field, value, index);
   if (field.is_text()) {
-    if (!value.is_text()) return found_expected(value, "a STRING or SYMBOL");
+    if (!value.is_text()) return value_expected(value, "a STRING or SYMBOL");
     return fault_of(view.set_text(field, value.text(), index));
   }
   if (!field.is_message()) return set_integer(view, field, value, index);
@@ -172,10 +172,10 @@ Fault Fields::set_messages(const MessageView& view, const Field& field, const Va
 
 Fault Fields::set_array(const MessageView& view, const Field& field, const ValueRef& values) {
   if (!values.is(ValueType::kMultifield))
-    return FieldFault{FieldFault::Kind::kNotMultifield, "found " + values.copy().print() + ", expected a multifield"};
+    return FieldFault{FieldFault::Kind::kNotMultifield, found_expected(values.copy().print(), "a multifield")};
   if (field.array == ArrayKind::kFixed && values.size() != field.size_limit)
-    return value_fault("found " + std::to_string(values.size()) + " values, expected exactly " +
-                       std::to_string(field.size_limit));
+    return value_fault(
+        found_expected(std::to_string(values.size()) + " values", "exactly " + std::to_string(field.size_limit)));
   if (field.is_message()) return set_messages(view, field, values);
   if (field.is_sequence())
     if (Fault fault = fault_of(view.resize(field, values.size()))) return fault;

@@ -52,7 +52,7 @@ void RosInterface::add_all() {
       if (fits) id[i] = static_cast<std::uint8_t>(bytes[i].as_integer());
     }
     if (fits) return call.give_symbol(bus::to_string(id));
-    call.complain("found " + bytes.copy().print() + ", expected 16 integers from 0 to 255");
+    call.complain(found_expected(bytes.copy().print(), "16 integers from 0 to 255"));
     call.give_boolean(false);
   });
 }

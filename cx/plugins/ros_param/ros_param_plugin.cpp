@@ -22,8 +22,8 @@ Expected<Type> type_of(const ValueRef& value) {
   if (value.is(ValueType::kFloat)) return Type::kDouble;
   if (is_truth(value)) return Type::kBool;
   if (value.is_text()) return Type::kString;
-  return input_error("found a default " + value.copy().print() +
-                     ", expected a number, a symbol, a string or a list of such");
+  return input_error(
+      found_expected("a default " + value.copy().print(), "a number, a symbol, a string or a list of such"));
 }
 
 Expected<Wanted> wanted_by(const ValueRef& fallback) {
@@ -121,7 +121,7 @@ class RosParamPlugin final : public Plugin {
   }
 
   Expected<std::vector<Value>> read(const std::string& parameter, const ValueRef& fallback) {
-    if (parameter.empty()) return input_error("found an empty name, expected that of a parameter");
+    if (parameter.empty()) return input_error(found_expected("an empty name", "that of a parameter"));
     auto wanted = wanted_by(fallback);
     if (!wanted) return wanted.error();
     const Parameter* known = context().parameters.find(parameter);

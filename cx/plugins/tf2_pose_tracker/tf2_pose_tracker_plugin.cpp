@@ -117,7 +117,8 @@ class Tf2PoseTrackerPlugin final : public Plugin {
     const double hz = call.number(2);
     if (!(hz >= 1e-9) || hz > 1e9) {
       log(environment, LogLevel::kError,
-          "Failed to create pose updater: found a rate of " + print_float(hz) + " Hz, expected one from 1e-9 to 1e9");
+          "Failed to create pose updater: " +
+              found_expected("a rate of " + print_float(hz) + " Hz", "one from 1e-9 to 1e9"));
       call.give_boolean(false);
       return;
     }

@@ -78,7 +78,7 @@ std::string Controllers::control(const Fields& message, std::string_view type) {
   if (type == "SetGamePhase") {
     const auto phase = named<Phase>(message.text("phase"));
     return phase ? context_.factory.set_phase(*phase)
-                 : "found " + message.text("phase") + ", expected SETUP, PRODUCTION or POST_GAME";
+                 : found_expected(message.text("phase"), "SETUP, PRODUCTION or POST_GAME");
   }
   if (type == "SetMachineState") return set_machine(message.text("machine_name"), message.text("state"));
   if (type == "ConfirmDelivery")
@@ -110,7 +110,7 @@ std::string Controllers::control(const Fields& message, std::string_view type) {
 std::string Controllers::set_machine(const std::string& machine, const std::string& state) {
   if (state == "RESET") return context_.factory.reset_machine(machine);
   if (state == "IDLE") return context_.factory.repair_machine(machine);
-  return "found " + state + ", expected RESET or IDLE";
+  return found_expected(state, "RESET or IDLE");
 }
 
 // --- What they are sent

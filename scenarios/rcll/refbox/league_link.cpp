@@ -7,8 +7,9 @@ namespace cxlab::rcll {
 Status check(const LeagueClientConfig& config) {
   const auto range = [](const char* key, int found, int least, int most) {
     if (found >= least && found <= most) return Status();
-    return Status(input_error(std::string(key) + ": found " + std::to_string(found) + ", expected " +
-                              std::to_string(least) + " to " + std::to_string(most)));
+    return Status(
+        input_error(std::string(key) + ": " +
+                    found_expected(std::to_string(found), std::to_string(least) + " to " + std::to_string(most))));
   };
   if (Status s = range("robots", config.robots, 0, 3); !s) return s;
   if (Status s = range("first_robot", config.first_robot, 1, 4); !s) return s;

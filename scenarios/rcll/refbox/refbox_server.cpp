@@ -167,7 +167,7 @@ void RefboxServer::take(const net::Event& event) {
     if (!message) return;
     const std::string& type = message->GetDescriptor()->full_name();
     if (type == "llsf_msgs.BeaconSignal") return context_.meet(Fields(*message), event.host);
-    return context_.complain("public channel: found a " + type + ", expected a llsf_msgs.BeaconSignal");
+    return context_.complain("public channel: " + found_expected("a " + type, "a llsf_msgs.BeaconSignal"));
   }
   for (auto& team : teams_)
     if (team->channel().owns(event.link)) {
@@ -182,8 +182,8 @@ void RefboxServer::take(const net::Event& event) {
     somebody_came_ = true;
     const std::string& type = message->GetDescriptor()->full_name();
     if (type != "llsf_msgs.AgentTask")
-      return context_.complain(robot->channel().name() + ": found a " + type + ", expected a llsf_msgs.AgentTask" +
-                               from);
+      return context_.complain(robot->channel().name() + ": " +
+                               found_expected("a " + type, "a llsf_msgs.AgentTask" + from));
     if (const std::string problem = robot->take(Fields(*message)); !problem.empty())
       context_.complain(robot->channel().name() + ": " + problem + from);
     return;

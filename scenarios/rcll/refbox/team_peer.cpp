@@ -66,8 +66,10 @@ void TeamPeer::take(const Fields& message, const std::string& type, std::string_
   if (type == "llsf_msgs.SetRobotMaintenance")
     return context_.pass_on(message, "SetRobotMaintenance", context_.maintenance[static_cast<std::size_t>(team_)]);
   context_.complain(
-      channel_.name() + ": found a " + type +
-      ", expected a PrepareMachine, ResetMachine, MachineReport, SetRobotMaintenance or BeaconSignal of llsf_msgs");
+      channel_.name() + ": " +
+      found_expected(
+          "a " + type,
+          "a PrepareMachine, ResetMachine, MachineReport, SetRobotMaintenance or BeaconSignal of llsf_msgs"));
 }
 
 void TeamPeer::prepare(const Fields& message) {

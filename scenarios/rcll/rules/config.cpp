@@ -9,7 +9,7 @@ namespace cxlab::rcll {
 namespace {
 
 Error bad_value(const std::string& key, const std::string& found, const std::string& expected) {
-  return input_error(key + ": found " + found + ", expected " + expected);
+  return input_error(key + ": " + found_expected(found, expected));
 }
 
 Error bad_word(const std::string& key, const std::string& found, const std::vector<std::string>& words) {

@@ -313,12 +313,12 @@ Expected<Layout> read_layout(const std::vector<PlacedMachine>& machines, const s
     Placement& placement = layout[static_cast<std::size_t>(at - names.begin())];
     if (placement.rotation >= 0) return fail("machine: " + given.machine + " is placed twice");
     const auto zone = zone_named(given.zone);
-    if (!zone) return fail("zone: found '" + given.zone + "', expected C_Z11 to C_Z78 or M_Z11 to M_Z78");
+    if (!zone) return fail("zone: " + found_text(given.zone, "C_Z11 to C_Z78 or M_Z11 to M_Z78"));
     if (in_insertion({zone->column, zone->row}))
       return fail("zone: " + given.zone + " is in an insertion area, where robots start");
     if (std::ranges::find(taken, given.zone) != taken.end()) return fail("zone: two machines in " + given.zone);
     if (given.rotation < 0 || given.rotation > 315 || given.rotation % 45 != 0)
-      return fail("rotation: found " + std::to_string(given.rotation) + ", expected a multiple of 45 from 0 to 315");
+      return fail("rotation: " + found_expected(std::to_string(given.rotation), "a multiple of 45 from 0 to 315"));
     taken.push_back(given.zone);
     placement.zone = *zone;
     placement.rotation = given.rotation;
@@ -347,9 +347,9 @@ Status check_mirrored(const std::vector<PlacedMachine>& machines, const Layout& 
     const Placement& magenta = layout[m + kMachines.size()];
     const auto listed = std::ranges::find(machines, magenta.name(), &PlacedMachine::machine);
     const auto fail = [&](const std::string& what, const std::string& found, const std::string& expected) {
-      return input_error(key + "[" + std::to_string(listed - machines.begin()) + "]." + what + ": found " + found +
-                             ", expected " + expected + ", opposite to " + cyan.name() +
-                             "; a field that is not mirrored has 'mirrored: false'",
+      return input_error(key + "[" + std::to_string(listed - machines.begin()) + "]." + what + ": " +
+                             found_expected(found, expected + ", opposite to " + cyan.name() +
+                                                       "; a field that is not mirrored has 'mirrored: false'"),
                          listed->origin);
     };
     const Zone zone = mirrored(cyan.zone);

@@ -23,11 +23,11 @@ constexpr int kMaxPayments = 3;
 
 Machine::Refusal BaseStation::check(const Instruction& instruction) {
   if (instruction.side != "INPUT" && instruction.side != "OUTPUT")
-    return {InstructError::kInvalid, "side: found '" + instruction.side + "', expected INPUT or OUTPUT", true};
+    return {InstructError::kInvalid, "side: " + found_text(instruction.side, "INPUT or OUTPUT"), true};
   const auto base = named<BaseColor>(instruction.base_color);
   if (!base || *base == BaseColor::kClear)
     return {InstructError::kInvalid,
-            "base_color: found '" + instruction.base_color + "', expected BASE_RED, BASE_BLACK or BASE_SILVER", true};
+            "base_color: " + found_text(instruction.base_color, "BASE_RED, BASE_BLACK or BASE_SILVER"), true};
   return {};
 }
 
@@ -65,8 +65,8 @@ Machine::Refusal CapStation::check(const Instruction& instruction) {
   } else if (instruction.operation == "MOUNT_CAP") {
     if (!cap_buffered()) return {InstructError::kInvalid, "MOUNT_CAP while no cap is buffered", true};
   } else {
-    return {InstructError::kInvalid,
-            "operation: found '" + instruction.operation + "', expected RETRIEVE_CAP or MOUNT_CAP", true};
+    return {InstructError::kInvalid, "operation: " + found_text(instruction.operation, "RETRIEVE_CAP or MOUNT_CAP"),
+            true};
   }
   return {};
 }
@@ -130,8 +130,8 @@ Machine::Refusal RingStation::check(const Instruction& instruction) {
   const auto ring = named<RingColor>(instruction.ring_color);
   if (!ring || std::ranges::find(mounted, *ring) == mounted.end())
     return {InstructError::kInvalid,
-            "ring_color: found '" + instruction.ring_color + "', expected " + std::string(to_string(mounted[0])) +
-                " or " + std::string(to_string(mounted[1])),
+            "ring_color: " + found_text(instruction.ring_color, std::string(to_string(mounted[0])) + " or " +
+                                                                    std::string(to_string(mounted[1]))),
             true};
   if (is_paid(instruction)) return {};
   const Count count{paid_, used_};

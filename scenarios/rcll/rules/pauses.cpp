@@ -13,7 +13,7 @@ Pauses::Pauses(std::vector<PauseConfig> listed, const GameReferee& referee, sim:
 
 std::string Pauses::request(std::string_view state, std::string by, std::span<const RecordRef> causes) {
   const auto wanted = named<GameState>(state);
-  if (!wanted) return "state: found '" + std::string(state) + "', expected RUNNING or PAUSED";
+  if (!wanted) return "state: " + found_text(std::string(state), "RUNNING or PAUSED");
   if (referee_.phase() == Phase::kPostGame) return "the game is over";
   requests_.push_back({*wanted, std::move(by), {causes.begin(), causes.end()}});
   return {};

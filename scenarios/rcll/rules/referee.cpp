@@ -76,7 +76,7 @@ std::string GameReferee::take_report(Team team, const MachineReport& entry, SimT
 }
 
 std::string GameReferee::deny_report(Team team, const std::string& color, SimTime now) {
-  std::string reason = "found '" + color + "' as its team_color, expected " + std::string(to_string(team));
+  std::string reason = found_expected("'" + color + "' as its team_color", std::string(to_string(team)));
   write(now, MachineReported{.team = team, .machine = {}, .type = {}, .zone = {}, .rotation = {}, .reason = reason});
   return reason;
 }

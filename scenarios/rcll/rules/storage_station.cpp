@@ -20,7 +20,7 @@ Machine::Refusal StorageStation::check(const Instruction& instruction) {
   const auto refuse = [](std::string why) { return Refusal{InstructError::kInvalid, std::move(why), true}; };
   const std::string& operation = instruction.operation;
   if (operation != "STORE" && operation != "RETRIEVE" && operation != "CHANGE_INFO")
-    return refuse("operation: found '" + operation + "', expected STORE, RETRIEVE or CHANGE_INFO");
+    return refuse("operation: " + found_text(operation, "STORE, RETRIEVE or CHANGE_INFO"));
   const Storage::Slot slot{instruction.shelf, instruction.slot};
   if (!Storage::exists(slot)) return refuse(text(slot) + ": shelves are 0 to 5, slots 0 to 7");
   const bool filled = storage_.at(slot).has_value();

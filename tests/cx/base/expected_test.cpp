@@ -82,6 +82,12 @@ TEST(DidYouMean, IsTheEndOfAMessage) {
   EXPECT_EQ(did_you_mean("tset", {"snapshot"}), "");
 }
 
+TEST(Messages, SayWhatWasFoundAndWhatWasExpected) {
+  EXPECT_EQ(found_expected("3 values", "2"), "found 3 values, expected 2");
+  EXPECT_EQ(found_text("tset", "a tier"), "found 'tset', expected a tier");
+  EXPECT_EQ(found_text("", "a tier"), "found '', expected a tier");
+}
+
 TEST(SomeOf, NamesTheFirstAndCountsTheRest) {
   EXPECT_EQ(some_of({}, 2), "");
   EXPECT_EQ(some_of({"a", "b"}, 2), "a, b");
