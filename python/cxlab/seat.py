@@ -114,7 +114,6 @@ class Bus:
     ) -> int:
         """Send a goal, which waits until somebody serves the action; returns its number.
 
-
         `on_answer` gets whether it was accepted, `on_result` whether it succeeded, and the result.
         """
         return self._core.send_goal(action, type, yaml_text(goal), on_answer, on_feedback, on_result)
