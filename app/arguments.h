@@ -1,5 +1,5 @@
 #pragma once
-// What options take, checked with messages that say what was found and what was expected.
+// Checks of option values; their messages say what was found and what was expected.
 
 #include <CLI/CLI.hpp>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// cxlab check: what is wrong in a rule base, without running it.
+// cxlab check: finds faults in a rule base without running it.
 
 #include <cstdio>
 #include <filesystem>

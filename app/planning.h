@@ -1,5 +1,5 @@
 #pragma once
-// What the commands that read PDDL share.
+// Code that the commands for PDDL share.
 
 #include <string>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What all commands share that play a scenario: `lab` plays, a person sees log, progress and errors on stderr.
+// Code that all commands that play a scenario share: `lab` plays, and a person sees log, progress and errors on stderr.
 
 #include <CLI/CLI.hpp>
 

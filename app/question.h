@@ -1,5 +1,5 @@
 #pragma once
-// What all questions about a recorded run share: which run, which environment, when, and how it is printed.
+// Code that all questions about a recorded run share: which run, which environment, which time, and how to print.
 
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -1,4 +1,4 @@
-// cxlab validate: is this plan right, and if not, what is wrong first?
+// cxlab validate: tells whether a plan is valid, and the first fault if it is not.
 
 #include <cmath>
 #include <cstdio>

@@ -17,9 +17,8 @@ The schedule behind the bound knows the future, and only those limits hold that 
   Pieces are picked at outputs and shelves and placed at inputs and slides.
 - A robot that carries a piece needs time for four parts. It drives from the nearest place where it may have placed something (or
   started), picks, drives along the straight line, and places. They take as long as a `transport`, with handling SIGMAS
-  standard deviations under its mean.
- The mean of the many handlings of a game is never shorter than that. Robots are never in each
-  other's way.
+  standard deviations under its mean. The mean of the many handlings of a game is never shorter than that. Robots are never in
+  each other's way.
 - The work for all products that are delivered by a time takes robots no longer than that time. It takes a ring or cap station no
   longer than from its first piece on. Within that the order of work is free, and pieces wait for nothing.
 - A product is delivered only when enough time has passed for all its stations.

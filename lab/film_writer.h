@@ -1,5 +1,5 @@
 #pragma once
-// Who makes a file of a film's frames: ffmpeg, or for an animated image nobody but us.
+// Makes a file from a film's frames: with ffmpeg, or for an animated image with cxlab's own code.
 
 #include <cstdint>
 #include <filesystem>

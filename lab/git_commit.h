@@ -1,6 +1,6 @@
 #pragma once
-// Which commit is checked out, read from the files of git. The program git is not started: what stands in the
-// configuration of a stranger's repository would run.
+// Finds the checked out commit in the files of git. It does not start the program git, which would run commands from
+// the configuration of a stranger's repository.
 
 #include <filesystem>
 #include <string>

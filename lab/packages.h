@@ -1,5 +1,5 @@
 #pragma once
-// Where packages of a user's own lie.
+// The folders of a user's own packages.
 
 #include <map>
 #include <string>

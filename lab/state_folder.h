@@ -1,5 +1,5 @@
 #pragma once
-// Where programs of a user remember things.
+// The folder in which programs of a user keep their state.
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-// What an episode reaches of the machine once it plays.
+// The parts of the machine that an episode reaches while it plays.
 
 #include "cx/executive/reach.h"
 #include "scenarios/episode.h"

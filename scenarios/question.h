@@ -1,6 +1,6 @@
 #pragma once
 // Questions that a world answers about a recorded run: `cxlab NAME RUN`. A world declares them (WorldKind::questions)
-// and answers with tables; who asks makes text or JSON of them, the same for all worlds.
+// and answers with tables; the caller makes text or JSON of them, in the same way for all worlds.
 
 #include <cstdint>
 #include <filesystem>

@@ -186,7 +186,7 @@ class ActionPart final : public Part {
     Recorded* recorded = goal_of(id);
     if (!recorded) return {};
     recorded->accepted = true;
-    if (!recorded->live) recorded->feedback.clear();  // who comes late gets the last
+    if (!recorded->live) recorded->feedback.clear();  // a late subscriber gets only the last one
     recorded->feedback.push_back(std::make_shared<const bus::Message>(std::move(feedback)));
     go_on(*recorded);
     return {};

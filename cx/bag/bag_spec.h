@@ -1,5 +1,5 @@
 #pragma once
-// What of a bag of ROS 2 is played, and when: `bag:` of a scenario (docs/reference/bag.md).
+// Which parts of a bag of ROS 2 are played, and when: `bag:` of a scenario (docs/reference/bag.md).
 
 #include <string>
 #include <utility>

@@ -1,4 +1,5 @@
-// What ros2 bag record --compression-mode writes: files as one zstd stream each, and messages as one zstd frame each.
+// Reads files that ros2 bag record --compression-mode writes: a file is one zstd stream, or each message is one zstd
+// frame.
 
 #include <zstd.h>
 

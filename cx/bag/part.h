@@ -1,5 +1,6 @@
 #pragma once
-// What a bag has of one topic, service or action, and how it reaches the bus. Only for bag_server.cpp and the parts.
+// The part of a bag that belongs to one topic, service or action, and how it reaches the bus. Only for bag_server.cpp
+// and the parts.
 
 #include <algorithm>
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-// What the process takes from the machine for somebody who may not take everything: rules.
+// Counts what the process takes from the machine on behalf of rules, which may not take everything.
 
 #include <atomic>
 #include <cstddef>

@@ -234,7 +234,7 @@ class Bus : private Feed {
   /// Takes all that `p` may take now, in order, and calls each endpoint's handler. Returns how many. Handlers may post
   /// and make or remove endpoints: what they post is for a later call, what waits for a removed endpoint is dropped.
   std::size_t deliver(ParticipantId p);
-  /// The bus as the feed of those who may also be fed from a log.
+  /// The bus as a feed, for participants that a log may also feed.
   Feed& as_feed() { return *this; }
   /// Sees what each `deliver` takes, before the handlers; not called where there is nothing.
   void set_input_tap(InputTap* tap);

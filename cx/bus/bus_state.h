@@ -1,5 +1,5 @@
 #pragma once
-// What the bus keeps. Only for bus.cpp and actions.cpp.
+// The state of the bus. Only for bus.cpp and actions.cpp.
 
 #include <array>
 #include <cassert>

@@ -1,6 +1,6 @@
 #pragma once
-// What cxlab's own code needs of the definitions that a run uses. It fills and reads fields by name, and was written
-// for the definitions that come with cxlab; a package of the user's may define the same types otherwise.
+// Checks the definitions of a run for what cxlab's own code needs. This code fills and reads fields by name, and was
+// written for the definitions that come with cxlab. A package of the user may define the same types differently.
 
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// What calls of functions do to facts.
+// The effects of function calls on facts.
 
 #include <map>
 #include <set>

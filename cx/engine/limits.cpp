@@ -1,4 +1,4 @@
-// What ends rules that do not come to an end by themselves, and the explanation of why they do not.
+// Ends rules that would not end by themselves, and explains why they would not.
 
 #include <algorithm>
 #include <string>

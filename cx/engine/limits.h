@@ -1,5 +1,5 @@
 #pragma once
-// What the environments of an episode may take from the machine together, and who may stop rules in the middle.
+// Limits on what the environments of an episode may take from the machine together. A stop may end rules in the middle.
 
 #include <atomic>
 #include <cstdint>

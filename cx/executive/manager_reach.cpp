@@ -1,4 +1,5 @@
-// What the rules of an environment manager reach: its configuration, packages, and what the configuration names.
+// The files that rules of an environment manager reach: its configuration, packages, and files that the configuration
+// names.
 
 #include <yaml-cpp/yaml.h>
 
@@ -30,7 +31,7 @@ std::set<std::string> texts_of(const std::string& yaml) {
   std::set<std::string> texts;
   try {
     add_texts(YAML::Load(yaml), texts);
-  } catch (const YAML::Exception&) {  // reported by who reads it
+  } catch (const YAML::Exception&) {  // the reader of the file reports it
   }
   return texts;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// What rules print as an error, `(printout error ...)`: warnings of the run (docs/reference/contracts.md 4).
+// Lines that rules print as an error, `(printout error ...)`. They become warnings of the run
+// (docs/reference/contracts.md 4).
 
 #include <cstddef>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// What the real CX would do otherwise with the rules of an agent, found by reading them. The checks that need a run
+// Finds what the real CX would do differently with the rules of an agent, by reading them. The checks that need a run
 // are where they happen: parameters, messages of other types, what is left open (docs/reference/strict-cx.md lists
 // all).
 

@@ -1,5 +1,5 @@
 #pragma once
-// What ROS 2 does otherwise with a file of parameters.
+// The differences between ROS 2 and cxlab in reading a file of parameters.
 
 #include <filesystem>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// What the loop of an episode calls: worlds, servers, a referee, agents. Simulators, scenarios, the executive and tests
-// implement these; cx/run/loop.h calls them.
+// The parts that the loop of an episode calls: worlds, servers, a referee, agents. Simulators, scenarios, the executive
+// and tests implement these; cx/run/loop.h calls them.
 
 #include "cx/base/expected.h"
 #include "cx/base/time.h"

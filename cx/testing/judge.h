@@ -1,5 +1,5 @@
 #pragma once
-// Whether what a story expects has happened, and what there was instead.
+// Judges whether the expectations of a story were met, and tells what happened instead.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// What those show who may ask a run over a port of this machine.
+// The token with which a program may ask a run over a port of this machine.
 
 #include <string>
 

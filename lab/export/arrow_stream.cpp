@@ -21,7 +21,7 @@ bool is_ascii(std::string_view text) {
   return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
 }
 
-// Each array and schema has a part of its own, because who reads may keep a column longer than its table.
+// Each array and schema owns its part, because a reader may keep a column longer than its table.
 struct ArrowCells {
   std::string values;
   std::vector<std::int64_t> ends;

@@ -1,6 +1,6 @@
 #pragma once
-// What there was to see, as topics of a bag: the pose of each entity under /tf and /tf_static, its solids and state as
-// markers of /cxlab/scene/KIND.
+// The scene as topics of a bag: the pose of each entity under /tf and /tf_static, its solids and state as markers of
+// /cxlab/scene/KIND.
 
 #include <map>
 #include <set>

@@ -1,6 +1,5 @@
 #pragma once
-// What the journal tells, as topics of a bag: skills, events and points with cxlab's own messages, and lines of the
-// log.
+// The journal as topics of a bag: skills, events and points with cxlab's own messages, and lines of the log.
 
 #include <string>
 #include <vector>

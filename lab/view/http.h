@@ -1,5 +1,5 @@
 #pragma once
-// HTTP on 127.0.0.1 for `cxlab view`: carries requests to a Viewer, once it is known that the one who asks may do so.
+// HTTP on 127.0.0.1 for `cxlab view`: carries requests to a Viewer, after checking that the client may ask.
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,5 @@
 #pragma once
-// What `ground` does one after the other, beside the join (reachable.h) and the removal of what is needless
-// (renumber.h).
+// The passes of `ground`, besides the join (reachable.h) and the removal of needless parts (renumber.h).
 
 #include <cstddef>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// How much may be tried where a condition or an effect speaks of many objects.
+// Limits the work for a condition or an effect over many objects.
 
 #include <cstdint>
 #include <functional>

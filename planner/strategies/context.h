@@ -1,5 +1,6 @@
 #pragma once
-// What all strategies of the planner share: the ground problem, the budget, the best plan so far and its bound.
+// The context that all strategies of the planner share: the ground problem, the budget, the best plan so far and its
+// bound.
 
 #include "planner/search/lazy_search.h"
 #include "planner/search/search_space.h"

@@ -26,7 +26,7 @@ _LONGEST_END_S = 5.0
 
 
 def error_said(code: int, said: str) -> CxlabError:
-    """The exception of a command that ended with an exit code and said why on standard error."""
+    """The exception for a command that ended with an exit code, with the reason from its standard error."""
     lines = said.strip().splitlines()
     errors = [number for number, line in enumerate(lines) if line.startswith("error: ")]
     text = "\n".join(lines[errors[0] :]).removeprefix("error: ") if errors else "\n".join(lines[-10:])

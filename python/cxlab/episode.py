@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Step(NamedTuple):
-    """What a step was.
+    """The outcome of a step.
 
     Attributes:
         now: simulated time of the last tick, s; before the first tick less than 0.
@@ -267,7 +267,7 @@ class Episode:
         return Call(self._core, self._core.call(service, type or self._type_of("services", service), yaml_text(request)))
 
     def send_goal(self, action: str, type: str | None, goal: Message) -> Goal:
-        """Send a goal to an action. What becomes of it comes while the episode is stepped on."""
+        """Send a goal to an action. Its answer, feedback and result come while the episode is stepped on."""
         return Goal(self._core, self._core.send_goal(action, type or self._type_of("actions", action), yaml_text(goal)))
 
     def _endpoints(self, kind: str) -> dict[str, Endpoint]:

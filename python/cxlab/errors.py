@@ -37,7 +37,7 @@ class NegativeError(CxlabError):
 
 
 class UsageError(CxlabError, ValueError):
-    """An argument that cannot be."""
+    """An argument cannot be used: it is unknown, missing, or in conflict with another one."""
 
     code = 2
 
@@ -61,7 +61,7 @@ class MachineError(CxlabError):
 
 
 class BugError(CxlabError):
-    """A mistake of cxlab."""
+    """cxlab has a bug."""
 
     code = 70
 

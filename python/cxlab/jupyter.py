@@ -1,4 +1,4 @@
-"""What notebooks show of runs, answers and sweeps: HTML in which all texts of runs are escaped."""
+"""HTML that notebooks show for runs, answers and sweeps. All texts of runs are escaped in it."""
 
 from __future__ import annotations
 

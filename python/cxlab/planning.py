@@ -125,7 +125,7 @@ class Plan(Sequence[PlanStep]):
 
 @dataclasses.dataclass(frozen=True)
 class Verdict:
-    """What the validator says. It is true if the plan is valid."""
+    """The verdict of the validator. It is true if the plan is valid."""
 
     valid: bool
     steps: int

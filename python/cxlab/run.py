@@ -272,7 +272,7 @@ class Run:
         return tables.frame(tables.read(skills), self._frames), tables.frame(tables.read(points), self._frames)
 
     def scene(self, at: Time | None = None, what: str = "") -> Any:
-        """What there was to see: id, kind, name, state, x, y, z (m), yaw (rad), carried_by, place; a row an entity.
+        """The entities at a time: id, kind, name, state, x, y, z (m), yaw (rad), carried_by, place; a row an entity.
 
         `what` is the name of an entity or a kind of entities; without it all.
         """
@@ -410,7 +410,7 @@ class Run:
         end: Time | None = None,
         env: str | None = None,
     ) -> Any:
-        """Which rules fired when: env, n, t_s, rule, place, values (JSON), facts.
+        """The firings of rules: env, n, t_s, rule, place, values (JSON), facts.
 
         With `rule` each of its variables is a column.
         """
@@ -428,7 +428,7 @@ class Run:
         return self._frame(rows, ("env", "n", "t_s", "rule", "place") + (() if rule else ("values", "facts")))
 
     def rules(self, at: Time | None = None, *, env: str | None = None) -> Any:
-        """Which rules fired up to a time, waited in vain, or never matched, and what these lack."""
+        """The rules that fired up to a time, waited in vain, or never matched, and what these lack."""
         rows = []
         for name, answer in self._of_each("rules", at, env):
             for rule in answer["rules"]:
@@ -461,7 +461,7 @@ class Run:
     def why_not(
         self, what: str, at: Time | None = None, *, where: Mapping[str, Any] | None = None, env: str | None = None
     ) -> Explanation:
-        """What a rule lacks; or which rules wait for a fact or pattern, and which ones could make it.
+        """What a rule lacks to fire; or which rules wait for a fact or pattern, and which ones could make it.
 
         `where` fixes variables of the rule: `run.why_not("order-begin", at=312, where={"id": 5})`.
         """
@@ -497,7 +497,7 @@ class Run:
         return str(self._of_each("source", None, env, rule=rule)[0][1]["text"])
 
     def _of_each(self, name: str, at: Time | None, env: str | None, **fields: Any) -> list[tuple[str, dict[str, Any]]]:
-        """The answers of all environments that know what is asked about, or of one."""
+        """The answers of all environments that know the subject of the question, or of one."""
         t = seconds_of(at)
         found, refused = [], None
         for environment in [env] if env is not None else self._environments_at(t):

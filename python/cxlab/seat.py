@@ -112,7 +112,7 @@ class Bus:
         on_feedback: Callable[[dict[str, Any]], object] | None = None,
         on_result: Callable[[bool, dict[str, Any]], object] | None = None,
     ) -> int:
-        """Send a goal, which waits until somebody serves the action; its number.
+        """Send a goal, which waits until somebody serves the action; returns its number.
 
         `on_answer` gets whether it was accepted, `on_result` whether it succeeded, and the result.
         """

@@ -1,5 +1,5 @@
 #pragma once
-// What pens leave behind: pixels, 500 x 500, of which the untouched ones let the background through.
+// The drawing of the pens: 500 x 500 pixels. Untouched pixels show the background.
 
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// What touches what, read after each physics step.
+// The contacts between bodies, read after each physics step.
 
 #include <bit>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// What becomes of a drive when the robot is wrong about where it stands.
+// Errors of a drive when the robot is wrong about its own pose.
 
 #include "sim/pose.h"
 #include "sim/traffic/traffic.h"

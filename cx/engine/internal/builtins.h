@@ -1,5 +1,5 @@
 #pragma once
-// What the functions share that take the place of CLIPS's own.
+// Code that the functions share that replace CLIPS's own.
 
 #include <string>
 #include <vector>

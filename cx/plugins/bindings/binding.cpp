@@ -1,4 +1,4 @@
-// What all bindings have, and the bindings of messages and services.
+// The common base of all bindings, and the bindings of messages and services.
 
 #include "cx/plugins/bindings/binding.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// All that is drawn for a game, in one place: where machines stand, what rings cost, what is ordered, what is down.
+// Everything that is drawn for a game: places of machines, prices of rings, orders, and down times.
 
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// What of a game people hear of: faults, failed skills, machines that break, deliveries, points.
+// The events of a game that people are told: faults, failed skills, machines that break, deliveries, points.
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What became of each order, and why: `cxlab orders` and the page of a run say the same.
+// The story of each order, with the reasons. `cxlab orders` and the page of a run show the same.
 
 #include <optional>
 #include <string>

@@ -7,7 +7,7 @@
   ?*last-choice* = 0)
 
 (deftemplate choice
-  "One option is to be chosen. It never changes: to withdraw it, retract it."
+  "A choice among options. It never changes; to withdraw it, retract it."
   (slot id (type INTEGER))
   (slot kind (type SYMBOL))        ; what is chosen
   (slot who (type STRING))         ; for whom: a robot; empty: the team
@@ -29,7 +29,7 @@
   ?*last-choice*)
 
 (deffunction share (?value ?most)
-  "A feature: the value as a share of the most that is likely, between -1 and 1."
+  "A feature: the value as a share of the largest likely value, between -1 and 1."
   (max -1.0 (min 1.0 (/ ?value ?most))))
 
 (deffunction flag (?condition)
@@ -49,7 +49,7 @@
   (ros-msgs-create-publisher "choices" "cxlab_msgs/msg/Choice"))
 
 (defrule choices-ask
-  "Once for each choice."
+  "A choice is new: ask for it once."
   (choice (id ?id) (kind ?kind) (who ?who) (options $?options) (allowed $?allowed) (preferred ?preferred)
           (situation $?situation) (features $?features))
   (ros-msgs-publisher (topic "choices"))
@@ -75,7 +75,7 @@
   (ros-msgs-create-subscription "choices/made" "cxlab_msgs/msg/ChoiceMade"))
 
 (deffunction take-answer (?id ?option)
-  "An option that may not be chosen is refused; an answer to a choice that was withdrawn changes nothing."
+  "Take an answer. Refuse an option that may not be chosen, and ignore an answer to a withdrawn choice."
   (do-for-fact ((?c choice)) (= ?c:id ?id)
     (if (and (<= 1 ?option (length$ ?c:allowed)) (nth$ ?option ?c:allowed))
      then (assert (choice-made (choice ?id) (option ?option)))
@@ -90,7 +90,7 @@
   (retract ?message))
 
 (defrule choices-unanswered
-  "The agent goes on with what its rules prefer. From now on it does not wait, until somebody answers."
+  "Nobody answers in time: the agent does what its rules prefer. From now on it does not wait, until somebody answers."
   (choice (id ?id) (kind ?kind) (preferred ?option) (since ?since))
   (not (choice-made (choice ?id)))
   (time ?now&:(>= ?now (+ ?since ?*PATIENCE-FOR-CHOICE*)))
@@ -101,7 +101,7 @@
   (assert (choice-made (choice ?id) (option ?option))))
 
 (defrule choices-over
-  "The agent has acted on it, or withdrew the choice."
+  "The agent has acted on the choice, or withdrew it: forget the question."
   ?made <- (choice-made (choice ?id))
   (not (choice (id ?id)))
   =>

@@ -1,5 +1,5 @@
-; The cycle of each cap station, one rule a transition: EMPTY -> BUFFERING -> CLEARING -> LOADED; the product that takes
-; the cap (products.clp) leaves it EMPTY.
+; The cycle of each cap station, with a rule for each transition: EMPTY -> BUFFERING -> CLEARING -> LOADED. The product that
+; takes the cap (products.clp) leaves the station EMPTY.
 
 (defrule station-fetch-carrier
   "A cap station is empty, and its product has left or has its robot: have the carrier of the first full shelf slot brought."

@@ -1,4 +1,4 @@
-; Which order is begun next: the one that earns most for each robot's job that it costs.
+; Which order begins next: the one that earns most points for each job of a robot that it needs.
 
 (deffunction choose-order (?time)
   (bind ?best (best-order ?time))

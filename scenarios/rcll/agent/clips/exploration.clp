@@ -1,4 +1,4 @@
-; Where our machines stand, while the league does not tell: robots look for them, and we report what they see.
+; Exploration: while the league does not tell where our machines stand, robots look for them, and we report what they see.
 
 (deffacts viewpoints
   "Column and row of zones from which robots see all of their half."

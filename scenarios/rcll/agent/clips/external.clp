@@ -1,9 +1,9 @@
-; The strategy `external`: which order is begun, and which job a robot takes, is chosen from outside (package cxlab_choices). What the
-; rules of choose-orders.clp and choose-jobs.clp would choose is the preferred option. docs/reference/learning.md documents the features.
+; The strategy `external`: somebody outside chooses which order begins and which job a robot takes (package cxlab_choices). The choice
+; of the rules in choose-orders.clp and choose-jobs.clp is the preferred option. docs/reference/learning.md documents the features.
 
 (defglobal
   ?*WAIT* = 1.0     ; s until a robot that chose to wait is asked again
-  ?*MORE* = 2)      ; so many products more than robots may be begun
+  ?*MORE* = 2)      ; how many more products than robots may begin
 
 (deftemplate waits
   "A robot that chose to wait."

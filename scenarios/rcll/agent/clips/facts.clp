@@ -1,13 +1,13 @@
-; What the agent knows. One template a thing; states are enumerated, so that order never hangs on salience.
+; The facts of the agent, a template for each kind of thing. States are enumerated, so the order of firing never depends on salience.
 
-(defglobal ?*GAME* = 1200.0)  ; s of production, if nobody tells it
+(defglobal ?*GAME* = 1200.0)  ; length of production in s, unless the league tells another one
 
 (deftemplate robot
-  "One of our robots; x and y are those of the machine or zone at which it last was. ROAMING: it drives without a job."
+  "One of our robots. Its x and y are those of the machine or zone where it was last. ROAMING: it drives without a job."
   (slot name (type STRING))
   (slot state (type SYMBOL) (allowed-values IDLE BUSY ROAMING OFF-FIELD))
   (slot duty (type SYMBOL) (default ACTIVE))  ; as the referee box says
-  (slot cycles (type INTEGER) (default 0))    ; of maintenance so far
+  (slot cycles (type INTEGER) (default 0))    ; how often it was in maintenance
   (slot number (type INTEGER) (default 0))    ; in its team, from 1
   (slot home (type STRING))
   (slot place (type STRING) (default ""))
@@ -16,7 +16,7 @@
   (slot idle-since (type FLOAT) (default 0.0)))
 
 (deftemplate under-way
-  "Since when a robot has been at a goal."
+  "The time since which a robot or machine has been working on a goal."
   (slot goal-id (type SYMBOL))
   (slot since (type FLOAT)))
 

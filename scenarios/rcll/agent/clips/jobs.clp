@@ -1,11 +1,11 @@
-; A job is carried out step by step: each step is one command; when it has succeeded the next step is due.
+; A job is carried out step by step. Each step is one command; when it has succeeded, the next step is due.
 
 (deffunction machine-of (?spot)
   "The machine of a spot: C-CS1 for C-CS1-SHELF-LEFT."
   (bind ?dash (str-index "-" (sub-string 3 (str-length ?spot) ?spot)))
   (if ?dash then (sub-string 1 (+ ?dash 1) ?spot) else ?spot))
 
-(defglobal ?*TRANSPORT* = TRUE)  ; fetching and bringing are one skill where nothing holds up what comes between
+(defglobal ?*TRANSPORT* = TRUE)  ; one skill fetches and brings a piece, if nothing holds the job up in between
 
 (deffunction output-of (?machine)
   (str-cat ?machine "-OUTPUT"))

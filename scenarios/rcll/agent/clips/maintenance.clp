@@ -1,4 +1,4 @@
-; A robot in maintenance, or disqualified, is off the field: what it held is gone, and others take over its work.
+; A robot in maintenance, or disqualified, is off the field: its piece is gone, and others take over its work.
 
 (defrule maintenance-begins
   "A robot went to maintenance: it does nothing until it is back."

@@ -1,4 +1,4 @@
-; The game is paused: machines hear nothing, robots rest by themselves, and our clock stands, as that of the game.
+; The game is paused: machines hear nothing, robots rest by themselves, and our clock stands still like the game's.
 
 (deffunction postpone (?length)
   "Move all future times by the length of the pause that has ended."

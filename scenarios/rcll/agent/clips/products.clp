@@ -1,7 +1,7 @@
-; A product goes from machine to machine until it is delivered. Before it moves it gets the next machine for itself, and
-; keeps the one where it lies until a robot has it.
+; A product goes from machine to machine until it is delivered. Before it moves, it reserves the next machine. It keeps the machine
+; where it lies until a robot has it.
 
-(defglobal ?*DELIVERY-LEAD* = 45.0)  ; so long before the window a product is fetched for the delivery station, s
+(defglobal ?*DELIVERY-LEAD* = 45.0)  ; how long before the window a product is fetched for the delivery station, s
 
 (deffunction move-product (?product ?urgency ?next $?held-up)
   "Add the job that brings a product from its place to the next machine; it is held up until the robot can fetch the product."

@@ -1,4 +1,4 @@
-; What the factory says on the bus becomes facts.
+; Messages of the factory on the bus become facts.
 
 (deftemplate topic
   (slot name (type STRING))

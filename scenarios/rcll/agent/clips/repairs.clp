@@ -1,12 +1,12 @@
-; A robot that does not move any more is asked off the field, where people repair it; others do its work meanwhile. What takes
-; longer than it can is ended.
+; The agent asks people to take a robot that does not move any more off the field and repair it. Others do its work meanwhile. The
+; agent also ends skills and instructions that take longer than they can.
 
 (defglobal
-  ?*STANDS* = 90.0    ; s: no drive takes as long
-  ?*FOR-GOOD* = 150.0 ; s: it does not move again by itself
-  ?*LONGEST* = 180.0  ; s: no skill takes as long
+  ?*STANDS* = 90.0    ; s, longer than any drive takes
+  ?*FOR-GOOD* = 150.0 ; s, after which a robot does not move again by itself
+  ?*LONGEST* = 180.0  ; s, longer than any skill takes
   ?*ANSWER* = 20.0    ; s for the answer to a cancel
-  ?*DEAF* = 60.0      ; s: a machine that is idle begins sooner
+  ?*DEAF* = 60.0      ; s, after which an idle machine has not heard its instruction
   ?*CYCLES* = 2)      ; a third maintenance disqualifies the robot
 
 (deftemplate repair

@@ -1,9 +1,9 @@
-; What speaks for a robot, and what it does without a job.
+; Which robot is best for a job, and what robots do without a job.
 
 (defglobal
   ?*PATIENCE* = 1.0   ; s without work until a robot goes home
-  ?*WAY* = 1.0        ; what a metre of its way speaks against a robot
-  ?*REST* = 0.6)      ; what a second of rest speaks for it
+  ?*WAY* = 1.0        ; how much a metre of its way speaks against a robot
+  ?*REST* = 0.6)      ; how much a second of rest speaks for it
 
 (deffunction reluctance (?x ?y ?robot-x ?robot-y ?idle)
   "How much speaks against a robot: its way to the piece, less its rest so far."

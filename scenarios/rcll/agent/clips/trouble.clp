@@ -1,8 +1,8 @@
-; What becomes of a job when trying again does not help, whatever the job is for.
+; What the agent does with a job of any kind when trying again does not help.
 
-(defglobal ?*AVOID* = 20.0)       ; so long a robot leaves a job to the others, s
+(defglobal ?*AVOID* = 20.0)       ; how long a robot leaves a job to the others, s
 (defglobal ?*HAND-OVERS* = 3)
-(defglobal ?*RESET-TIME* = 35.0)  ; until a machine that was reset is idle again, s
+(defglobal ?*RESET-TIME* = 35.0)  ; time until a machine that was reset is idle again, s
 
 (deffunction forget-job (?job)
   "Remove a job with all its reservations and notes."

@@ -1,8 +1,8 @@
 ; What an order earns, and what it costs.
 
-(defglobal ?*C0-TIME* = 120.0)      ; from the start to the delivery, s
-(defglobal ?*RING-TIME* = 80.0)     ; longer for each ring, s
-(defglobal ?*EARLY* = 60.0)         ; so long a product may lie about before its window, s
+(defglobal ?*C0-TIME* = 120.0)      ; time from the start of a C0 to its delivery, s
+(defglobal ?*RING-TIME* = 80.0)     ; more time for each ring, s
+(defglobal ?*EARLY* = 60.0)         ; how long a product may wait for its window, s
 
 (deffunction price-of (?work)
   "The number of payments that a work needs."

@@ -1,5 +1,5 @@
-; Which step begins next. A strategy names the steps that may be looked at; the PDDL manager is asked whether the conditions of
-; the first of them hold; if so, it begins.
+; Which step begins next. A strategy names the steps that may be looked at. The agent asks the PDDL manager whether the conditions of
+; the first one hold; if they do, it begins.
 
 (defrule agenda-idle-robot
   "A robot is idle and no job waits for one: a robot waits for a step."

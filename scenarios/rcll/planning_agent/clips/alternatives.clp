@@ -1,4 +1,4 @@
-; Which orders are worked for: the agent makes plans for several sets of them at once, and uses the most valuable plan.
+; Which orders the agent works for: it makes plans for several sets of orders at once, and uses the most valuable plan.
 
 (deffunction best-of (?orders)
   "Among these orders, the one that earns most for each job if it begins now; 0 if none is worth it."

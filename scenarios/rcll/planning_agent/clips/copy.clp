@@ -1,4 +1,4 @@
-; The instance `planning` becomes the world as it will be: a copy of `production`, in which all running steps have ended.
+; The instance `planning` becomes the future world: a copy of `production` in which all running steps have ended.
 
 (defrule copy-true
   (planning (state COPY))

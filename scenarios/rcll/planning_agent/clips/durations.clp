@@ -1,9 +1,9 @@
-; How long robots take. What a transport takes besides the way is learned from those that are done: retries, other robots that are
-; in the way and slow arms count.
+; How long robots take. The agent learns from finished transports how much time they take besides the way. This includes retries,
+; other robots in the way, and slow arms.
 
 (defglobal
   ?*HANDLING* = 34.0      ; s that a robot needs for a transport besides the way from place to place: the way to the piece, pick, place
-  ?*NEW* = 0.1            ; the share of the last transport in what is expected of the next one
+  ?*NEW* = 0.1            ; the weight of the last transport in the prediction for the next one
   ?*SPEED* = 0.4)         ; m/s, turns and detours included
 
 (deffunction drive-time (?x ?y ?to-x ?to-y)

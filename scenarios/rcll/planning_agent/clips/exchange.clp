@@ -1,4 +1,4 @@
-; A product that is half-built for an order that became worthless is used for another order that begins in the same way.
+; If an order becomes worthless, its half-built product is used for another order that begins in the same way.
 
 (deffunction rings-done (?step)
   "The number of rings on a product whose next step is s0, s1, ..."

@@ -1,4 +1,4 @@
-; Steps become jobs of robots and instructions of machines; what these report becomes effects.
+; Steps become jobs of robots and instructions of machines. Their reports become effects.
 
 (deffunction apply-effects (?action ?time)
   "Apply the effects of an action at START, at END or both (ALL)."

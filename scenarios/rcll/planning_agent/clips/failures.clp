@@ -106,7 +106,7 @@
   (modify ?job (step GIVEN-UP)))
 
 (defglobal
-  ?*CARRIERS-IN-VAIN* = 5  ; each slot of a shelf, and after its refill again
+  ?*CARRIERS-IN-VAIN* = 5  ; failed fetches: each slot of a shelf, and again after its refill
   ?*BARE* = 180.0)         ; s until another try
 
 (defrule failure-carrier-in-vain
@@ -252,7 +252,7 @@
 
 ; --- Machines have something of which we do not know
 
-(defglobal ?*UNKNOWN* = 30.0)  ; s; a robot that has just taken a piece is seen sooner
+(defglobal ?*UNKNOWN* = 30.0)  ; s; a robot that took a piece reports it sooner
 
 (defrule unknown-piece
   "A machine sees a piece at its output, which should be free: note when this began."

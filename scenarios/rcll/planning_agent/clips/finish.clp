@@ -1,5 +1,5 @@
-; strategy.robot: finish. A step waits for a robot that is still busy, if that one is predicted to be done with it sooner than
-; any robot that is idle now.
+; strategy.robot: finish. A step waits for a robot that is still busy, if this robot is predicted to be there sooner than any robot
+; that is idle now.
 
 (deffunction fetched-from (?action ?params)
   "The machine where a robot fetches the piece of a step."

@@ -1,5 +1,5 @@
-; Where strategy.clairvoyant is set: what the game will be is known from the beginning (world.foresight of the scenario). So all orders
-; can be planned for, and how long a machine is down is known.
+; If strategy.clairvoyant is set, the agent knows the whole game from the beginning (world.foresight of the scenario). So it can plan
+; for all orders, and knows how long a machine is down.
 
 (deftemplate will-be-down
   (slot machine (type STRING))

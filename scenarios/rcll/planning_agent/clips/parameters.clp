@@ -1,4 +1,4 @@
-; Parameters of the node, looked at before they are used.
+; Parameters of the node, checked before they are used.
 
 (deffunction one-of (?parameter ?default $?words)
   "Read a parameter of the node that is one of these words. With any other word the agent gives up: it would play another game."

@@ -1,4 +1,4 @@
-; The order of the steps in a plan: groups, steps that use the same product, machine or robot, and what is looked at first.
+; The order of the steps in a plan: groups, steps that use the same product, machine or robot, and which step is looked at first.
 
 (deffunction later-step (?a ?b)
   "Order of steps for sort."

@@ -1,21 +1,21 @@
 ; What the agent knows besides the facts of the rule agent (rcll_agent) and of the PDDL helper rules (cx_pddl_clips).
-; The instance `production` is the world as it is; The agent makes plans for `planning`: the world after all running steps
-; have ended.
+; The instance `production` is the present world. The agent makes plans for the instance `planning`, which is the world after all
+; running steps have ended.
 
 (defglobal
-  ?*SUB-ACTIONS* = TRUE          ; effects as soon as a robot reports a part of its action; else at its end
-  ?*ORDER* = "plan"              ; of steps that may begin: plan, delivery, slack (docs/reference/planning-agent.md)
+  ?*SUB-ACTIONS* = TRUE          ; whether effects are applied when a robot reports a part of its action, or only at its end
+  ?*ORDER* = "plan"              ; the order of steps that may begin: plan, delivery, slack (docs/reference/planning-agent.md)
   ?*BASE-SIDE* = "nearest"       ; where bases come out: nearest, output, planned
   ?*IN-ADVANCE* = TRUE           ; cap stations get their next cap when robots have nothing else to do
-  ?*PRODUCTS* = 3                ; that are planned for at once
-  ?*ALTERNATIVES* = 3)           ; sets of orders that are planned for at once
+  ?*PRODUCTS* = 3                ; how many products are planned for at once
+  ?*ALTERNATIVES* = 3)           ; how many sets of orders are planned for at once
 
 (deffunction choose-base-side-by (?word)
   (bind ?*BASE-SIDE* ?word)
   (if (eq ?word "planned") then (assert (plans-sides))))
 
 (defrule read-settings
-  "The parameters of the node say how to play."
+  "At the start: read the parameters of the node, which choose the strategy."
   ?read <- (read-settings)
   =>
   (retract ?read)

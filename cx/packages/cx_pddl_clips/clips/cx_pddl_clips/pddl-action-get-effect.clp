@@ -8,16 +8,16 @@
     (default ?new)))
 
 (deffunction pddl-value-of (?instance ?name ?params)
-  "The numeric fluent as it is known here; 0 where it is not."
+  "The numeric fluent as it is known here; 0 if it is not known."
   (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:instance ?instance) (eq ?f:name ?name) (eq ?f:params ?params)) (return ?f:value))
   0.0)
 
 (deffunction pddl-is-about (?ask ?instance)
-  "The instance of the action goes where there is a slot for it."
+  "Put the instance of the action into the slot `instance`, if the template has it."
   (if (deftemplate-slot-existp (fact-relation ?ask) instance) then (modify ?ask (instance ?instance))))
 
 (defrule pddl-send-get-effect
-  "The effects at the end are asked for when those at the start have come true."
+  "A question about effects waits: send it. Effects at the end are asked for when those at the start have become true."
   (declare (salience ?*PRIORITY-PDDL-APPLY-EFFECT*))
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   ?i <- (pddl-instance (name ?instance) (state LOADED) (busy-with FALSE))
@@ -38,14 +38,14 @@
     (pddl-becomes ?ask WAITING "")))
 
 (deffunction pddl-take-fluent-effect (?instance ?action ?fluent ?value ?apply ?point)
-  "A change to make, or a fact to look at where the fluent becomes true."
+  "Assert a change to make, or a fact to look at if the fluent becomes true."
   (bind ?name (sym-cat (ros-msgs-get-field ?fluent "name")))
   (bind ?params (pddl-symbols (ros-msgs-get-field ?fluent "args")))
   (if ?apply then (assert (pddl-fluent-change (instance ?instance) (name ?name) (params ?params) (delete (not ?value))))
    else (if ?value then (assert (pddl-effect-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (effect-type ?point))))))
 
 (deffunction pddl-take-number-effect (?instance ?action ?function ?op ?new ?apply ?point)
-  "A change to make, or a fact to look at; with the value afterwards."
+  "Assert a change to make, or a fact to look at, with the new value."
   (bind ?name (sym-cat (ros-msgs-get-field ?function "name")))
   (bind ?params (pddl-symbols (ros-msgs-get-field ?function "args")))
   (bind ?value (pddl-apply-op ?op (pddl-value-of ?instance ?name ?params) ?new))
@@ -53,7 +53,7 @@
    else (assert (pddl-effect-numeric-fluent (instance ?instance) (action ?action) (name ?name) (params ?params) (value ?value) (effect-type ?point)))))
 
 (deffunction pddl-take-effects (?message ?instance ?action ?apply ?point)
-  "The effects of one time point."
+  "Take all effects of one time point."
   (foreach ?effect (ros-msgs-get-field ?message "fluent_effects")
     (if (eq (ros-msgs-get-field ?effect "time_point") (str-cat ?point)) then
       (pddl-take-fluent-effect ?instance ?action (ros-msgs-get-field ?effect "fluent") (ros-msgs-get-field ?effect "value") ?apply ?point)))
@@ -63,7 +63,7 @@
                                (ros-msgs-get-field ?effect "value") ?apply ?point))))
 
 (deffunction pddl-number-missing (?message ?instance)
-  "Whether an effect changes a number by something that is not known here, though it may be asked for."
+  "Whether an effect changes a number whose value is not known here, and nobody has asked for the numbers yet."
   (if (any-factp ((?ask pddl-get-numeric-fluents)) (and (eq ?ask:instance ?instance) (member$ ?ask:state (create$ DONE ERROR)))) then (return FALSE))
   (foreach ?effect (ros-msgs-get-field ?message "function_effects")
     (bind ?function (ros-msgs-get-field ?effect "function"))

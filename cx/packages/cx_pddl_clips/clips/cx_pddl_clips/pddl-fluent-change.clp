@@ -2,7 +2,7 @@
 ; again one at a time, so that a wrong change does not hold up the others.
 
 (defrule pddl-drop-fluent
-  "The fluent is known no more: before anything else fires."
+  "A fluent is no longer true: remove its fact before any other rule fires."
   (declare (salience 10000))
   (pddl-dropped ?instance ?name $?params)
   ?fluent <- (pddl-fluent (instance ?instance) (name ?name) (params $?params))

@@ -10,7 +10,7 @@
    then (pddl-becomes ?ask WAITING "")))
 
 (defrule pddl-answer-fluents
-  "The facts of the instance are those of the manager, no more and no less; those that were known stay as they are."
+  "The manager has told all fluents of an instance: make the facts the same. Facts that were right stay as they are."
   ?note <- (pddl-asked ?service ?id ?i fluents ?instance ?ask)
   ?response <- (ros-msgs-response (service ?service) (request-id ?id) (msg-ptr ?message))
   =>

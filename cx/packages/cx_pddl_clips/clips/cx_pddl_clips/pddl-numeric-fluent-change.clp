@@ -1,7 +1,7 @@
 ; Numbers that change, in one request like fluents.
 
 (deffunction pddl-take-number (?instance ?name ?params ?value)
-  "The numeric fluent is known with that value; its fact."
+  "Set the fact of a numeric fluent to that value; returns the fact."
   (bind ?symbol (sym-cat ?name))
   (bind ?symbols (pddl-symbols ?params))
   (do-for-fact ((?f pddl-numeric-fluent)) (and (eq ?f:name ?symbol) (eq ?f:params ?symbols) (eq ?f:instance ?instance))

@@ -3,7 +3,7 @@
 ; answered, and the answer dropped.
 
 (defrule pddl-plan-connect
-  "A manager is named: a client of its action."
+  "A manager is named: open a client of its action."
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   (not (executive-finalize))
   (not (cx-pddl-interfaces-plan-temporal-client (server ?server&:(eq ?server (str-cat ?node "/temp_plan")))))
@@ -51,7 +51,7 @@
   (modify ?plan (state CANCELING)))
 
 (defrule pddl-plan-cancel-unsent
-  "It has not reached the manager yet."
+  "A plan is to be cancelled whose request has not reached the manager: it is cancelled at once."
   ?plan <- (pddl-plan (goal-handle ?handle&:(not (pddl-is-set ?handle))) (goal-ptr ?goal&:(not (pddl-is-set ?goal))) (state REQUEST-CANCELING))
   =>
   (modify ?plan (state CANCELED)))
@@ -63,7 +63,7 @@
   (retract ?response))
 
 (deffunction pddl-take-steps (?result ?plan ?instance)
-  "The plan's steps become facts; they count from 0."
+  "Assert the steps of the plan as facts; they count from 0."
   (bind ?number 0)
   (foreach ?action (cx-pddl-interfaces-plan-temporal-result-get-field ?result "actions")
     (assert (pddl-action (instance ?instance) (plan ?plan) (id ?number)
@@ -73,7 +73,7 @@
     (bind ?number (+ ?number 1))))
 
 (deffunction pddl-end-of-plan (?state ?code ?result)
-  "What became of a plan in that state: one that somebody else canceled has failed."
+  "The state of a plan whose goal ended like this. A goal that somebody else canceled counts as failed."
   (if (and (eq ?code CANCELED) (member$ ?state (create$ REQUEST-CANCELING CANCELING))) then (return CANCELED))
   (if (and (eq ?code SUCCEEDED) (cx-pddl-interfaces-plan-temporal-result-get-field ?result "success")) then SUCCESS else FAILURE))
 
@@ -95,7 +95,7 @@
   (retract ?end))
 
 (defrule pddl-plan-disconnect
-  "The executive ends: client and goals go."
+  "The executive ends: close the client and destroy the goals."
   (executive-finalize)
   (pddl-manager (node ?node))
   ?client <- (cx-pddl-interfaces-plan-temporal-client (server ?server&:(eq ?server (str-cat ?node "/temp_plan"))))

@@ -9,7 +9,7 @@
   "get_action_effects" "GetActionEffects"))
 
 (defrule pddl-manager-connect
-  "A manager is named: clients of all that it serves. The list has a slip of CX, so that one is named here."
+  "A manager is named: open clients of all its services. The list of CX misspells get_predicates, so it is added here."
   ?manager <- (pddl-manager (node ?node) (ros-comm-init FALSE))
   =>
   (bind ?pairs (create$ "get_predicates" "GetPredicates" ?*CX-PDDL-SERVICE-CLIENTS*))
@@ -18,7 +18,7 @@
   (modify ?manager (ros-comm-init TRUE)))
 
 (defrule pddl-manager-disconnect
-  "The executive ends: the clients go."
+  "The executive ends: close the clients."
   (executive-finalize)
   (pddl-manager (node ?node) (ros-comm-init TRUE))
   =>

@@ -27,19 +27,19 @@
   ?*PRIORITY-PDDL-GET-FLUENTS* = -6500)
 
 (deffunction pddl-strings (?items)
-  "Each item as a string."
+  "All items as strings."
   (bind ?texts (create$))
   (foreach ?item ?items (bind ?texts (create$ ?texts (str-cat ?item))))
   ?texts)
 
 (deffunction pddl-symbols (?items)
-  "Each item as a symbol."
+  "All items as symbols."
   (bind ?symbols (create$))
   (foreach ?item ?items (bind ?symbols (create$ ?symbols (sym-cat ?item))))
   ?symbols)
 
 (deffunction pddl-message (?type ?instance ?name ?params)
-  "A new Fluent, Function or Action message."
+  "Make a new Fluent, Function or Action message."
   (bind ?message (ros-msgs-create-message (str-cat "cx_pddl_interfaces/msg/" ?type)))
   (ros-msgs-set-field ?message "pddl_instance" (str-cat ?instance))
   (ros-msgs-set-field ?message "name" (str-cat ?name))
@@ -47,14 +47,14 @@
   ?message)
 
 (deffunction pddl-request (?type ?instance ?goal)
-  "A new request about an instance, and a goal where there is one."
+  "Make a new request about an instance, and about a goal if one is given."
   (bind ?request (ros-msgs-create-request (str-cat "cx_pddl_interfaces/srv/" ?type)))
   (if (neq ?instance nil) then (ros-msgs-set-field ?request "pddl_instance" (str-cat ?instance)))
   (if (neq ?goal nil) then (ros-msgs-set-field ?request "goal_instance" (str-cat ?goal)))
   ?request)
 
 (deffunction pddl-send (?node ?service ?request ?i ?busy $?about)
-  "Sends a request, with which the instance is busy, and notes what it is about. Its number; FALSE: the manager is not there."
+  "Send a request, with which the instance is busy from now on, and note its subject. Returns its number, or FALSE without a manager."
   (bind ?name (str-cat ?node "/" ?service))
   (bind ?id (ros-msgs-async-send-request ?request ?name))
   (ros-msgs-destroy-message ?request)
@@ -67,16 +67,16 @@
   (if (ros-msgs-get-field ?response "success") then "" else (ros-msgs-get-field ?response "error")))
 
 (deffunction pddl-agrees (?ask ?slot ?value)
-  "Whether a request can mean that: its slot has the value or nil, or there is none."
+  "Whether a request can mean this value: its slot has the value or nil, or the slot does not exist."
   (or (not (deftemplate-slot-existp (fact-relation ?ask) ?slot)) (eq (fact-slot-value ?ask ?slot) nil) (eq (fact-slot-value ?ask ?slot) ?value)))
 
 (deffunction pddl-is-set (?pointer)
-  "FALSE of nil, and of the null pointer with which a slot of external addresses begins."
+  "FALSE for nil, and for the null pointer, which is the first value of a slot of external addresses."
   (bind ?text (implode$ (create$ ?pointer)))
   (not (or (eq ?pointer nil) (str-index "(nil)" ?text) (str-index "0x0>" ?text))))
 
 (deffunction pddl-becomes (?ask ?state ?error)
-  "The state of a request, if it is still there. Errors are told."
+  "Set the state of a request, if it still exists. Print errors."
   (if (fact-existp ?ask) then
     (if (eq ?state ERROR) then (printout error (fact-relation ?ask) ": " ?error crlf))
     (if (deftemplate-slot-existp (fact-relation ?ask) error)
@@ -84,24 +84,24 @@
      else (modify ?ask (state ?state)))))
 
 (deffunction pddl-close (?ask ?error)
-  "A question or request is DONE, or ERROR."
+  "Set a question or request to DONE, or to ERROR with a reason."
   (pddl-becomes ?ask (if (eq ?error "") then DONE else ERROR) ?error))
 
 (deffunction pddl-waits (?change ?id)
-  "It was sent; the number of the request goes where there is a slot for it. An error of a try before is forgotten."
+  "The request was sent: note its number, if the template has a slot for it, and forget the error of an earlier try."
   (if (deftemplate-slot-existp (fact-relation ?change) error) then (modify ?change (error "")))
   (if (deftemplate-slot-existp (fact-relation ?change) request-id)
    then (modify ?change (request-id ?id) (state WAITING))
    else (modify ?change (state WAITING))))
 
 (deffunction pddl-answered (?i ?message ?response ?note)
-  "The answer was taken: it goes, and the instance can be asked the next thing."
+  "The answer was taken: drop it, so that the instance can be asked the next thing."
   (ros-msgs-destroy-message ?message)
   (retract ?response ?note)
   (if (fact-existp ?i) then (modify ?i (busy-with FALSE))))
 
 (deffunction pddl-change-messages (?type ?changes)
-  "A message for each change."
+  "Make a message for each change."
   (bind ?messages (create$))
   (foreach ?change ?changes
     (bind ?message (pddl-message ?type (fact-slot-value ?change instance) (fact-slot-value ?change name) (fact-slot-value ?change params)))
@@ -110,14 +110,14 @@
   ?messages)
 
 (deffunction pddl-send-changes (?node ?service ?request ?field ?messages ?changes ?i ?busy $?about)
-  "Sends the changes together."
+  "Send the changes together."
   (ros-msgs-set-field ?request ?field ?messages)
   (foreach ?message ?messages (ros-msgs-destroy-message ?message))
   (bind ?id (pddl-send ?node ?service ?request ?i ?busy ?about))
   (if ?id then (foreach ?change ?changes (pddl-waits ?change ?id))))
 
 (deffunction pddl-refuse (?change ?error ?together)
-  "The manager did not take it; of several each is tried alone."
+  "The manager refused the changes: a single one is an error, several are tried one by one."
   (if ?together then
     (assert (pddl-refused (fact-index ?change)))
     (pddl-becomes ?change PENDING ?error)
@@ -127,7 +127,7 @@
   (any-factp ((?r pddl-refused)) (eq ?r:implied (create$ (fact-index ?change)))))
 
 (deffunction pddl-close-changes ()
-  "The change that was tried alone has its answer."
+  "The change that was tried alone has its answer: close it."
   (do-for-all-facts ((?r pddl-refused)) TRUE
     (bind ?change (nth$ 1 ?r:implied))
     (if (or (not (fact-existp ?change)) (neq (fact-slot-value ?change state) PENDING)) then (retract ?r))))
