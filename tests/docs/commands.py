@@ -1,6 +1,6 @@
 """The commands on the pages: their options exist, and a test plays them or a mark says why not. python3 -m unittest commands
 
-tests/app/tutorials.py, guides.py and front_pages.py play blocks whose lines begin with `$` and compare what they print, and tests/app/examples.py plays the runs of shipped files.
+tests/app/tutorials.py, guides.py, reference_pages.py and front_pages.py play blocks whose lines begin with `$` and compare what they print, and tests/app/examples.py plays the runs of shipped files.
 This test plays the other lines that begin with `cxlab`, in a folder with a game, a small sweep, and the files of docs/examples/planning; it
 fills in placeholders such as RUN. A comment above a block,
 `<!-- not played: WHY -->`, excepts it; `<!-- played in part: WHY -->` excepts the commands that the test cannot play.
@@ -96,9 +96,9 @@ def pages():
 
 @lru_cache
 def played_elsewhere():
-    """The pages whose blocks tests/app/{tutorials,guides,front_pages}.py play, and the commands that tests/app/examples.py plays."""
-    text = "".join((SOURCE / f"tests/app/{name}.py").read_text() for name in ("tutorials", "guides", "front_pages"))
-    tutorials = {os.path.normpath(f"docs/{page}") for page in re.findall(r'self\.play\("([^"]+)"', text)}
+    """The pages whose blocks with `$` tests of tests/app play, and the commands that tests/app/examples.py plays."""
+    text = "".join(file.read_text() for file in (SOURCE / "tests/app").glob("*.py"))
+    tutorials = {os.path.normpath(f"docs/{page}") for page in re.findall(r'self\.play\("([^"]+\.md)"', text)}
     sys.path.insert(0, str(SOURCE / "tests/app"))
     import examples
     return tutorials, {command for command in examples.on_pages() if not re.search("--snapshot|--set|game.yaml$", command)}
