@@ -1,7 +1,7 @@
 """The pictures of the documentation are those that their commands draw today; the table of docs/internals/commands.md has the commands.
 
 A picture of another machine may differ a little, because floating point and Mesa do: a small share of its pixels may. `test_short` draws those that take
-little time, `test_long` the animated image. The picture of `cxlab view` needs a browser: tests/readers/pictures_in_browser.py.
+little time, `test_long` the animated image. The picture of `cxlab view` needs a browser: tests/readers/view_in_browser.py.
 """
 
 import os
