@@ -20,7 +20,7 @@ from pathlib import Path
 from markdown_pages import FENCE, SOURCE, blank_code, markdown_files, words_of
 
 CXLAB = os.environ.get("CXLAB", "")
-PROGRAMS = r"(?:cxlab|\./dev|\.ci/\w+|(?:tests|benchmarks)/[\w/]+\.(?:py|sh)|cmake|ctest|python3?|pip|ros2|colcon|docker|curl|git|tar|apt-get|apt|source|sh)"
+PROGRAMS = r"(?:cxlab|\./dev|\.ci/\w+|(?:tests|benchmarks)/[\w/]+\.(?:py|sh)|cmake|ctest|python3?|pip|ros2|colcon|docker|curl|git|tar|apt-get|apt|source|sh|cd|for|cat|export|alias|sqlite3|datasette|duckdb)"
 MARK = re.compile(r"<!-- (not played|played in part): \S.* -->\s*\Z")
 # They wait for a person, a server or another program, or take minutes.
 WAITS = {"view", "mutate", "completion"}
