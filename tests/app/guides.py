@@ -51,10 +51,10 @@ class Guides(Pages):
         self.play("how-to/measure-stories.md", "/tmp/none")
 
     def test_no_page_is_left_out(self):
-        folders = [SOURCE / "docs" / name for name in ("tutorials", "how-to", "internals")]
-        shown = {str(page.relative_to(SOURCE / "docs")) for folder in folders for page in folder.glob("*.md") if any(steps(page))}
-        text = "".join(Path(__file__).with_name(f"{name}.py").read_text() for name in ("tutorials", "guides", "front_pages"))
-        self.assertEqual(set(re.findall(r'self\.play\("([^"]+)"', text)), shown | {"../README.md"})
+        folders = [SOURCE / "docs" / name for name in ("tutorials", "how-to", "reference", "explanation", "internals")]
+        shown = {str(page.relative_to(SOURCE / "docs")) for folder in folders for page in folder.rglob("*.md") if any(steps(page))}
+        text = "".join(file.read_text() for file in Path(__file__).parent.glob("*.py"))
+        self.assertEqual(set(re.findall(r'self\.play\("([^"]+\.md)"', text)), shown | {"../README.md"})
 
 
 if __name__ == "__main__":

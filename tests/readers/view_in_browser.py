@@ -6,6 +6,7 @@ import re
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -16,6 +17,10 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from in_browser import CXLAB, SOURCE, Browser
+from picture_of_page import take
+
+sys.path += [str(SOURCE / "tests/support"), str(SOURCE / "tests/app")]
+import pictures  # noqa: E402
 
 RULE_THAT_ASKS_FOR_NOTHING = ("(machine (name ?next) (kind RS))", "(machine (name ?next) (kind RNIG))")
 HOSTILE = "<img src=x onerror=window.hit=1>"
@@ -216,6 +221,12 @@ class View(Browser):
         self.js("[...document.querySelectorAll('.graph .of')].find((row) => row.textContent.includes('product-to-ring-station')).querySelector('.open').click()")
         self.until(lambda: any("in the nearest fact kind is RS" in text for text in self.js("[...document.querySelectorAll('.graph .below')].map((one) => one.textContent)")))
         self.all_is_well()
+
+    def test_the_picture_of_the_guides_is_not_old(self):
+        picture = self.folder / "view.png"
+        take(self.serve(self.faulty()), str(picture), "1400x1200", "light", "#t=200&order=2&ask=why-not&what=product-to-ring-station")
+        shown = SOURCE / "docs/pictures/view.png"
+        self.assertLess(pictures.share(pictures.frames(picture)[0], pictures.frames(shown)[0]), pictures.MOST, "picture_of_page.py says how it is taken")
 
     def test_what_the_server_refuses_is_said_where_it_was_asked(self):
         self.view(self.game(), link="#t=100")
