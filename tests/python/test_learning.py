@@ -14,7 +14,7 @@ from cxlab import UsageError
 from cxlab.learn import ChoiceGame, LinearPolicy, play, play_all, shipped_policy
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 from cxlab.learn.games import OPTIONS, SIZE, Games, mask_of, observation_of, shown_options
-from cxlab.learn.policy import preferred
+from cxlab.learn.policy import preferred, term_values
 
 SHORT = 120.0  # s of a game
 
@@ -121,6 +121,58 @@ class Wrong(unittest.TestCase):
             LinearPolicy({"take-job": {"weigth": 1.0}})
         with self.assertRaisesRegex(ValueError, "'jobs': expected one of begin-order, take-job"):
             LinearPolicy({"jobs": {}})
+        with self.assertRaisesRegex(ValueError, "no feature 'prodcts' after the \\*; expected preferred, .*, products"):
+            LinearPolicy({"begin-order": {"none*prodcts": 1.0}})
+
+
+class WhatIf(unittest.TestCase):
+    """A game branches in a copy of the process."""
+
+    @staticmethod
+    def to_the_end(game, policy):
+        while (choice := game.next()) is not None:
+            game.choose(policy(choice))
+        return game.close()["journal_hash"]
+
+    def test_a_branch_is_the_game_with_the_same_choices_and_the_game_itself_stays_where_it_is(self):
+        plain = choices(1, journal="decisions")[1]["journal_hash"]
+        with ChoiceGame(seed=1, tier="timed", until=SHORT, journal="decisions") as game:
+            for _ in range(8):
+                choice = game.next()
+                last = len(choice.options) - 1
+
+                def go_on(option):
+                    game.choose(option)
+                    return self.to_the_end(game, preferred)
+
+                self.assertEqual(game.what_if(lambda preferred=choice.preferred: go_on(preferred)), plain)
+                other = game.what_if(lambda last=last: go_on(last))
+                self.assertNotEqual(other, plain)
+                game.choose(choice.preferred)
+            at, taken = choice.now, last
+
+            def passes_by_at_that_time(choice):
+                return taken if choice.now == at else choice.preferred
+
+            self.assertEqual(self.to_the_end(game, preferred), plain)
+        self.assertEqual(choices(1, passes_by_at_that_time, journal="decisions")[1]["journal_hash"], other)
+
+    def test_what_a_branch_raises_comes_here(self):
+        with ChoiceGame(seed=1, tier="timed", until=SHORT) as game:
+            game.next()
+            with self.assertRaisesRegex(UsageError, "option 99 "):
+                game.what_if(lambda: game.choose(99))
+            with self.assertRaises(ZeroDivisionError):
+                game.what_if(lambda: 1 / 0)
+            with self.assertRaisesRegex(RuntimeError, "without an answer"):
+                game.what_if(lambda: os._exit(1))
+            self.assertEqual(game.what_if(lambda: 7), 7)
+
+    def test_a_game_with_a_folder_does_not_branch(self):
+        with tempfile.TemporaryDirectory() as folder, ChoiceGame(seed=1, tier="timed", until=SHORT, out=Path(folder, "run")) as game:
+            game.next()
+            with self.assertRaisesRegex(UsageError, "without `out`"):
+                game.what_if(lambda: 0)
 
 
 class Policies(unittest.TestCase):
@@ -137,15 +189,29 @@ class Policies(unittest.TestCase):
         policy = LinearPolicy({"take-job": {names[0]: 1.0, names[1]: 3.0, names[2]: 2.0}})
         self.assertEqual(policy(choice), 2)
 
-    def test_a_policy_comes_back_from_its_vector_and_its_text(self):
-        vector = np.arange(sum(len(names) for names in OPTION.values()), dtype=float)
-        policy = LinearPolicy.of_vector(vector)
-        np.testing.assert_array_equal(policy.vector(), vector)
+    def test_a_term_is_a_feature_or_the_product_of_two(self):
+        for choice in choices(1)[0][:20]:
+            last, products = OPTION[choice.kind][1], choice.situation[SITUATION.index("products")]
+            terms = ["preferred", f"{last}*products", f"{last}*points", "points*points"]
+            points = choice.features[:, OPTION[choice.kind].index("points")]
+            nothing = np.arange(len(choice.options)) == len(choice.options) - 1
+            expected = [choice.features[:, 0], nothing * products, nothing * points, points**2]
+            np.testing.assert_allclose(term_values(choice, terms), np.array(expected).T)
+            policy = LinearPolicy({choice.kind: dict(zip(terms, (1.0, 2.0, 4.0, 8.0), strict=True))})
+            np.testing.assert_allclose(policy.scores(choice), np.array(expected).T @ [1.0, 2.0, 4.0, 8.0])
+
+    def test_of_a_kind_without_weights_the_option_of_the_rules_is_taken(self):
+        for choice in choices(1)[0][:20]:
+            self.assertEqual(LinearPolicy({})(choice), choice.preferred)
+            self.assertEqual(LinearPolicy.greedy()(choice._replace(kind="begin-step")), choice.preferred)
+
+    def test_a_policy_comes_back_from_its_text(self):
+        policy = LinearPolicy({kind: {names[2]: 1.5, f"{names[1]}*idle": -2.0} for kind, names in OPTION.items()})
         self.assertEqual(json.loads(policy.to_json()), policy.weights)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder, "weights.json")
             file.write_text(policy.to_json())
-            np.testing.assert_array_equal(LinearPolicy.load(file).vector(), vector)
+            self.assertEqual(LinearPolicy.load(file).weights, policy.weights)
 
     def test_points_are_the_same_in_any_number_of_processes(self):
         policies = [LinearPolicy.greedy(), shipped_policy()]
