@@ -35,7 +35,7 @@ KIND = "begin-order"  # jobs stay with the rules: no other job was found to be w
 START = LinearPolicy({KIND: {"preferred": 1.0, "none": 0.5}})
 TERMS = (*OPTION[KIND], *(f"none*{name}" for name in SITUATION), *(f"{name}*time" for name in OPTION[KIND][2:]))
 TRAINING_SEEDS = 1_000_000  # and up, each played once
-CHOOSING_SEEDS = range(20001, 20049)
+CHOOSING_SEEDS = 20001  # and up
 BRANCHES = (0.8, 0.05)  # the shares of the choices at which a game branches: an order is begun; none is
 HELD = 20.0  # s for which a copy passes by the orders that it has passed by
 CUT = 100.0  # points; a branch that makes more difference counts so much
@@ -138,17 +138,19 @@ def pool_of(processes: int) -> ProcessPoolExecutor:
 class Training:
     """What is known so far: the games with their branches (samples.jsonl), and how the policies did (curve.csv)."""
 
-    def __init__(self, folder: Path, games: int, seed: int, scenario: str) -> None:
-        self.folder, self.games, self.seed, self.scenario = folder, games, seed, scenario
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        folder, self.games, self.seed, self.scenario = Path(arguments.out), arguments.games, arguments.seed, arguments.scenario
+        self.folder, self.choosing = folder, range(CHOOSING_SEEDS, CHOOSING_SEEDS + arguments.choosing)
         self.played: dict[int, dict[str, Any]] = {}
         folder.mkdir(parents=True, exist_ok=True)
-        arguments = {"games": games, "seed": seed}
+        these = {name: getattr(arguments, name) for name in ("games", "choosing", "seed")}
         if (folder / "arguments.json").exists():
             before = json.loads((folder / "arguments.json").read_text())
-            if before != arguments:
-                raise SystemExit(f"{folder} is of --games {before['games']} --seed {before['seed']}; use those, or another --out")
+            if before != these:
+                given = " ".join(f"--{name} {value}" for name, value in before.items())
+                raise SystemExit(f"{folder} is a training with {given}; use those, or another --out")
         else:
-            (folder / "arguments.json").write_text(json.dumps(arguments))
+            (folder / "arguments.json").write_text(json.dumps(these))
             (folder / "curve.csv").write_text("round,games,branches,minutes,gain,half_width\n")
             (folder / "samples.jsonl").write_text("")
         text = (folder / "samples.jsonl").read_text()
@@ -179,7 +181,7 @@ class Training:
     def judge(self, number: int, pool: Executor, rules: Vector, minutes: float) -> None:
         """How the policy of a round does with the seeds of the choice."""
         policy = self.policy(number)
-        gain, width = interval(play_games(pool, policy, CHOOSING_SEEDS, self.scenario) - rules)
+        gain, width = interval(play_games(pool, policy, self.choosing, self.scenario) - rules)
         if all(gain > float(row["gain"]) for row in self.curve):
             (self.folder / "best.json").write_text(policy.to_json())
         branches = sum(len(game["samples"]) for game in self.played.values())
@@ -192,11 +194,11 @@ class Training:
 
 
 def train(arguments: argparse.Namespace) -> None:
-    training = Training(Path(arguments.out), arguments.games, arguments.seed, arguments.scenario)
+    training = Training(arguments)
     before = float(training.curve[-1]["minutes"]) if training.curve else 0.0
     begun = time.monotonic()
     with pool_of(arguments.processes) as pool:
-        rules = play_games(pool, None, CHOOSING_SEEDS, arguments.scenario)
+        rules = play_games(pool, None, training.choosing, arguments.scenario)
         print(f"the rules alone: {rules.mean():.1f} points with the {len(rules)} seeds of the choice", flush=True)
         for number in range(1, arguments.rounds + 1):
             training.play(number - 1, pool)
@@ -256,8 +258,9 @@ def main() -> None:
             command.add_argument("--scenario", default="rcll/external", help="whose rules ask (rcll/external)")
         if name == "train":
             command.add_argument("--out", default="training", help="folder of the training (training)")
-            command.add_argument("--rounds", type=int, default=3, help="how many (3)")
-            command.add_argument("--games", type=int, default=150, help="of a round, each with some 15 branches (150)")
+            command.add_argument("--rounds", type=int, default=4, help="how many (4)")
+            command.add_argument("--games", type=int, default=80, help="of a round, each with some 13 branches (80)")
+            command.add_argument("--choosing", type=int, default=48, help="games by which the best round is chosen (48)")
             command.add_argument("--seed", type=int, default=1, help="of the choices at which games branch (1)")
         elif name == "draw":
             command.add_argument("curve", help="curve.csv of a training")

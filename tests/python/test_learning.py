@@ -200,6 +200,11 @@ class Policies(unittest.TestCase):
             policy = LinearPolicy({choice.kind: dict(zip(terms, (1.0, 2.0, 4.0, 8.0), strict=True))})
             np.testing.assert_allclose(policy.scores(choice), np.array(expected).T @ [1.0, 2.0, 4.0, 8.0])
 
+    def test_rules_with_other_features_are_an_error(self):
+        choice = choices(1)[0][0]
+        with self.assertRaisesRegex(ValueError, f"found 3 features of '{choice.kind}', expected .*: preferred, "):
+            term_values(choice._replace(features=choice.features[:, :3]), ["preferred"])
+
     def test_of_a_kind_without_weights_the_option_of_the_rules_is_taken(self):
         for choice in choices(1)[0][:20]:
             self.assertEqual(LinearPolicy({})(choice), choice.preferred)

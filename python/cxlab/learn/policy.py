@@ -31,6 +31,8 @@ def term_values(choice: Choice, terms: Sequence[str]) -> NDArray[np.float64]:
     ("none*products"); of a name that both have, the option's counts.
     """
     names = OPTION[choice.kind]
+    if choice.features.shape[1] != len(names):
+        raise ValueError(f"found {choice.features.shape[1]} features of {choice.kind!r}, expected {len(names)}: {', '.join(names)}")
     columns = []
     for term in terms:
         factor, _, other = term.partition("*")
@@ -69,9 +71,11 @@ class LinearPolicy:
     def scores(self, choice: Choice) -> NDArray[np.float64]:
         """The weighted sum of each option: shape (options,)."""
         by_term = self.weights.get(choice.kind)
+        sums: NDArray[np.float64]
         if by_term is None:
-            return np.eye(len(choice.options), dtype=np.float64)[choice.preferred]
-        sums: NDArray[np.float64] = term_values(choice, list(by_term)) @ np.array(list(by_term.values()))
+            sums = np.eye(len(choice.options))[choice.preferred]
+        else:
+            sums = term_values(choice, list(by_term)) @ np.array(list(by_term.values()))
         return sums
 
     def __call__(self, choice: Choice) -> int:
