@@ -64,7 +64,7 @@
   ?way)
 
 (deffunction worth-later (?time)
-  "The highest worth of the open orders whose first machine is taken."
+  "The highest worth of the open orders that cannot begin now."
   (bind ?most 0.0)
   (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (not (can-begin (machines-for (works-for ?o:rings ?o:cap)))))
     (bind ?most (max ?most (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end ?time))))
