@@ -28,18 +28,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play
-from cxlab.learn.features import OPTION, SITUATION
 from cxlab.learn.policy import Policy, preferred, term_values
 
 KIND = "begin-order"  # jobs stay with the rules: no other job was found to be worth more (benchmarks/README.md)
 START = LinearPolicy({KIND: {"preferred": 1.0, "none": 0.5}})
-TERMS = (*OPTION[KIND], *(f"none*{name}" for name in SITUATION), *(f"{name}*time" for name in OPTION[KIND][2:]))
+TERMS = ("none", "worth", "worth*worth", "payments", "first_machine_shared", "to_begin", "to_end", "none*time", "none*products")
 TRAINING_SEEDS = 1_000_000  # and up, each played once
 CHOOSING_SEEDS = 20001  # and up
 BRANCHES = (0.8, 0.05)  # the shares of the choices at which a game branches: an order is begun; none is
 HELD = 20.0  # s for which a copy passes by the orders that it has passed by
 CUT = 100.0  # points; a branch that makes more difference counts so much
-RIDGE = 100.0  # samples
+RIDGE = 50.0  # samples
 MARGIN = 3.0  # points by which an option must be worth more than the rules'
 
 Vector = NDArray[np.float64]
@@ -111,8 +110,7 @@ def fitted(games: Iterable[dict[str, Any]]) -> LinearPolicy:
     x = x / scale
     solution = np.linalg.solve(x.T @ x + RIDGE * np.eye(len(TERMS)), x.T @ y) / scale
     weights = dict(zip(TERMS, solution.round(3).tolist(), strict=True))
-    weights["preferred"] += MARGIN
-    return LinearPolicy({KIND: weights})
+    return LinearPolicy({KIND: {"preferred": MARGIN, **weights}})
 
 
 def points_of(task: tuple[dict[str, dict[str, float]] | None, int, str]) -> float:

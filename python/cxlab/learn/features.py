@@ -9,7 +9,7 @@ KINDS = ("begin-order", "take-job")
 OPTION = {
     "begin-order": (
         "preferred", "none", "worth", "points", "jobs", "rings", "payments", "to_begin", "to_end", "game_left", "bonus",
-        "first_machine_shared", "machines_shared", "cap_ready", "to_pay", "way", "spare_robots", "worth_later", "works_in_hand",
+        "first_machine_shared", "machines_shared", "cap_ready", "spare_robots",
     ),
     "take-job": (
         "preferred", "wait", "urgency", "way", "haul", "detour", "buffer", "clear", "pay", "to_ring_station", "to_cap_station",

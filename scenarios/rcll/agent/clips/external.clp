@@ -42,40 +42,6 @@
   (do-for-all-facts ((?p product)) TRUE (bind ?n (+ ?n (common ?p:via ?machines))))
   ?n)
 
-(deffunction still-to-pay (?rings)
-  "Payments that must be brought for these rings: what the slides have to spare is there already."
-  (bind ?missing 0)
-  (do-for-all-facts ((?s slide)) TRUE
-    (bind ?price 0)
-    (foreach ?ring ?rings
-      (if (any-factp ((?d does)) (and (eq ?d:machine ?s:machine) (eq ?d:work ?ring))) then (bind ?price (+ ?price (price-of ?ring)))))
-    (bind ?missing (+ ?missing (max 0 (- ?price (max 0 (- (+ ?s:loaded ?s:coming) ?s:wanted)))))))
-  ?missing)
-
-(deffunction length-of-way (?machines)
-  "Metres from the base station along these machines."
-  (bind ?way 0.0)
-  (do-for-fact ((?bs machine)) (eq ?bs:kind BS)
-    (bind ?x ?bs:x) (bind ?y ?bs:y)
-    (foreach ?name ?machines
-      (do-for-fact ((?m machine)) (eq ?m:name ?name)
-        (bind ?way (+ ?way (distance ?x ?y ?m:x ?m:y)))
-        (bind ?x ?m:x) (bind ?y ?m:y))))
-  ?way)
-
-(deffunction worth-later (?time)
-  "The highest worth of the open orders that cannot begin now."
-  (bind ?most 0.0)
-  (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (not (can-begin (machines-for (works-for ?o:rings ?o:cap)))))
-    (bind ?most (max ?most (worth ?o:complexity ?o:rings ?o:bonus ?o:begin ?o:end ?time))))
-  ?most)
-
-(deffunction works-in-hand ()
-  "Works that the products still need."
-  (bind ?works 0)
-  (do-for-all-facts ((?p product)) TRUE (bind ?works (+ ?works (length$ ?p:todo))))
-  ?works)
-
 (deffunction features-of-order (?order ?preferred ?time)
   (bind ?rings (fact-slot-value ?order rings))
   (bind ?complexity (fact-slot-value ?order complexity))
@@ -100,15 +66,10 @@
            (share (meetings (first$ ?machines)) 3)
            (share (meetings (rest$ ?machines)) 8)
            (flag (has-cap (nth$ (- (length$ ?machines) 1) ?machines)))
-           (share (still-to-pay ?rings) 6)
-           (share (length-of-way ?machines) 50)
-           0.0 0.0 0.0))
+           0.0))
 
-(deffunction features-of-no-order (?preferred ?spare ?time)
-  (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0
-           (share ?spare 3)
-           (share (worth-later ?time) 20)
-           (share (works-in-hand) 12)))
+(deffunction features-of-no-order (?preferred ?spare)
+  (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 (share ?spare 3)))
 
 (deffunction ask-for-order (?time ?robots)
   "Asks which order is begun; the last option is none. Where no order can begin nobody is asked."
@@ -129,7 +90,7 @@
   (bind ?items (create$ ?items 0))
   (assert (choice (id (new-choice)) (kind begin-order) (items ?items) (options ?options "begin no order") (allowed ?allowed TRUE)
                   (preferred (member$ ?best ?items)) (situation (situation ?time))
-                  (features ?features (features-of-no-order (= ?best 0) ?spare ?time)) (since (now)))))
+                  (features ?features (features-of-no-order (= ?best 0) ?spare)) (since (now)))))
 
 (defrule order-choose
   "Once a second: ask which order is begun."
