@@ -1,13 +1,14 @@
 """Trains the dispatcher that comes with cxlab: from what becomes of a game when one of its choices is made otherwise.
 
     python train_dispatcher.py train --out training --processes 2
-    python train_dispatcher.py evaluate training/best.json --seeds 30001..30400 --processes 2
+    python train_dispatcher.py evaluate training/policy.json --seeds 30001..30400 --processes 2
     python train_dispatcher.py draw training/curve.csv curve.svg
 
 Needs NumPy only. A round plays games with the policy of the round before, the first one with what the rules prefer. At some choices the game
 branches (`ChoiceGame.what_if`): a copy takes another option and plays on with the same policy to its end. The points that the copy
 has more are what that option is worth at that choice. A ridge regression on the terms of both options gives the next policy, which
-takes the option that is worth most. Each policy plays seeds kept for that (20001...); the best one is in best.json.
+takes the option that is worth most. The last one is in policy.json. curve.csv compares policies with the rules, by seeds kept for that
+(20001...): those from a quarter and from half of the games of a round, and those from all of them.
 
 `train` goes on with what training/samples.jsonl has; the same arguments give the same weights, with any number of processes.
 """
@@ -34,7 +35,7 @@ KIND = "begin-order"  # jobs stay with the rules: no other job was found to be w
 START = LinearPolicy({KIND: {"preferred": 1.0, "none": 0.5}})
 TERMS = ("none", "worth", "worth*worth", "payments", "first_machine_shared", "to_begin", "to_end", "none*time", "none*products")
 TRAINING_SEEDS = 1_000_000  # and up, each played once
-CHOOSING_SEEDS = 20001  # and up
+CHECKING_SEEDS = 20001  # and up
 BRANCHES = (0.8, 0.05)  # the shares of the choices at which a game branches: an order is begun; none is
 HELD = 20.0  # s for which a copy passes by the orders that it has passed by
 CUT = 100.0  # points; a branch that makes more difference counts so much
@@ -138,10 +139,10 @@ class Training:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         folder, self.games, self.seed, self.scenario = Path(arguments.out), arguments.games, arguments.seed, arguments.scenario
-        self.folder, self.choosing = folder, range(CHOOSING_SEEDS, CHOOSING_SEEDS + arguments.choosing)
+        self.folder, self.checking = folder, range(CHECKING_SEEDS, CHECKING_SEEDS + arguments.checking)
         self.played: dict[int, dict[str, Any]] = {}
         folder.mkdir(parents=True, exist_ok=True)
-        these = {name: getattr(arguments, name) for name in ("games", "choosing", "seed")}
+        these = {name: getattr(arguments, name) for name in ("games", "checking", "seed")}
         if (folder / "arguments.json").exists():
             before = json.loads((folder / "arguments.json").read_text())
             if before != these:
@@ -149,7 +150,7 @@ class Training:
                 raise SystemExit(f"{folder} is a training with {given}; use those, or another --out")
         else:
             (folder / "arguments.json").write_text(json.dumps(these))
-            (folder / "curve.csv").write_text("round,games,branches,minutes,gain,half_width\n")
+            (folder / "curve.csv").write_text("games,branches,minutes,gain,half_width\n")
             (folder / "samples.jsonl").write_text("")
         text = (folder / "samples.jsonl").read_text()
         whole = text[: text.rfind("\n") + 1]  # of a line that was being written nothing is kept
@@ -161,34 +162,33 @@ class Training:
         with (folder / "curve.csv").open() as rows:
             self.curve = list(csv.DictReader(rows))
 
-    def policy(self, number: int) -> LinearPolicy:
-        """Of a round: from the games of all rounds before it."""
-        seeds = range(TRAINING_SEEDS, TRAINING_SEEDS + number * self.games)
-        return fitted(self.played[seed] for seed in seeds) if number else START
+    def policy(self, games: int) -> LinearPolicy:
+        """From the first games; from none, the rules' own choices."""
+        return fitted(self.played[TRAINING_SEEDS + number] for number in range(games)) if games else START
 
-    def play(self, number: int, pool: Executor) -> None:
-        """The games of a round that have not been played yet."""
-        weights = self.policy(number).weights
-        first = TRAINING_SEEDS + number * self.games
-        tasks = [(weights, seed, self.seed, self.scenario) for seed in range(first, first + self.games) if seed not in self.played]
+    def play(self, number: int, games: int, pool: Executor) -> None:
+        """The first games, as far as they have not been played yet: those of this round with the policy from all rounds before it."""
+        weights = self.policy(number * self.games).weights
+        missing = [seed for seed in range(TRAINING_SEEDS, TRAINING_SEEDS + games) if seed not in self.played]
+        tasks = [(weights, seed, self.seed, self.scenario) for seed in missing]
         for game in pool.map(game_with_branches, tasks):
             self.played[game["seed"]] = game
             with (self.folder / "samples.jsonl").open("a") as out:
                 out.write(json.dumps(game) + "\n")
 
-    def judge(self, number: int, pool: Executor, rules: Vector, minutes: float) -> None:
-        """How the policy of a round does with the seeds of the choice."""
-        policy = self.policy(number)
-        gain, width = interval(play_games(pool, policy, self.choosing, self.scenario) - rules)
-        if all(gain > float(row["gain"]) for row in self.curve):
-            (self.folder / "best.json").write_text(policy.to_json())
-        branches = sum(len(game["samples"]) for game in self.played.values())
-        row = {"round": number, "games": number * self.games, "branches": branches, "minutes": round(minutes, 1),
-               "gain": round(gain, 1), "half_width": round(width, 1)}  # fmt: skip
+    def check(self, games: int, pool: Executor, rules: Vector, minutes: float) -> None:
+        """How the policy from the first games does with the seeds kept for that."""
+        policy = self.policy(games)
+        (self.folder / "policy.json").write_text(policy.to_json())
+        if any(row["games"] == str(games) for row in self.curve):
+            return
+        gain, width = interval(play_games(pool, policy, self.checking, self.scenario) - rules)
+        branches = sum(len(self.played[TRAINING_SEEDS + number]["samples"]) for number in range(games))
+        row = {"games": games, "branches": branches, "minutes": round(minutes, 1), "gain": round(gain, 1), "half_width": round(width, 1)}
         self.curve.append({key: str(value) for key, value in row.items()})
         with (self.folder / "curve.csv").open("a") as out:
             out.write(",".join(map(str, row.values())) + "\n")
-        print(f"round {number}: {branches} branches, {gain:+.1f} ± {width:.1f} points against the rules ({minutes:.1f} min)", flush=True)
+        print(f"{games} games, {branches} branches: {gain:+.1f} ± {width:.1f} points against the rules ({minutes:.1f} min)", flush=True)
 
 
 def train(arguments: argparse.Namespace) -> None:
@@ -196,12 +196,13 @@ def train(arguments: argparse.Namespace) -> None:
     before = float(training.curve[-1]["minutes"]) if training.curve else 0.0
     begun = time.monotonic()
     with pool_of(arguments.processes) as pool:
-        rules = play_games(pool, None, training.choosing, arguments.scenario)
-        print(f"the rules alone: {rules.mean():.1f} points with the {len(rules)} seeds of the choice", flush=True)
-        for number in range(1, arguments.rounds + 1):
-            training.play(number - 1, pool)
-            if all(row["round"] != str(number) for row in training.curve):
-                training.judge(number, pool, rules, before + (time.monotonic() - begun) / 60)
+        rules = play_games(pool, None, training.checking, arguments.scenario)
+        print(f"the rules alone: {rules.mean():.1f} points with the {len(rules)} seeds of the comparison", flush=True)
+        for number in range(arguments.rounds):
+            for quarters in (1, 2, 4):
+                games = number * training.games + max(1, training.games * quarters // 4)
+                training.play(number, games, pool)
+                training.check(games, pool, rules, before + (time.monotonic() - begun) / 60)
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
@@ -218,11 +219,11 @@ def evaluate(arguments: argparse.Namespace) -> None:
 
 
 def draw(arguments: argparse.Namespace) -> None:
-    """An SVG of curve.csv: gain against the rules with the seeds of the choice, with its 95 % interval, over the games played."""
+    """An SVG of curve.csv: gain against the rules with the seeds kept for that, with its 95 % interval, over the games played."""
     with open(arguments.curve, encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     if not rows:
-        raise SystemExit(f"{arguments.curve}: no round has been compared with the rules yet")
+        raise SystemExit(f"{arguments.curve}: no policy has been compared with the rules yet")
     games, gain, width = (np.array([0.0, *(float(row[key]) for row in rows)]) for key in ("games", "gain", "half_width"))
     low, high = min(0.0, (gain - width).min()), max(0.0, (gain + width).max())
     x = 50 + 530 * games / games.max()
@@ -256,9 +257,9 @@ def main() -> None:
             command.add_argument("--scenario", default="rcll/external", help="whose rules ask (rcll/external)")
         if name == "train":
             command.add_argument("--out", default="training", help="folder of the training (training)")
-            command.add_argument("--rounds", type=int, default=4, help="how many (4)")
+            command.add_argument("--rounds", type=int, default=1, help="how many, each with the policy from those before (1)")
             command.add_argument("--games", type=int, default=80, help="of a round, each with some 13 branches (80)")
-            command.add_argument("--choosing", type=int, default=48, help="games by which the best round is chosen (48)")
+            command.add_argument("--checking", type=int, default=48, help="games by which policies are compared with the rules (48)")
             command.add_argument("--seed", type=int, default=1, help="of the choices at which games branch (1)")
         elif name == "draw":
             command.add_argument("curve", help="curve.csv of a training")
