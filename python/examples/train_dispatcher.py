@@ -188,7 +188,7 @@ class Training:
         self.curve.append({key: str(value) for key, value in row.items()})
         with (self.folder / "curve.csv").open("a") as out:
             out.write(",".join(map(str, row.values())) + "\n")
-        print(f"{games} games, {branches} branches: {gain:+.1f} ± {width:.1f} points against the rules ({minutes:.1f} min)", flush=True)
+        print(f"games {games}, branches {branches}: {gain:+.1f} ± {width:.1f} points against the rules ({minutes:.1f} min)", flush=True)
 
 
 def train(arguments: argparse.Namespace) -> None:
