@@ -4,11 +4,14 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
+from importlib.util import find_spec
 from pathlib import Path
 
 CXLAB = Path(os.environ["CXLAB"])
+PACKAGE = CXLAB.parent / "python/cxlab"
 SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 
 
@@ -29,11 +32,11 @@ def pattern_of(lines):
 
 
 class Pages(unittest.TestCase):
-    def play(self, name, folder_on_page):
+    def play(self, name, folder_on_page, **variables):
         """Plays a page in a folder of its own, which stands for the one that the page names. Returns it."""
         folder = Path(tempfile.mkdtemp(prefix="cxlab-tutorial-"))
         self.addCleanup(shutil.rmtree, folder)
-        environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}"}
+        environment = {**os.environ, "PATH": f"{CXLAB.parent}:{os.environ['PATH']}", **variables}
         played = list(steps(SOURCE / "docs" / name))
         self.assertTrue(any(shown for _, shown in played), "the page shows what its commands print")
         for command, shown in played:
@@ -61,6 +64,11 @@ class Tutorials(Pages):
 
     def test_bag_to_story(self):
         self.play("tutorials/bag-to-story.md", "/tmp/floor")
+
+    @unittest.skipUnless(PACKAGE.is_dir() and find_spec("numpy"), "needs the package of Python, and NumPy")
+    def test_train_a_policy(self):
+        self.play("tutorials/train-a-policy.md", "/tmp/learn", PYTHONPATH=str(PACKAGE.parent),
+                  PATH=f"{CXLAB.parent}:{Path(sys.executable).parent}:{os.environ['PATH']}")
 
 
 if __name__ == "__main__":

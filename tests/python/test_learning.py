@@ -1,5 +1,7 @@
 """Choices of rules that Python makes (cxlab.learn): numpy alone."""
 
+import argparse
+import importlib.util
 import json
 import os
 import subprocess
@@ -11,10 +13,10 @@ from pathlib import Path
 import cxlab
 import numpy as np
 from cxlab import UsageError
-from cxlab.learn import ChoiceGame, LinearPolicy, play, play_all, shipped_policy
+from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play, play_all, shipped_policy
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 from cxlab.learn.games import OPTIONS, SIZE, Games, mask_of, observation_of, shown_options
-from cxlab.learn.policy import preferred
+from cxlab.learn.policy import preferred, term_values
 
 SHORT = 120.0  # s of a game
 
@@ -121,6 +123,58 @@ class Wrong(unittest.TestCase):
             LinearPolicy({"take-job": {"weigth": 1.0}})
         with self.assertRaisesRegex(ValueError, "'jobs': expected one of begin-order, take-job"):
             LinearPolicy({"jobs": {}})
+        with self.assertRaisesRegex(ValueError, "no feature 'prodcts' after the \\*; expected preferred, .*, products"):
+            LinearPolicy({"begin-order": {"none*prodcts": 1.0}})
+
+
+class WhatIf(unittest.TestCase):
+    """A game branches in a copy of the process."""
+
+    @staticmethod
+    def to_the_end(game, policy):
+        while (choice := game.next()) is not None:
+            game.choose(policy(choice))
+        return game.close()["journal_hash"]
+
+    def test_a_branch_is_the_game_with_the_same_choices_and_the_game_itself_stays_where_it_is(self):
+        plain = choices(1, journal="decisions")[1]["journal_hash"]
+        with ChoiceGame(seed=1, tier="timed", until=SHORT, journal="decisions") as game:
+            for _ in range(8):
+                choice = game.next()
+                last = len(choice.options) - 1
+
+                def go_on(option):
+                    game.choose(option)
+                    return self.to_the_end(game, preferred)
+
+                self.assertEqual(game.what_if(lambda preferred=choice.preferred: go_on(preferred)), plain)
+                other = game.what_if(lambda last=last: go_on(last))
+                self.assertNotEqual(other, plain)
+                game.choose(choice.preferred)
+            at, taken = choice.now, last
+
+            def passes_by_at_that_time(choice):
+                return taken if choice.now == at else choice.preferred
+
+            self.assertEqual(self.to_the_end(game, preferred), plain)
+        self.assertEqual(choices(1, passes_by_at_that_time, journal="decisions")[1]["journal_hash"], other)
+
+    def test_what_a_branch_raises_comes_here(self):
+        with ChoiceGame(seed=1, tier="timed", until=SHORT) as game:
+            game.next()
+            with self.assertRaisesRegex(UsageError, "option 99 "):
+                game.what_if(lambda: game.choose(99))
+            with self.assertRaises(ZeroDivisionError):
+                game.what_if(lambda: 1 / 0)
+            with self.assertRaisesRegex(RuntimeError, "without an answer"):
+                game.what_if(lambda: os._exit(1))
+            self.assertEqual(game.what_if(lambda: 7), 7)
+
+    def test_a_game_with_a_folder_does_not_branch(self):
+        with tempfile.TemporaryDirectory() as folder, ChoiceGame(seed=1, tier="timed", until=SHORT, out=Path(folder, "run")) as game:
+            game.next()
+            with self.assertRaisesRegex(UsageError, "without `out`"):
+                game.what_if(lambda: 0)
 
 
 class Policies(unittest.TestCase):
@@ -137,15 +191,34 @@ class Policies(unittest.TestCase):
         policy = LinearPolicy({"take-job": {names[0]: 1.0, names[1]: 3.0, names[2]: 2.0}})
         self.assertEqual(policy(choice), 2)
 
-    def test_a_policy_comes_back_from_its_vector_and_its_text(self):
-        vector = np.arange(sum(len(names) for names in OPTION.values()), dtype=float)
-        policy = LinearPolicy.of_vector(vector)
-        np.testing.assert_array_equal(policy.vector(), vector)
+    def test_a_term_is_a_feature_or_the_product_of_two(self):
+        for choice in choices(1)[0][:20]:
+            last, products = OPTION[choice.kind][1], choice.situation[SITUATION.index("products")]
+            terms = ["preferred", f"{last}*products", f"{last}*points", "points*points"]
+            points = choice.features[:, OPTION[choice.kind].index("points")]
+            nothing = np.arange(len(choice.options)) == len(choice.options) - 1
+            expected = [choice.features[:, 0], nothing * products, nothing * points, points**2]
+            np.testing.assert_allclose(term_values(choice, terms), np.array(expected).T)
+            policy = LinearPolicy({choice.kind: dict(zip(terms, (1.0, 2.0, 4.0, 8.0), strict=True))})
+            np.testing.assert_allclose(policy.scores(choice), np.array(expected).T @ [1.0, 2.0, 4.0, 8.0])
+
+    def test_rules_with_other_features_are_an_error(self):
+        choice = choices(1)[0][0]
+        with self.assertRaisesRegex(ValueError, f"found 3 features of '{choice.kind}', expected .*: preferred, "):
+            term_values(choice._replace(features=choice.features[:, :3]), ["preferred"])
+
+    def test_of_a_kind_without_weights_the_option_of_the_rules_is_taken(self):
+        for choice in choices(1)[0][:20]:
+            self.assertEqual(LinearPolicy({})(choice), choice.preferred)
+            self.assertEqual(LinearPolicy.greedy()(choice._replace(kind="begin-step")), choice.preferred)
+
+    def test_a_policy_comes_back_from_its_text(self):
+        policy = LinearPolicy({kind: {names[2]: 1.5, f"{names[1]}*idle": -2.0} for kind, names in OPTION.items()})
         self.assertEqual(json.loads(policy.to_json()), policy.weights)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder, "weights.json")
             file.write_text(policy.to_json())
-            np.testing.assert_array_equal(LinearPolicy.load(file).vector(), vector)
+            self.assertEqual(LinearPolicy.load(file).weights, policy.weights)
 
     def test_points_are_the_same_in_any_number_of_processes(self):
         policies = [LinearPolicy.greedy(), shipped_policy()]
@@ -157,6 +230,87 @@ class Policies(unittest.TestCase):
         policy = shipped_policy()
         seen = [choice for seed in range(1, 4) for choice in choices(seed, policy, until=None)[0]]
         self.assertTrue(any(policy(choice) != choice.preferred for choice in seen))
+
+
+def choice_of_orders(*features, situation=(0.5,) * len(SITUATION), now=100.0):
+    """A choice between orders with these features by name, and none."""
+    names = OPTION["begin-order"]
+    rows = np.array([[by_name.get(name, 0.0) for name in names] for by_name in (*features, {"none": 1.0})])
+    options = [f"begin order {number}" for number in range(len(features))] + ["begin no order"]
+    return Choice("begin-order", "", options, np.ones(len(rows), bool), 0, np.array(situation), rows, now)
+
+
+class Trainer(unittest.TestCase):
+    """python/examples/train_dispatcher.py"""
+
+    @classmethod
+    def setUpClass(cls):
+        file = Path(os.environ["CXLAB_SOURCE_DIR"], "python/examples/train_dispatcher.py")
+        spec = importlib.util.spec_from_file_location("train_dispatcher", file)
+        cls.trainer = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(cls.trainer)
+
+    def game(self, seed, worth_of_points):
+        """Samples in which an order is worth what this function says of its feature `worth`, against none."""
+        random = np.random.default_rng(seed)
+        samples = []
+        for worth in random.uniform(0, 1, 40):
+            order, none = choice_of_orders({"worth": worth}).features.tolist()
+            noise = float(random.normal(0, 20))
+            samples.append({"situation": [0.5] * len(SITUATION), "taken": none, "other": order, "gain": worth_of_points(worth) + noise})
+        return {"seed": seed, "points": 0.0, "samples": samples}
+
+    def test_a_policy_takes_what_branches_have_shown_to_be_worth_more(self):
+        policy = self.trainer.fitted(self.game(seed, lambda worth: 100 * worth - 50) for seed in range(20))
+        taken = [policy(choice_of_orders({"worth": worth})._replace(preferred=1)) for worth in (0.1, 0.3, 0.7, 0.9)]
+        self.assertEqual(taken, [1, 1, 0, 0])
+        self.assertEqual(policy(choice_of_orders({"worth": 0.7}, {"worth": 0.9})), 1)
+
+    def test_the_option_of_the_rules_is_left_only_for_more_than_the_margin(self):
+        for points in (1.0, 15.0):
+            policy = self.trainer.fitted(self.game(seed, lambda _, points=points: points) for seed in range(200))
+            choice = choice_of_orders({"worth": 0.5}, {"preferred": 0.0})
+            choice.features[2, OPTION["begin-order"].index("preferred")] = 1.0
+            scores = policy.scores(choice)
+            self.assertEqual(scores[0] > scores[2], points > self.trainer.MARGIN, points)
+
+    def test_a_game_is_the_same_each_time_and_says_what_the_other_option_brings(self):
+        self.trainer.BRANCHES, before = (0.3, 0.0), self.trainer.BRANCHES
+        self.addCleanup(setattr, self.trainer, "BRANCHES", before)
+        task = (self.trainer.START.weights, 1_000_003, 1, "rcll/external")
+        game = self.trainer.game_with_branches(task)
+        self.assertEqual(self.trainer.game_with_branches(task), game)
+        self.assertEqual(game["points"], play(preferred, 1_000_003)["teams"]["CYAN"]["points"])
+        self.assertTrue(game["samples"])
+        for sample in game["samples"]:
+            self.assertEqual(sample["taken"][OPTION["begin-order"].index("preferred")], 1.0)
+            self.assertNotEqual(sample["taken"], sample["other"])
+
+    def test_orders_that_were_passed_by_are_passed_by_for_a_while_and_others_are_not(self):
+        first = choice_of_orders({"worth": 0.9})
+        policy = self.trainer.PassingBy(LinearPolicy({"begin-order": {"worth": 1.0, "none": 0.1}}), first)
+        later = choice_of_orders({"worth": 0.9}, {"worth": 0.5}, now=first.now + self.trainer.HELD - 0.1)
+        self.assertEqual(policy(first), 1)
+        self.assertEqual(policy(later), 1)
+        self.assertEqual(policy(later._replace(now=first.now + self.trainer.HELD)), 0)
+        self.assertEqual(policy(later._replace(kind="begin-step")), later.preferred)
+
+    def test_a_training_goes_on_after_the_last_whole_game_and_refuses_other_arguments(self):
+        with tempfile.TemporaryDirectory() as folder:
+            arguments = argparse.Namespace(out=folder, games=3, checking=2, seed=1, scenario="rcll/external")
+            self.trainer.Training(arguments)
+            with Path(folder, "samples.jsonl").open("a") as out:
+                for seed in (1_000_001, 1_000_000):
+                    out.write(json.dumps(self.game(seed, lambda worth: 10 * worth)) + "\n")
+                out.write('{"seed": 1000002, "po')
+            training = self.trainer.Training(arguments)
+            self.assertEqual(sorted(training.played), [1_000_000, 1_000_001])
+            self.assertEqual(len(Path(folder, "samples.jsonl").read_text().splitlines()), 2)
+            in_order = self.trainer.fitted(self.game(seed, lambda worth: 10 * worth) for seed in (1_000_000, 1_000_001))
+            self.assertEqual(training.policy(2).weights, in_order.weights)
+            arguments.games = 4
+            with self.assertRaisesRegex(SystemExit, "--games 3 --checking 2 --seed 1; use those"):
+                self.trainer.Training(arguments)
 
 
 class Observations(unittest.TestCase):

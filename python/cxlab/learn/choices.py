@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Mapping
+import pickle
+from collections.abc import Callable, Mapping
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
 from cxlab._yaml import assignments_of
-from cxlab.errors import CxlabError
+from cxlab.errors import CxlabError, UsageError
+
+T = TypeVar("T")
 
 
 class Choice(NamedTuple):
@@ -72,6 +75,7 @@ class ChoiceGame:
             topic=topic,
         )
         self._result: dict[str, Any] | None = None
+        self._writes = out is not None
 
     def next(self) -> Choice | None:
         """Play on until the rules ask. The choice that was asked for first, or None: the episode is over."""
@@ -87,6 +91,37 @@ class ChoiceGame:
     def choose(self, option: int) -> None:
         """Answer the choice that `next` returned."""
         self._core.choose(int(option))
+
+    def what_if(self, go_on: Callable[[], T]) -> T:
+        """What `go_on` returns when it plays this game on, from the open choice, in a copy of the process (`os.fork`). This game stays
+        where it is. What `go_on` returns or raises must be of a kind that pickle takes.
+        """
+        if self._writes:
+            raise UsageError("what_if: this game writes to a folder, where a second one would write as well; play it without `out`")
+        reading, writing = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                os.close(reading)
+                try:
+                    answer = pickle.dumps((True, go_on()))
+                except BaseException as error:
+                    answer = pickle.dumps((False, error))
+                with os.fdopen(writing, "wb") as pipe:
+                    pipe.write(answer)
+            finally:
+                os._exit(0)
+        os.close(writing)
+        with os.fdopen(reading, "rb") as pipe:
+            answer = pipe.read()
+        os.waitpid(child, 0)
+        if not answer:
+            raise RuntimeError("what_if: the copy of the process ended without an answer")
+        good, value = pickle.loads(answer)
+        if not good:
+            raise value
+        result: T = value
+        return result
 
     @property
     def now(self) -> float:

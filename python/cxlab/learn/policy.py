@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from importlib import resources
 from multiprocessing import get_context
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab.learn.choices import Choice, ChoiceGame
-from cxlab.learn.features import KINDS, OPTION
+from cxlab.learn.features import KINDS, OPTION, SITUATION
 
 Policy = Callable[[Choice], int]
 
@@ -24,45 +24,67 @@ def preferred(choice: Choice) -> int:
     return choice.preferred
 
 
+def term_values(choice: Choice, terms: Sequence[str]) -> NDArray[np.float64]:
+    """Of each option its terms: float64, shape (options, terms).
+
+    A term is a feature of the option ("worth"), or the product of one with another feature of the option or of the situation
+    ("none*products"); of a name that both have, the option's counts.
+    """
+    names = OPTION[choice.kind]
+    if choice.features.shape[1] != len(names):
+        raise ValueError(f"found {choice.features.shape[1]} features of {choice.kind!r}, expected {len(names)}: {', '.join(names)}")
+    columns = []
+    for term in terms:
+        factor, _, other = term.partition("*")
+        column = choice.features[:, names.index(factor)]
+        if other in names:
+            column = column * choice.features[:, names.index(other)]
+        elif other:
+            column = column * choice.situation[SITUATION.index(other)]
+        columns.append(column)
+    values: NDArray[np.float64] = np.array(columns).reshape(len(terms), len(choice.options)).T
+    return values
+
+
 class LinearPolicy:
-    """Takes the option with the largest weighted sum of its features.
+    """Takes the option with the largest weighted sum of its terms (`term_values`).
 
     Args:
-        weights: for each kind of choice, the weight of each feature by name; what is missing weighs 0. Of a kind without
-            weights the rules' option is taken.
+        weights: for each kind of choice, the weight of each term; what is missing weighs 0. Of a kind without weights the rules'
+            option is taken.
     """
 
     def __init__(self, weights: Mapping[str, Mapping[str, float]]) -> None:
-        self.weights = {kind: dict(by_name) for kind, by_name in weights.items()}
-        self._vectors = {}
-        for kind, by_name in self.weights.items():
+        self.weights = {kind: dict(by_term) for kind, by_term in weights.items()}
+        for kind, by_term in self.weights.items():
             if kind not in OPTION:
                 raise ValueError(f"kind of choice {kind!r}: expected one of {', '.join(OPTION)}")
-            unknown = set(by_name) - set(OPTION[kind])
-            if unknown:
-                raise ValueError(f"weights of {kind!r}: no feature {min(unknown)!r}; expected {', '.join(OPTION[kind])}")
-            self._vectors[kind] = np.array([by_name.get(name, 0.0) for name in OPTION[kind]])
+            for term in by_term:
+                factor, product, other = term.partition("*")
+                if factor not in OPTION[kind]:
+                    raise ValueError(f"weights of {kind!r}: no feature {factor!r}; expected {', '.join(OPTION[kind])}")
+                if product and other not in (*OPTION[kind], *SITUATION):
+                    raise ValueError(
+                        f"weights of {kind!r}: no feature {other!r} after the *; expected {', '.join((*OPTION[kind], *SITUATION))}"
+                    )
+
+    def scores(self, choice: Choice) -> NDArray[np.float64]:
+        """The weighted sum of each option: shape (options,)."""
+        by_term = self.weights.get(choice.kind)
+        sums: NDArray[np.float64]
+        if by_term is None:
+            sums = np.eye(len(choice.options))[choice.preferred]
+        else:
+            sums = term_values(choice, list(by_term)) @ np.array(list(by_term.values()))
+        return sums
 
     def __call__(self, choice: Choice) -> int:
-        weights = self._vectors.get(choice.kind)
-        if weights is None:
-            return choice.preferred
-        return int(np.argmax(np.where(choice.allowed, choice.features @ weights, -np.inf)))
+        return int(np.argmax(np.where(choice.allowed, self.scores(choice), -np.inf)))
 
     @staticmethod
     def greedy() -> LinearPolicy:
         """What the rules choose, as weights: the place where training begins."""
         return LinearPolicy({kind: {"preferred": 1.0} for kind in KINDS})
-
-    def vector(self) -> NDArray[np.float64]:
-        """All weights, one kind after the other."""
-        return np.concatenate([self._vectors.get(kind, np.zeros(len(OPTION[kind]))) for kind in KINDS])
-
-    @staticmethod
-    def of_vector(vector: NDArray[np.float64]) -> LinearPolicy:
-        """The inverse of `vector`."""
-        values = iter(np.asarray(vector, dtype=float).tolist())
-        return LinearPolicy({kind: {name: next(values) for name in OPTION[kind]} for kind in KINDS})
 
     def to_json(self) -> str:
         return json.dumps(self.weights, indent=2) + "\n"
