@@ -141,6 +141,7 @@ Expected<PageParts> page_of_recorded(const Run& run) {
   add_events(*scenario, recorded->records, result, *page);
   SimTime end = std::max(recorded->t, run.sim_time);
   if (const auto scenes = run.scenes(); scenes && !run.finished) end = std::max(end, scenes->end());
+  if (run.unfinished) parts.head["unfinished"] = to_seconds(end);
   parts.run = run_data(*page, to_seconds(end));
   return parts;
 }

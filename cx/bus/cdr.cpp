@@ -9,6 +9,7 @@ namespace cxlab::bus {
 namespace {
 
 constexpr std::string_view kLittleEndian("\0\1\0\0", 4);
+constexpr std::size_t kHeader = kLittleEndian.size();
 static_assert(std::endian::native == std::endian::little, "numbers are copied");
 
 /// The bytes of the numbers of a field.
@@ -86,7 +87,7 @@ std::string text_literal(std::string_view text) {
 CdrWriter::CdrWriter(std::string& out) : out_(out) { out_.assign(kLittleEndian); }
 
 CdrWriter& CdrWriter::raw(const void* data, std::size_t size, std::size_t alignment) {
-  const std::size_t at = out_.size() - kLittleEndian.size();
+  const std::size_t at = out_.size() - kHeader;
   out_.append((alignment - at % alignment) % alignment, '\0');
   out_.append(static_cast<const char*>(data), size);
   return *this;
@@ -124,20 +125,25 @@ CdrWriter& CdrWriter::message(const MessageView& message) {
 }
 
 CdrReader::CdrReader(std::string_view value) {
-  if (value.size() < kLittleEndian.size())
+  if (value.size() < kHeader)
     status_ = input_error(found_expected(std::to_string(value.size()) + " bytes", "CDR with its header of 4"));
-  else if (value[0] != 0 || value[1] != 1)
-    status_ = input_error(found_expected("the representation " + std::to_string(static_cast<unsigned char>(value[0])) +
-                                             ' ' + std::to_string(static_cast<unsigned char>(value[1])),
-                                         "0 1, which is little-endian CDR"));
+  else if (value[0] != 0 || (value[1] != 0 && value[1] != 1))
+    status_ = input_error(found_expected("the representation " + std::to_string(static_cast<unsigned char>(value[0])) + ' ' + std::to_string(static_cast<unsigned char>(value[1])), "0 0 or 0 1, which is big-endian or little-endian CDR"));
   else
-    fields_ = value.substr(kLittleEndian.size());
+    fields_ = value.substr(kHeader), big_endian_ = value[1] == 0;
+}
+
+void CdrReader::copy_numbers(void* to, const char* from, std::size_t count, std::size_t stride) const {
+  std::memcpy(to, from, count * stride);
+  if (!big_endian_ || stride == 1) return;
+  auto* const bytes = static_cast<char*>(to);
+  for (std::size_t i = 0; i < count; ++i) std::reverse(bytes + i * stride, bytes + (i + 1) * stride);
 }
 
 void CdrReader::fail(const std::string& what) {
   if (!status_) return;
   status_ = input_error((field_.empty() ? "" : "field '" + field_ + "': ") + what + ", at byte " +
-                        std::to_string(at_ + kLittleEndian.size()));
+                        std::to_string(at_ + kHeader));
 }
 
 const char* CdrReader::take(std::size_t size, std::size_t alignment) {
@@ -219,7 +225,7 @@ void CdrReader::read_numbers(const MessageView& message, const Field& field, std
       at_ -= static_cast<std::size_t>(data + count - other);
       return fail(found_expected(std::to_string(static_cast<unsigned char>(*other)), "0 or 1 for a bool"));
     }
-  std::memcpy(numbers_of(message, field), data, count * field.stride);
+  copy_numbers(numbers_of(message, field), data, count, field.stride);
 }
 
 void CdrReader::read_wide(std::string& text) {

@@ -1,6 +1,6 @@
 #pragma once
-// Messages as ROS 2 sends and records them: CDR (XCDR version 1, little-endian), and the text of their types that bags
-// carry ("ros2msg").
+// Messages as ROS 2 sends and records them: CDR (XCDR version 1; written little-endian, read in either order), and the
+// text of their types that bags carry ("ros2msg").
 //
 //   std::string bytes;
 //   CdrWriter(bytes).message(pose);                       // a value of one message
@@ -59,7 +59,7 @@ class CdrReader {
   template <class T>
     requires std::is_arithmetic_v<T>
   CdrReader& number(T& value) {
-    if (const char* const data = take(sizeof value, sizeof value)) std::memcpy(&value, data, sizeof value);
+    if (const char* const data = take(sizeof value, sizeof value)) copy_numbers(&value, data, 1, sizeof value);
     return *this;
   }
   /// The length of a sequence that has at most so many elements.
@@ -73,12 +73,15 @@ class CdrReader {
  private:
   /// `size` bytes from the next multiple of `alignment` on; nullptr, and an error, where they are not there.
   const char* take(std::size_t size, std::size_t alignment);
+  /// Each number of `stride` bytes, in the order of this machine.
+  void copy_numbers(void* to, const char* from, std::size_t count, std::size_t stride) const;
   void fail(const std::string& what);
   void read_field(const MessageView& message, const Field& field);
   void read_numbers(const MessageView& message, const Field& field, std::size_t count);
   void read_wide(std::string& text);
 
   std::string_view fields_;
+  bool big_endian_ = false;
   std::size_t at_ = 0;
   std::string field_;  ///< that is being read, for errors
   Status status_;

@@ -124,6 +124,14 @@ Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAdd
   }
 }
 
+bool ControlClient::is_listened_to(const std::string& path) {
+  if (!ControlAddress::parse(path)) return false;  // a longer path than sockets have
+  asio::io_context context;
+  std::error_code error;
+  asio::local::stream_protocol::socket(context).connect(asio::local::stream_protocol::endpoint(path), error);
+  return !error;
+}
+
 void ControlClient::on_event(std::function<void(const Event&)> call) { state_->on_event = std::move(call); }
 
 Expected<ControlClient::Answer> ControlClient::carry_out(const std::string& line) {

@@ -17,6 +17,8 @@ class ControlClient {
  public:
   /// kResource where nobody answers there. `token`: of a port; a Unix socket has none.
   static Expected<std::unique_ptr<ControlClient>> connect(const ControlAddress& address, const std::string& token);
+  /// Whether a process listens at that Unix socket: one that was killed leaves the file.
+  static bool is_listened_to(const std::string& path);
   ~ControlClient();
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;

@@ -8,6 +8,7 @@
 #include "cx/base/file.h"
 #include "cx/journal/chunk.h"
 #include "lab/base64.h"
+#include "lab/control/client.h"
 #include "lab/report.h"
 #include "lab/run_page.h"
 
@@ -36,7 +37,7 @@ ViewReply reply_of(Expected<std::string> text, const char* type) {
 }  // namespace
 
 ViewReply view_run_page(const Run& run, Json head) {
-  head["live"] = run.unfinished && path_exists(run.folder / "control.sock");
+  head["live"] = run.unfinished && ControlClient::is_listened_to((run.folder / "control.sock").string());
   return reply_of(served_run_page(std::move(head)), kHtml);
 }
 

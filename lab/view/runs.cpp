@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cx/base/file.h"
+#include "lab/control/client.h"
 #include "lab/sweep/index.h"
 #include "lab/sweep/row_folder.h"
 #include "scenarios/catalogue.h"
@@ -123,7 +124,7 @@ Json ViewedRuns::row_of(const std::string& id, const fs::path& folder) {
                                   {"tier", "tier"},
                                   {"sim_time_s", "sim_time_s"}})
     row[key] = result.contains(from) ? result[from] : Json();
-  row["live"] = run->unfinished && path_exists(folder / "control.sock");
+  row["live"] = run->unfinished && ControlClient::is_listened_to((folder / "control.sock").string());
   if (run->unfinished) row["status"] = "unfinished";
   row["warnings"] = result.contains("warnings") ? result["warnings"].size() : 0;
   row["errors"] = result.contains("rule_errors") ? result["rule_errors"].size() : 0;

@@ -271,11 +271,17 @@ class Questions(View):
         result.update(status="failed", stream_hashes={}, reason={"code": "unfinished", "message": "unfinished", "file": None, "line": None})
         (killed / "result.json").write_text(json.dumps(result))
         (killed / "index.html").unlink()
+        with socket.socket(socket.AF_UNIX) as left:
+            left.bind(str(killed / "control.sock"))  # as a killed run of --control leaves it
+        self.assertEqual([(row["name"], row["status"], row["live"]) for row in Server(self, ".").get("/api/runs")["runs"]],
+                         [("killed", "unfinished", False), ("looped", "failed", False), ("run", "completed", False)])
         of_killed = Server(self, "killed")
+        page = of_killed.send("GET", "/run/killed/")[2].decode()
+        self.assertRegex(page, r'<b class="bad">unfinished</b> after 0:0[1-4] of simulated time')
+        self.assertNotIn("in progress", page)
         end = of_killed.go("killed", t=1e6)["t"]
         self.assertLess(end, 5)
         self.assertEqual(of_killed.ask("facts", "killed", t=1)["facts"], self.answer("facts", "killed", "--at", 1)["environments"][0]["facts"])
-        self.assertEqual(of_killed.send("GET", "/run/killed/")[0], 200)
         self.assertGreaterEqual(of_killed.get("/run/killed/data.json")["end"], 0)
 
     def test_a_run_without_an_environment(self):

@@ -7,6 +7,7 @@ import subprocess
 import unittest
 
 from lab import CXLAB, SOURCE, Lab
+from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -63,6 +64,22 @@ class Bags(Lab):
                 said = self.cxlab("env", GREETER, "--bag", name, "--journal", "full", "--out", "out", "--force").stderr
                 self.assertEqual(self.published(), expected)
                 self.assertNotIn("differ", said)
+
+    def test_big_endian_messages_and_definitions_in_idl(self):
+        """As other machines write them, and as ROS 2 does for packages whose definitions are .idl files."""
+        idl = "=" * 80 + "\nIDL: std_msgs/msg/Float32\nmodule std_msgs { module msg { struct Float32 { float data; }; }; };\n"
+        Float32 = self.types.types["std_msgs/msg/Float32"]
+        with (self.folder / "other.mcap").open("wb") as file:
+            bag = McapWriter(file)
+            bag.start(profile="ros2", library="test")
+            schema = bag.register_schema("std_msgs/msg/Float32", "ros2idl", idl.encode())
+            topic = bag.register_channel("/visitor", "cdr", schema)
+            for n in range(10):
+                value = self.types.serialize_cdr(Float32(data=-0.5 * n), "std_msgs/msg/Float32", little_endian=n % 2 == 0)
+                bag.add_message(topic, BEGIN + n * SECOND // 5, bytes(value), BEGIN)
+            bag.finish()
+        self.cxlab("env", GREETER, "--bag", "other.mcap", "--journal", "full", "--out", "out")
+        self.assertEqual(self.published(), [(n * SECOND // 5, "/visitor", {"data": -0.5 * n}) for n in range(10)])
 
     def test_services_and_actions(self):
         uuid = bytes(range(16))

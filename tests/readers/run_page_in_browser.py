@@ -21,6 +21,13 @@ class Pages(Browser):
     def show(self, run, link=""):
         self.show_address(f"{(run / 'index.html').as_uri()}{link}")
 
+    def pointer(self):
+        self.actions = ActionChains(self.browser)
+        return self.actions.w3c_actions.pointer_action
+
+    def act(self):
+        self.actions.perform()
+
     def game(self):
         return self.play("game", "rcll/game", "--seed", 5)
 
@@ -99,8 +106,37 @@ class Pages(Browser):
     def test_in_3d(self):
         self.open(self.game(), "#t=300")
         self.until(lambda: not self.js("document.querySelector('canvas.solid').hidden"))
+        # Where things are in the picture they can be pointed at and chosen; the ground and a drag choose nothing.
+        where = '''(() => {
+          const { view3d, seen } = cxlab.field, { position } = seen.find((one) => one.track.name === arguments[0]).at;
+          const at = new THREE.Vector3(position[0], position[1], 0.3).project(view3d.camera), box = view3d.canvas.getBoundingClientRect();
+          return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height].map(Math.round);
+        })()'''
+        for name in ("robot2", "C-RS1"):
+            x, y = self.js(where, name)
+            self.pointer().move_to_location(x, y)
+            self.act()
+            self.assertIn(name, self.js("document.getElementById('tip').textContent"))
+            self.pointer().move_to_location(x, y).pointer_down().pointer_up()
+            self.act()
+            self.assertEqual(self.js("cxlab.choice.name"), name)
+        self.pointer().move_to_location(*self.js(where, "robot1")).pointer_down().move_by(30, 0).pointer_up()
+        self.act()
+        self.assertEqual(self.js("cxlab.choice.name"), "C-RS1", "a drag turns the view only")
         self.press("v")
         self.until(lambda: self.js("document.querySelector('canvas.solid').hidden"))
+        self.clean()
+
+    def test_the_chart_tells_what_stood_at_a_time(self):
+        self.open(self.game())
+        plot = self.browser.find_element(By.CSS_SELECTOR, ".row.chart .plot")
+        self.js("arguments[0].scrollIntoView({block: 'center'})", plot)
+        ActionChains(self.browser).move_to_element(plot).perform()
+        tip = self.js("[...document.getElementById('tip').children].map((line) => line.textContent)")
+        self.assertRegex(tip[0], r"^(9:59|10:0)")
+        shown = self.js("cxlab.run.parts.find((part) => part.type === 'chart').lines.map((line) => [line.text, (line.steps.filter((step) => step[0] <= 600).pop() || [0, 0])[1]])")
+        self.assertEqual(tip[1:], [f"{text} {value}" for text, value in shown if value])
+        self.assertGreater(len(tip), 3)
         self.clean()
 
     def test_positions_are_those_of_the_scene(self):

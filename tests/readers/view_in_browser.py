@@ -294,6 +294,14 @@ class View(Browser):
         self.press("p")
         self.until(lambda: "stands" in state() or "has ended" in state())
         self.assertGreater(self.js("cxlab.clock.end"), 60)
+        # When it has ended, the page has what that of any run has, and time goes both ways.
+        if "stands" in state():
+            self.press("p")
+        self.until(lambda: "has ended" in state())
+        self.until(lambda: "completed after 20:00" in self.js("document.querySelector('header').textContent"))
+        self.assertEqual(self.js("[...document.querySelectorAll('body > section > h2')].map((head) => head.textContent)"), ["Points", "Work of the robots", "Files of this run"])
+        self.until(lambda: "1200.000 s" in place())
+        self.until(lambda: self.js("document.querySelector('.moves button').checkVisibility()"))
         self.all_is_well()
 
     def test_hostile_names_do_nothing(self):

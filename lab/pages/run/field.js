@@ -5,6 +5,7 @@ import { yawOf } from './scene.js';
 
 const TRAIL = 30; // s of the path behind and before what moves
 const STEP = 0.5; // s between points of a path
+const CLICK = 4; // px that the pointer may move in a click
 
 /** What is shown of the scene, whoever draws it. */
 export class Field {
@@ -26,12 +27,16 @@ export class Field {
       el('div', { class: 'canvas' }, this.flat, this.solid),
       el('div', { class: 'controls' }, this.is3d, el('label', {}, this.showPaths, ' paths'), this.note));
     this.area = this.findArea();
-    this.flat.addEventListener('pointermove', (/** @type {PointerEvent} */ event) => this.point(event));
-    this.flat.addEventListener('pointerleave', () => tip.hide());
-    this.flat.addEventListener('click', (/** @type {MouseEvent} */ event) => {
-      const seen = this.under(event);
-      if (seen) choice.chooseName(seen.track.name);
-    });
+    for (const canvas of [this.flat, this.solid]) {
+      let pressed = [0, 0]; // where a click began; a drag that turns the view chooses nothing
+      canvas.addEventListener('pointerdown', (/** @type {PointerEvent} */ event) => { pressed = [event.clientX, event.clientY]; });
+      canvas.addEventListener('pointermove', (/** @type {PointerEvent} */ event) => (event.buttons ? tip.hide() : this.point(event)));
+      canvas.addEventListener('pointerleave', () => tip.hide());
+      canvas.addEventListener('click', (/** @type {MouseEvent} */ event) => {
+        const seen = Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK ? this.under(event) : undefined;
+        if (seen) choice.chooseName(seen.track.name);
+      });
+    }
     new ResizeObserver(() => this.draw()).observe(this.box);
     clock.listen(() => this.draw());
     choice.listen(() => this.draw());
@@ -181,15 +186,14 @@ export class Field {
     return Math.max(0.02, ...solidsOf(seen.look).map((s) => Math.max(Math.abs(s.at[0]) + s.size[0] / 2, Math.abs(s.at[1]) + s.size[1] / 2)));
   }
 
-  /** What is there, the smallest first. */
+  /** What is there, the nearest or the smallest first; not the ground. */
   under(/** @type {PointerEvent|MouseEvent} */ event) {
+    const things = (this.seen || []).filter((seen) => seen.track.kind && this.radius(seen) < 1);
+    if (!this.solid.hidden) return this.view3d.under(event, things);
     const { scale, x, y } = this.scale();
     const mx = (event.offsetX - x) / scale, my = (y - event.offsetY) / scale;
     const reach = 4 / scale;
-    return (this.seen || []).filter((seen) => {
-      const size = this.radius(seen);
-      return seen.track.kind && size < 1 && Math.hypot(seen.at.position[0] - mx, seen.at.position[1] - my) < Math.max(size, reach);
-    }).sort((a, b) => this.radius(a) - this.radius(b))[0];
+    return things.filter((seen) => Math.hypot(seen.at.position[0] - mx, seen.at.position[1] - my) < Math.max(this.radius(seen), reach)).sort((a, b) => this.radius(a) - this.radius(b))[0];
   }
 
   point(/** @type {PointerEvent} */ event) {

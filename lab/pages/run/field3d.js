@@ -189,6 +189,16 @@ class View3d {
     this.renderer.render(this.world, this.camera);
   }
 
+  /** Which of them is seen there; a name, where nothing lies before it. */
+  under(/** @type {MouseEvent} */ event, /** @type {import('./scene.js').Seen[]} */ things) {
+    const ray = new this.three.Raycaster();
+    ray.setFromCamera({ x: (2 * event.offsetX) / this.canvas.clientWidth - 1, y: 1 - (2 * event.offsetY) / this.canvas.clientHeight }, this.camera);
+    const objects = new Map(things.map((one) => [this.groups.get(one.track.id)?.object, one]));
+    const parts = [...objects.keys()].flatMap((object) => object?.children || []);
+    const first = (/** @type {boolean} */ solid) => ray.intersectObjects(parts.filter((part) => Boolean(part.isMesh) === solid))[0];
+    return objects.get((first(true) || first(false))?.object.parent);
+  }
+
   /** While the picture moves it has as many pixels as can be drawn in time; then all of them. */
   pace() {
     const now = performance.now(), pause = now - this.drawn;

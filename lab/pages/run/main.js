@@ -34,7 +34,7 @@ function player(/** @type {Clock} */ clock, /** @type {any[]} */ more) {
     play.setAttribute('aria-label', clock.playing ? 'stop' : 'play');
     slider.max = clock.end;
     slider.value = clock.t;
-    length.textContent = 'of ' + timeText(clock.end, 0);
+    length.textContent = 'of ' + timeText(Math.floor(clock.end), 0);
     slider.setAttribute('aria-valuetext', timeText(clock.t));
     if (document.activeElement !== time) time.value = timeText(clock.t);
   });

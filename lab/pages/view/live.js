@@ -31,6 +31,21 @@ class Log {
   }
 }
 
+/** What only a run that has ended says: how it ended, and its tables. */
+async function showEnd() {
+  for (let tries = 0; tries < 20; ++tries) {
+    const page = new DOMParser().parseFromString(await (await fetch(location.pathname)).text(), 'text/html');
+    const head = page.querySelector('header');
+    if (page.documentElement.dataset.live !== 'true' && head) {
+      document.querySelector('header')?.replaceWith(head);
+      for (const old of document.querySelectorAll('body > section')) old.remove();
+      document.querySelector('main')?.after(...page.querySelectorAll('body > section'));
+      return;
+    }
+    await new Promise((done) => setTimeout(done, RETRY_MS));
+  }
+}
+
 export class Live {
   constructor(/** @type {import('./ask.js').Ask} */ ask) {
     this.ask = ask;
@@ -108,6 +123,11 @@ export class Live {
     this.show(t);
     const due = performance.now() - (this.filled || 0) > REFILL_MS;
     if (stopped || this.ended || due) await this.grow(t);
+    if (this.ended) {
+      this.ask.wentOver();
+      await showEnd();
+      await this.ask.question('where', {});
+    }
     if (this.ask.tab === this.log) this.log?.load();
     else if (this.ask.tab.follows && (stopped || this.ended || (due && !this.ask.box.matches(':focus-within')))) this.ask.refresh();
   }

@@ -84,6 +84,30 @@ TEST_F(CdrTest, FieldsAreAlignedFromTheEndOfTheHeader) {
   }
 }
 
+/// What a machine with the other order of bytes writes: the same values, each number reversed.
+TEST_F(CdrTest, BigEndianValuesAreTheSameValues) {
+  const Row rows[] = {
+      {"bool a\nint16 b\nfloat64 c\n", "{a: true, b: -2, c: 0.5}", "01 00 ff fe 00 00 00 00 3f e0 00 00 00 00 00 00"},
+      {"string a\nuint32 b\n", "{a: 'xyz', b: 258}", "00 00 00 04 78 79 7a 00 00 00 01 02"},
+      {"int16[] a\nuint8[2] b\nfloat32[2] c\n", "{a: [1, 515], b: [7, 8], c: [1.0, -2.0]}",
+       "00 00 00 02 00 01 02 03 07 08 00 00 3f 80 00 00 c0 00 00 00"},
+      {"wstring a\n", "{a: 'a\xc3\xa9'}", "00 00 00 02 00 61 00 e9"},
+  };
+  for (const Row& row : rows) {
+    TempPackages packages;
+    packages.write("p/msg/T", row.definition);
+    Registry registry;
+    ASSERT_TRUE(registry.add_package("p", packages.folder() / "p"));
+    const auto type = registry.message("p/msg/T");
+    ASSERT_TRUE(type);
+    const auto message = Message::from_yaml(**type, row.value);
+    ASSERT_TRUE(message) << message.error().text();
+    const auto read = read_cdr(**type, hex("00 00 00 00") + hex(row.bytes));
+    ASSERT_TRUE(read) << read.error().text();
+    EXPECT_TRUE(read->view().equals(*message)) << row.definition;
+  }
+}
+
 TEST_F(CdrTest, AllDefinitionsAreReadAsTheyWereWritten) {
   int types = 0;
   for (const std::string& package : registry_.packages())
@@ -109,8 +133,8 @@ TEST_F(CdrTest, ErrorsNameTheFieldAndTheByte) {
     return read ? std::string("none") : read.error().message;
   };
   EXPECT_EQ(error(text, ""), "found 0 bytes, expected CDR with its header of 4");
-  EXPECT_EQ(error(text, hex("00 00 00 00 00 00")),
-            "found the representation 0 0, expected 0 1, which is little-endian CDR");
+  EXPECT_EQ(error(text, hex("00 07 00 00 00 00")),
+            "found the representation 0 7, expected 0 0 or 0 1, which is big-endian or little-endian CDR");
   EXPECT_EQ(error(text, hex("00 01 00 00 09 00 00 00 61")), "field 'data': found the end of the bytes, at byte 8");
   EXPECT_EQ(error(flag, hex("00 01 00 00 02")), "field 'data': found 2, expected 0 or 1 for a bool, at byte 4");
   EXPECT_EQ(error(list, hex("00 01 00 00 ff ff ff ff 00 00 00 00")),
