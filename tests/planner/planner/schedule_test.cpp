@@ -76,6 +76,30 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
 }
 
+TEST(LazySearch, AStateIsAnotherOneAfterItsEvents) {
+  // The door is open at the beginning and once more later: only then is there time to go in.
+  Expected<Domain> domain =
+      parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (open) (in))
+    (:durative-action enter :parameters () :duration (= ?duration 20) :condition (over all (open)) :effect (at end (in)))))",
+                   "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem =
+      parse_problem("(define (problem p) (:domain d) (:init (open) (at 5 (not (open))) (at 10 (open))) (:goal (in)))",
+                    "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  Budget budget;
+  const SearchSpace space(*task, budget);
+  const Touches touches(*task);
+  EventCheck check(touches);
+  LazySearch search(space.simulator, space.relaxed, space.landmarks, space.simulator.initial(), {}, &check);
+  Sequence found;
+  ASSERT_EQ(search.run(budget, found), SearchEnd::kFound);
+  ASSERT_EQ(found.size(), 3);
+  EXPECT_TRUE(is_event(found[0]) && is_event(found[1]) && !is_event(found[2]));
+}
+
 TEST(LazySearch, ContinuesWhereItsLastSliceEnded) {
   // Five tiles on a board of two by three, two of them the wrong way round: all of 360 states are looked at.
   Expected<Domain> domain = parse_domain(R"((define (domain d) (:predicates (at ?t ?p) (empty ?p) (next ?p ?q))

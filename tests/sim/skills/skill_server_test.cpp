@@ -422,6 +422,20 @@ TEST_P(Skills, AMachineThatNobodyKnowsIsNotGoneTo) {
   EXPECT_EQ(done("robot2", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
 }
 
+TEST_P(Skills, WhatARobotDoesIsSaidAlsoOffTheField) {
+  const RobotId robot{0};
+  EXPECT_EQ(fleet->doing(robot), "idle");
+  (void)send("robot1", SkillKind::kDriveTo, "C_Z22");
+  wait(1);
+  EXPECT_EQ(fleet->doing(robot), "drive_to drive C_Z22");
+  world->take_off_field(robot, {6.5, -0.6, 0});
+  wait(0.1);
+  EXPECT_EQ(fleet->doing(robot), "off-field");
+  world->bring_back(robot, {0.3, 4, 0});
+  wait(0.1);
+  EXPECT_EQ(fleet->doing(robot), "idle");
+}
+
 TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-CS1-OUTPUT").status, bus::GoalStatus::kSucceeded);
   EXPECT_NEAR(robot1().pose_in_world.x, 4.5 - 0.675, 0.03);
