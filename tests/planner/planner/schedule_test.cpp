@@ -47,6 +47,46 @@ TEST(Timeline, TheOrderOfTheSequenceIsKept) {
   EXPECT_EQ(timeline.append(0, 4 * kSecond), 2 * kSecond + kSeparation);
 }
 
+TEST(Timeline, IncreasesMayHappenTogetherAndAssignmentsNot) {
+  for (const auto& [effect, apart] : {std::pair{"increase", false}, {"decrease", false}, {"assign", true}}) {
+    Expected<Domain> domain = parse_domain(
+        std::string("(define (domain d) (:requirements :durative-actions) (:functions (n)) (:predicates (a) (b)) ") +
+            "(:durative-action one :parameters () :duration (= ?duration 4) :condition () :effect (and (at end (a)) "
+            "(at end (" +
+            effect + " (n) 1)))) (:durative-action two :parameters () :duration (= ?duration 4) :condition () " +
+            ":effect (and (at end (b)) (at end (" + effect + " (n) 1)))))",
+        "domain");
+    ASSERT_TRUE(domain);
+    Expected<Problem> problem = parse_problem(
+        "(define (problem p) (:domain d) (:init (= (n) 0)) (:goal (and (a) (b) (> (n) 0))))", "problem", *domain);
+    ASSERT_TRUE(problem);
+    const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+    ASSERT_TRUE(task);
+    const Touches touches(*task);
+    Timeline timeline(touches);
+    EXPECT_EQ(timeline.append(0, 4 * kSecond), 0) << effect;
+    EXPECT_EQ(timeline.append(1, 4 * kSecond), apart ? kSeparation : 0) << effect;
+  }
+}
+
+TEST(Timeline, WhatReadsAFactIsOverBeforeAnEventDeletesIt) {
+  Expected<Domain> domain =
+      parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (open) (in))
+    (:durative-action enter :parameters () :duration (and (>= ?duration 1) (<= ?duration 9)) :condition (at end (open)) :effect (at end (in)))))",
+                   "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem = parse_problem(
+      "(define (problem p) (:domain d) (:init (open) (at 5 (not (open)))) (:goal (in)))", "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  const Touches touches(*task);
+  Timeline timeline(touches);
+  EXPECT_EQ(timeline.append(0, 5 * kSecond), Timeline::kNever);
+  timeline.clear();
+  EXPECT_EQ(timeline.append(0, 5 * kSecond - kSeparation), 0);
+}
+
 TEST(Stn, AgreesWithTheTimeline) {
   const GroundTask task = machine();
   const Touches touches(task);
