@@ -41,6 +41,8 @@ class SweepStatistics(Lab):
         for now, answer, code in (("better", "better", 0), ("renamed", "better", 0), ("same", "undecided", 6), ("old", "undecided", 6)):
             self.assertIn(f"answer: {answer}\n", self.cxlab("bench", "compare", "old", now, code=code).stdout)
         self.assertIn("answer: worse\n", self.cxlab("bench", "compare", "better", "old", code=1).stdout)
+        self.sweep("several", [(strategy, seed, p + 60) for strategy in ("rules v2", "rules v3") for seed, p in enumerate(old)])
+        self.assertIn("agent is in the old sweep only", self.cxlab("bench", "compare", "old", "several", code=3).stderr)
         line = json.loads(self.cxlab("bench", "compare", "old", "better", "--json").stdout)["differences"][0]
         differences = [60 + noise[seed] // 2 for seed in range(30)]
         self.assertAlmostEqual(line["difference"], sum(differences) / 30)

@@ -160,6 +160,28 @@ class Acts(EpisodeTest):
         self.assertEqual(otherwise.returncode, 2)
         self.assertIn("program", otherwise.stderr)
 
+    def test_an_environment_has_its_name_among_several(self):
+        with cxlab.Episode("rcll/two_teams", tier="timed") as episode:
+            episode.step()
+            self.assertEqual(episode.environments, ["cyan/agent", "magenta/agent"])
+            episode.build("(deftemplate hint (slot x))", env="magenta/agent")
+            episode.assert_("(hint (x 3))", env="magenta/agent")
+            episode.step()
+            self.assertEqual(episode.fact_list("hint", env="magenta/agent"), [{"x": 3}])
+            with self.assertRaisesRegex(cxlab.InputError, "no template 'hint'"):
+                episode.fact_list("hint", env="cyan/agent")
+            with self.assertRaisesRegex(cxlab.UsageError, "found none, expected one of cyan/agent, magenta/agent"):
+                episode.fact_list("hint")
+
+    def test_what_rules_print_is_in_the_log_of_python_at_its_level(self):
+        prints = '(defrule say => (printout warn "careful" crlf) (printout info "by the way" crlf))'
+        for level, wanted in (("INFO", ["careful", "by the way"]), ("WARNING", ["careful"])):
+            with self.subTest(level), self.assertLogs("cxlab", level) as logged, cxlab.Episode(**GAME) as episode:
+                episode.build(prints)
+                episode.step()
+            said = [record.getMessage() for record in logged.records if record.getMessage().startswith("0.000 agent: ")]
+            self.assertEqual(said, [f"0.000 agent: {text}" for text in wanted])
+
     def test_mistakes_name_what_is_wrong(self):
         rows = [
             (lambda e: e.fact_list("machin"), cxlab.InputError, "there is no template 'machin', did you mean 'machine'?"),
@@ -371,6 +393,19 @@ class Bus(EpisodeTest):
         self.assertGreater(len(turn.feedback), 0)
         self.assertEqual(json.loads((self.folder / "run/manifest.json").read_text())["seats"], ["python"])
         self.assert_replays(self.folder / "run")
+
+
+    def test_numbers_of_64_bit_come_whole_and_an_unknown_type_is_refused_again(self):
+        with cxlab.Episode(**GAME) as episode:
+            for kind, largest in (("UInt64", 2**64 - 1), ("Int64", -(2**63)), ("UInt8", 255)):
+                topic = f"/{kind.lower()}"
+                self.assertEqual(episode.read(topic, f"std_msgs/msg/{kind}"), [])
+                episode.publish(topic, f"std_msgs/msg/{kind}", {"data": largest})
+                episode.step(ticks=2)
+                self.assertEqual([message for _, message in episode.read(topic)], [{"data": largest}])
+            for _ in range(2):
+                with self.assertRaisesRegex(cxlab.InputError, "nearest is 'std_msgs/msg/String'"):
+                    episode.read("/words", "std_msgs/msg/Strin")
 
 
 class Hostile(EpisodeTest):

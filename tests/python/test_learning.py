@@ -12,7 +12,7 @@ from pathlib import Path
 
 import cxlab
 import numpy as np
-from cxlab import UsageError
+from cxlab import UsageError, _cxlab
 from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play, play_all, shipped_policy
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 from cxlab.learn.games import OPTIONS, SIZE, Games, mask_of, observation_of, shown_options
@@ -175,6 +175,59 @@ class WhatIf(unittest.TestCase):
             game.next()
             with self.assertRaisesRegex(UsageError, "without `out`"):
                 game.what_if(lambda: 0)
+
+
+class Training(unittest.TestCase):
+    """What cxlab.rl.CXEnv is made of, without Gymnasium: the blocks of docs/examples/rl."""
+
+    def begin(self, package=None, **more):
+        example = Path(os.environ["CXLAB_SOURCE_DIR"], "docs/examples/rl")
+        params = {"policy": "external", "robots": 1, "no_op": "false", "max_steps": 1000, "max_episodes": 100}
+        asked = {
+            "scenario": "", "assignments": [], "configs": [os.fspath(example / "example.yaml")], "packages": [f"example={package or example}"],
+            "params": [f"cx_rl_node.{key}={value}" for key, value in params.items()], "seed": 1, "until": None, "journal": "none", "out": "",
+            "force": False, "node": "/cx_rl_node",
+        }  # fmt: skip
+        return _cxlab.Training(**(asked | more))
+
+    def test_choices_have_their_rewards_until_the_tower_stands(self):
+        training = self.begin()
+        number, robot, observation, mask, reward, outcome, now = training.next()
+        observables, actions = training.spaces()
+        self.assertEqual((number, robot, reward, outcome), (1, "robot1", 0.0, ""))
+        self.assertEqual({name for name, bit in zip(observables, observation, strict=True) if bit}, {"on(c#a)", "on(a#table)", "on(b#table)"})
+        self.assertEqual({name for name, bit in zip(actions, mask, strict=True) if bit}, {"move(c#b)", "move(c#table)", "move(b#c)"})
+        for count, (move, wanted) in enumerate((("move(c#table)", -1), ("move(b#c)", -1), ("move(a#b)", 19)), start=2):
+            training.choose(actions.index(move))
+            decision = training.next()
+            self.assertEqual((decision[0], decision[4]), (count, wanted))
+            self.assertGreater(decision[6], now)
+        self.assertEqual((decision[1], decision[5]), ("", "end"))
+        self.assertFalse(training.closed)
+        training.close()
+        self.assertTrue(training.closed)
+        with self.assertRaisesRegex(UsageError, "closed"):
+            training.next()
+
+    def test_the_end_of_a_training_is_none_and_choices_need_a_decision(self):
+        training = self.begin(until=1.3)
+        self.assertEqual(training.next()[0], 1)
+        move = training.spaces()[1].index("move(c#table)")
+        training.choose(move)
+        with self.assertRaisesRegex(UsageError, "found no open decision"):
+            training.choose(move)
+        self.assertIsNone(training.next())
+        self.assertEqual(training.close()["sim_time_s"], 1.3)
+
+    def test_rules_that_fail_raise_also_when_the_training_is_closed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            rules = Path(os.environ["CXLAB_SOURCE_DIR"], "docs/examples/rl/blocks.clp").read_text()
+            Path(folder, "blocks.clp").write_text(rules + "(defrule fails (time ?t&:(> ?t 1.0)) => (+ (nth$ 1 (create$ a)) 1))\n")
+            training = self.begin(folder)
+            for act in (training.next, training.close):
+                with self.assertRaises(cxlab.RunError):
+                    act()
+            self.assertTrue(training.closed)
 
 
 class Policies(unittest.TestCase):

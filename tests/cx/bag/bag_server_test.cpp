@@ -110,6 +110,22 @@ TEST_F(BagServerTest, StartBehindTheEndIsAWarning) {
   open({.start_s = 5});
   play(1);
   EXPECT_THAT(warnings_, ElementsAre("floor.mcap: the bag has no message after its start at 5 s"));
+  const auto recording = Recording::open(folder_.path() / "floor.mcap");
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(end_of(*recording, {.start_s = 5, .offset_s = 2}), from_seconds(2)) << "nothing comes";
+  EXPECT_EQ(end_of(*recording, {.start_s = 0.25, .offset_s = 2}), from_seconds(2.75));
+}
+
+TEST_F(BagServerTest, TopicsOfAManagerAreLeftOutButNotThoseOfOneWithALongerName) {
+  texts("/clips_manager/state", {0});
+  texts("/clips_manager2/state", {0});
+  open();
+  hear("/clips_manager/state");
+  hear("/clips_manager2/state");
+  play(0.2);
+  ASSERT_EQ(log_.size(), 1U);
+  EXPECT_THAT(log_[0], HasSubstr("/clips_manager2/state 0"));
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("left out: /clips_manager/state (it belongs to /clips_manager)")));
 }
 
 TEST_F(BagServerTest, MessageThatWasKeptComesToWhoSubscribesLate) {

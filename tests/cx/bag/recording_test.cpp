@@ -9,6 +9,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include "cx/bag/bag_file.h"
 #include "cx/base/byte_codec.h"
 #include "cx/mcap/mcap_writer.h"
 #include "cx/mcap/records.h"
@@ -247,6 +248,16 @@ TEST(Recording, ErrorsNameTopicTimeAndPlace) {
               ::testing::MatchesRegex("hand.mcap: the message of /a at 2.5 s \\(byte [0-9]+\\): no"));
 }
 
+TEST(QosProfiles, KeepTheLastMessageWhereTheirDurabilityIsTransientLocal) {
+  for (const char* kept :
+       {"durability: 1", "- depth: 1\n  durability: 1\n  deadline: 0\n", "durability: transient_local",
+        "- durability: volatile\n- durability:   transient_local\n", "- durability: 2\n- durability: 1"})
+    EXPECT_TRUE(keeps_last(kept)) << kept;
+  for (const char* not_kept : {"", "durability:", "durability: ", "durability: 2", "durability: 10",
+                               "durability: volatile", "- history: 1\n  durability: 2\n  depth: 1\n"})
+    EXPECT_FALSE(keeps_last(not_kept)) << not_kept;
+}
+
 class BagFolder : public testing::Test {
  protected:
   static std::string bag(std::int64_t t) {
@@ -270,6 +281,18 @@ TEST_F(BagFolder, IsOneBagInTheOrderOfTime) {
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording->name(), "floor");
   EXPECT_EQ(recording->topics().size(), 1U) << "one topic, whatever the number of files";
+}
+
+TEST_F(BagFolder, MessagesOfOneTimeComeInTheOrderOfTheFiles) {
+  for (const int number : {10, 9, 0}) {
+    const std::string name = std::to_string(number);
+    folder_.write("floor/floor_" + name + ".mcap",
+                  HandMadeMcap()
+                      .add(M::channel(1, "/a"))
+                      .chunk(M::message(1, 5, name) + M::message(1, 10 + number, name) + M::message(1, 30, name))
+                      .whole());
+  }
+  EXPECT_THAT(all(), ElementsAre("/a:0", "/a:9", "/a:10", "/a:0", "/a:9", "/a:10", "/a:0", "/a:9", "/a:10"));
 }
 
 TEST_F(BagFolder, HasTheFilesThatItsMetadataNames) {

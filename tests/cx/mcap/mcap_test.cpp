@@ -155,6 +155,24 @@ TEST_F(McapTest, PlacesAndChecksumsAreThoseOfTheFile) {
   }
 }
 
+TEST_F(McapTest, TimesOfFileAndChunkAreTheFirstAndLastOfTheirMessagesInAnyOrder) {
+  auto file = Writer::create(folder_.path() / "mixed.mcap", "ros2", "test 1");
+  ASSERT_TRUE(file);
+  const ChannelId channel = file->channel("/one", file->schema("p/msg/T", "string data\n"));
+  for (const int t : {5, 2, 9, 4}) file->message(channel, t * kSecond, "x");
+  ASSERT_TRUE(file->close());
+  const std::string bytes = content_of(folder_.path() / "mixed.mcap");
+  for (const Found& record : records_in(bytes, kMagicSize, bytes.size() - kMagicSize)) {
+    ByteReader in(record.content);
+    if (record.opcode == Opcode::kStatistics)
+      in.raw(8 + 2 + 4 * 4);
+    else if (record.opcode != Opcode::kChunkIndex)
+      continue;
+    EXPECT_EQ(in.fixed<std::uint64_t>(), 2'000'000'000U);
+    EXPECT_EQ(in.fixed<std::uint64_t>(), 9'000'000'000U);
+  }
+}
+
 TEST_F(McapTest, CutOffFileIsReadUpToThere) {
   const std::string bytes = written();
   for (const std::size_t size : {std::size_t{8}, std::size_t{60}, bytes.size() / 2, bytes.size() - 9}) {

@@ -305,16 +305,19 @@ TEST_F(ManagerTest, PlanningAgainBeginsWithStepsOfTheFirstActionOfTheDomainToo) 
   EXPECT_LT(units_of_second(true), units_of_second(false));
 }
 
-TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommon) {
+TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommonAndFewestOthers) {
   const auto units_after = [&](std::vector<std::string> goals) {
     manager_.reset();
     start(at_cost(0, 0));
     load_blocks(kSixBlocks);
     request("set_goals", "SetGoals", kSixGoal);
-    for (const char* other : {"few", "most"})
+    for (const char* other : {"few", "most", "astray"})
       request("create_goal_instance", "CreateGoalInstance",
               std::string("{pddl_instance: bw, goal_instance: ") + other + "}");
     request("set_goals", "SetGoals", "{goal_instance: few, fluents: [{pddl_instance: bw, name: on, args: [a, e]}]}");
+    request("set_goals", "SetGoals",
+            "{goal_instance: astray, fluents: [{pddl_instance: bw, name: on, args: [a, e]}, "
+            "{pddl_instance: bw, name: on, args: [c, d]}, {pddl_instance: bw, name: on, args: [d, f]}]}");
     request(
         "set_goals", "SetGoals",
         R"({goal_instance: most, fluents: [{pddl_instance: bw, name: on, args: [c, b]}, {pddl_instance: bw, name: on, args: [b, f]},
@@ -334,6 +337,8 @@ TEST_F(ManagerTest, PlanBeginsWithThatOfAnotherGoalInstanceWithMostGoalsInCommon
   EXPECT_LT(units_after({"most"}), units_after({}));
   EXPECT_NE(units_after({"most"}), units_after({"few"}));
   EXPECT_EQ(units_after({"most", "few"}), units_after({"most"}));
+  EXPECT_NE(units_after({"astray"}), units_after({"few"}));
+  EXPECT_EQ(units_after({"few", "astray"}), units_after({"few"})) << "of as many common goals, that with fewest others";
 }
 
 TEST_F(ManagerTest, APlanForOtherGoalsBeginsAgain) {
@@ -413,8 +418,44 @@ TEST_F(ManagerTest, RequestsWithoutAPlanAreCountedByStatus) {
                   "/pddl_manager: no plan was found in 5 requests (ERROR 2, UNSOLVABLE 3)"));
 }
 
+TEST_F(ManagerTest, FiveCausesOfMissingPlansAreNamedAndTheOthersCounted) {
+  start(at_cost(0, 0));
+  load_text("(define (domain d) (:predicates (q ?x) (r)) (:action b :effect (r)))",
+            "(define (problem p) (:domain d) (:objects a b c d e f))");
+  const auto ask = [&](const std::string& object) {
+    request("create_goal_instance", "CreateGoalInstance", "{pddl_instance: x, goal_instance: " + object + "}");
+    request("set_goals", "SetGoals",
+            "{goal_instance: " + object + ", fluents: [{pddl_instance: x, name: q, args: [" + object + "]}]}");
+    plan("{pddl_instance: x, goal_instance: " + object + "}");
+    ticks(3);
+  };
+  for (const char* object : {"a", "b", "c", "d", "e"}) ask(object);
+  EXPECT_THAT(manager_->warnings(), ElementsAre(HasSubstr("(q a)"), HasSubstr("(q b)"), HasSubstr("(q c)"),
+                                                HasSubstr("(q d)"), HasSubstr("(q e)"), HasSubstr("in 5 requests")));
+  ask("f");
+  ASSERT_EQ(manager_->warnings().size(), 7U);
+  EXPECT_EQ(manager_->warnings()[5], "/pddl_manager: 1 more causes of missing plans are in its log");
+}
+
+TEST_F(ManagerTest, APlanForTheSameGoalInstanceOfTheSameInstanceIsAReplan) {
+  start(at_cost(0, 0));
+  load_blocks();
+  request("set_goals", "SetGoals", kTower);
+  load_text("(define (domain d) (:predicates (r)) (:action b :effect (r)))", "(define (problem p) (:domain d))");
+  request("set_goals", "SetGoals", "{goal_instance: base, fluents: [{pddl_instance: x, name: r}]}");
+  const auto replans_after = [&](const std::string& instance) {
+    const auto answer = plan("{pddl_instance: " + instance + ", goal_instance: base}");
+    ticks(3);
+    EXPECT_TRUE(answer->success);
+    return manager_->replans();
+  };
+  EXPECT_EQ(replans_after("bw"), 0);
+  EXPECT_EQ(replans_after("x"), 0);
+  EXPECT_EQ(replans_after("bw"), 1);
+}
+
 TEST_F(ManagerTest, EachCauseOfAMissingPlanIsAWarningOnce) {
-  start();
+  start(at_cost(1, 0));
   const auto received = listen("/pddl_manager/plan_report", kReport);
   load_text(
       "(define (domain d) (:predicates (p ?x) (q ?x) (r)) (:constants k) (:action a :parameters (?x) :precondition "
@@ -437,6 +478,13 @@ TEST_F(ManagerTest, EachCauseOfAMissingPlanIsAWarningOnce) {
                   EndsWith("s: the goal (q k) is out of reach: no action makes it true, and the instance lacks it")));
   ASSERT_EQ(received->size(), 4U);
   EXPECT_THAT((*received)[1], HasSubstr("reason: \"the goal (q k) is out of reach: no action makes it true"));
+  const std::vector<std::string> told = manager_->warnings();
+  plan("{pddl_instance: x, goal_instance: one}");
+  ticks(1);
+  bus_.cancel_goal(last_client_, last_goal_);
+  ticks(200);
+  EXPECT_THAT(received->back(), HasSubstr("status: \"CANCELED\""));
+  EXPECT_EQ(manager_->warnings(), told) << "a cancel is no cause";
 }
 
 }  // namespace

@@ -46,6 +46,22 @@ TEST(Clock, WaitsUntilANumberIsHighEnough) {
   EXPECT_LE(found.plan->steps[1].start + 5, 19.0 + 1e-6);
 }
 
+TEST(Clock, WaitsAMicrosecondMoreWhereANumberMustBeGreater) {
+  const auto begin_of = [](const std::string& comparison) {
+    const PlanAnswer found = answer(parse(R"((:functions (heat)) (:predicates (cold) (burning) (baked))
+      (:durative-action burn :parameters () :duration (= ?duration 20) :condition (at start (cold))
+       :effect (and (at start (not (cold))) (at start (burning)) (at end (not (burning))) (increase (heat) (* #t 10))))
+      (:durative-action bake :parameters () :duration (= ?duration 5)
+       :condition (and (over all (burning)) (at start ()" +
+                                              comparison + R"( (heat) 180))) :effect (at end (baked))))",
+                                          "(:init (cold) (= (heat) 40)) (:goal (baked))"));
+    EXPECT_TRUE(found.plan) << comparison;
+    return found.plan ? found.plan->steps.back().start : 0;
+  };
+  EXPECT_NEAR(begin_of(">="), 14, 1e-9);
+  EXPECT_NEAR(begin_of(">"), 14.000001, 1e-9);
+}
+
 TEST(Clock, ProvesThatANumberIsReachedTooLate) {
   EXPECT_EQ(answer(parse(kOven, "(:init (cold) (= (heat) 20)) (:goal (baked))")).status, PlanStatus::kUnsolvable);
 }

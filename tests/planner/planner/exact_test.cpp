@@ -98,6 +98,8 @@ TEST(NoDuration, NothingIsAskedOverAll) {
   EXPECT_EQ(plan("(= ?duration (length))", "(:action clear :effect (assign (length) 0))", 3), "clear go");
   EXPECT_EQ(plan("(= ?duration (length))", "", 3), "unsolvable");
   EXPECT_EQ(plan("(= ?duration 1)"), "unsolvable");
+  EXPECT_EQ(plan("(= ?duration -3)"), "unsolvable");
+  EXPECT_EQ(plan("(= ?duration (- 0 (length)))", "(:action set :effect (assign (length) 2))", 3), "unsolvable");
   EXPECT_EQ(plan("(and (>= ?duration 0) (>= ?duration 0.5))"), "unsolvable");
   EXPECT_EQ(plan("(at end (= ?duration 0))"), "go");
 }
@@ -124,6 +126,7 @@ TEST(NoDuration, BeginningAndEndMustNotInterfere) {
   };
   EXPECT_EQ(plan("(at end (ready))", "(and (at start (ready)) (at end (done)))"), "unsolvable");
   EXPECT_EQ(plan("(and)", "(and (at start (done)) (at end (not (done))))"), "unsolvable");
+  EXPECT_EQ(plan("(and)", "(and (at start (not (shut))) (at end (shut)) (at end (done)))"), "unsolvable");
   EXPECT_EQ(plan("(at end (not (open)))", "(and (at start (not (open))) (at end (done)))"), "unsolvable");
   EXPECT_EQ(plan("(at end (>= (length) 0))", "(and (at start (increase (length) 1)) (at end (done)))"), "unsolvable");
   EXPECT_EQ(plan("(and)", "(and (at start (increase (length) 1)) (at end (increase (length) 1)) (at end (done)))"),

@@ -47,6 +47,46 @@ TEST(Timeline, TheOrderOfTheSequenceIsKept) {
   EXPECT_EQ(timeline.append(0, 4 * kSecond), 2 * kSecond + kSeparation);
 }
 
+TEST(Timeline, IncreasesMayHappenTogetherAndAssignmentsNot) {
+  for (const auto& [effect, apart] : {std::pair{"increase", false}, {"decrease", false}, {"assign", true}}) {
+    Expected<Domain> domain = parse_domain(
+        std::string("(define (domain d) (:requirements :durative-actions) (:functions (n)) (:predicates (a) (b)) ") +
+            "(:durative-action one :parameters () :duration (= ?duration 4) :condition () :effect (and (at end (a)) "
+            "(at end (" +
+            effect + " (n) 1)))) (:durative-action two :parameters () :duration (= ?duration 4) :condition () " +
+            ":effect (and (at end (b)) (at end (" + effect + " (n) 1)))))",
+        "domain");
+    ASSERT_TRUE(domain);
+    Expected<Problem> problem = parse_problem(
+        "(define (problem p) (:domain d) (:init (= (n) 0)) (:goal (and (a) (b) (> (n) 0))))", "problem", *domain);
+    ASSERT_TRUE(problem);
+    const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+    ASSERT_TRUE(task);
+    const Touches touches(*task);
+    Timeline timeline(touches);
+    EXPECT_EQ(timeline.append(0, 4 * kSecond), 0) << effect;
+    EXPECT_EQ(timeline.append(1, 4 * kSecond), apart ? kSeparation : 0) << effect;
+  }
+}
+
+TEST(Timeline, WhatReadsAFactIsOverBeforeAnEventDeletesIt) {
+  Expected<Domain> domain =
+      parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (open) (in))
+    (:durative-action enter :parameters () :duration (and (>= ?duration 1) (<= ?duration 9)) :condition (at end (open)) :effect (at end (in)))))",
+                   "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem = parse_problem(
+      "(define (problem p) (:domain d) (:init (open) (at 5 (not (open)))) (:goal (in)))", "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  const Touches touches(*task);
+  Timeline timeline(touches);
+  EXPECT_EQ(timeline.append(0, 5 * kSecond), Timeline::kNever);
+  timeline.clear();
+  EXPECT_EQ(timeline.append(0, 5 * kSecond - kSeparation), 0);
+}
+
 TEST(Stn, AgreesWithTheTimeline) {
   const GroundTask task = machine();
   const Touches touches(task);
@@ -74,6 +114,30 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
   ASSERT_TRUE(stn.solve(kSeparation));
   for (int i = 0; i < 60; ++i) EXPECT_EQ(stn.start(i), starts.at(static_cast<std::size_t>(i))) << i;
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
+}
+
+TEST(LazySearch, AStateIsAnotherOneAfterItsEvents) {
+  // The door is open at the beginning and once more later: only then is there time to go in.
+  Expected<Domain> domain =
+      parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (open) (in))
+    (:durative-action enter :parameters () :duration (= ?duration 20) :condition (over all (open)) :effect (at end (in)))))",
+                   "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem =
+      parse_problem("(define (problem p) (:domain d) (:init (open) (at 5 (not (open))) (at 10 (open))) (:goal (in)))",
+                    "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  Budget budget;
+  const SearchSpace space(*task, budget);
+  const Touches touches(*task);
+  EventCheck check(touches);
+  LazySearch search(space.simulator, space.relaxed, space.landmarks, space.simulator.initial(), {}, &check);
+  Sequence found;
+  ASSERT_EQ(search.run(budget, found), SearchEnd::kFound);
+  ASSERT_EQ(found.size(), 3);
+  EXPECT_TRUE(is_event(found[0]) && is_event(found[1]) && !is_event(found[2]));
 }
 
 TEST(LazySearch, ContinuesWhereItsLastSliceEnded) {

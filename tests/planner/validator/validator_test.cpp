@@ -158,6 +158,22 @@ TEST(Validator, AConditionOfAnEffectReadsOnlyWhatCanMatter) {
   EXPECT_THAT(verdict("(and (fixed) (on))"), HasSubstr("(on)"));
 }
 
+TEST(Validator, AConditionOfAnEffectIsReadAtTheTimeThatItNames) {
+  const auto verdict = [](const std::string& time, const std::string& switched) {
+    return Checker(R"((:predicates (on) (seen) (noted))
+      (:durative-action look :duration (= ?duration 5)
+        :effect (and (at end (seen)) (when (at )" +
+                       time + R"( (on)) (at end (noted)))))
+      (:action switch-off :effect (not (on))))",
+                   "(:init (on)) (:goal (seen))")
+        .verdict("1: (look) [5]\n" + switched + ": (switch-off)");
+  };
+  EXPECT_THAT(verdict("start", "1"), HasSubstr("(on)"));
+  EXPECT_EQ(verdict("start", "6"), "valid");
+  EXPECT_EQ(verdict("end", "1"), "valid");
+  EXPECT_THAT(verdict("end", "6"), HasSubstr("(on)"));
+}
+
 TEST(Validator, AConditionOfAnEffectThatIsDecidedReadsNothing) {
   const auto verdict = [](const std::string& condition) {
     return Checker(R"((:types lamp) (:constants l m - lamp)

@@ -45,6 +45,25 @@ TEST(Maintenance, WhoBlocksAnOpponentAtItsMachineForMoreThanTenSecondsMustLeave)
   }
 }
 
+TEST(Maintenance, WhoFindsAllPlacesOfItsTeamTakenWaitsThoughThoseOfTheOthersAreFree) {
+  sim::Fault fault;
+  fault.kind = sim::FaultKind::kRobotMaintenance;
+  fault.at = std::chrono::seconds(10);
+  fault.duration = std::chrono::seconds(20);
+  fault.robot = "robot1";
+  GameStory story(both_teams(), 1, std::chrono::milliseconds(20), {fault});
+  story.set_robot(1, {6, 0.5, 0});  // before the places of robots 1 and 2; robot 3 stands at its own
+  for (const int magenta : {3, 4, 5}) story.set_robot(magenta, {-2.0 * magenta + 5, 4, 0});
+  const auto first = [&] { return story.world().robot(sim::RobotId{0}).pose_in_world; };
+  story.run_until(35);
+  EXPECT_EQ(story.factory().maintenance().robots()[0].duty, RobotDuty::kMaintenance);
+  EXPECT_LT(first().y, 0);
+  story.set_robot(1, {3, 4, 0});
+  story.run_for(1);
+  EXPECT_EQ(story.factory().maintenance().robots()[0].duty, RobotDuty::kActive);
+  EXPECT_NEAR(first().x, 6.5, 1e-9);
+}
+
 TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {
   std::vector<sim::Fault> faults(3);
   for (std::size_t i = 0; i < faults.size(); ++i) {

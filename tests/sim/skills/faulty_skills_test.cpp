@@ -191,6 +191,24 @@ TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
   }
 }
 
+TEST(FaultySkills, AShortHaltEndsNoLongOne) {
+  Log calls;
+  Hand hand;
+  std::vector<Fault> faults(2);
+  for (Fault& fault : faults) fault.kind = FaultKind::kRobotHalts;
+  faults[0].at = from_seconds(1);
+  faults[0].duration = from_seconds(10);
+  faults[1].at = from_seconds(3);
+  faults[1].duration = from_seconds(2);
+  FaultLog sink(calls, faults);
+  Traffic traffic(hand.plan());
+  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(100)), RobotId{0}, hand, traffic, faults, 1,
+                      sink);
+  skills.start({SkillKind::kDriveTo, "A", std::nullopt, {}}, {});
+  for (const double now : {1, 3}) (void)skills.sense(from_seconds(now));
+  EXPECT_EQ(skills.next_due(), from_seconds(11));
+}
+
 struct Case {
   const char* name;
   std::vector<Fault> faults;

@@ -414,9 +414,26 @@ TEST_P(Skills, AMachineThatNobodyKnowsIsNotGoneTo) {
   });
   EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 203);
   EXPECT_EQ(done("robot1", SkillKind::kPick, "C-BS-OUTPUT").code, 203);
-  EXPECT_EQ(done("robot1", SkillKind::kTransport, "C-BS-OUTPUT to C-CS1-INPUT").code, 203);
-  EXPECT_EQ(done("robot1", SkillKind::kTransport, "C-CS1-OUTPUT to C-BS-INPUT").code, 203);
+  for (const char* ends : {"C-BS-OUTPUT to C-CS1-INPUT", "C-CS1-OUTPUT to C-BS-INPUT"}) {
+    const Heard& transport = done("robot1", SkillKind::kTransport, ends);
+    EXPECT_EQ(transport.code, 203);
+    EXPECT_EQ(transport.parts, "") << "no part of it began";
+  }
   EXPECT_EQ(done("robot2", SkillKind::kDriveTo, "C-BS-OUTPUT").code, 0);
+}
+
+TEST_P(Skills, WhatARobotDoesIsSaidAlsoOffTheField) {
+  const RobotId robot{0};
+  EXPECT_EQ(fleet->doing(robot), "idle");
+  (void)send("robot1", SkillKind::kDriveTo, "C_Z22");
+  wait(1);
+  EXPECT_EQ(fleet->doing(robot), "drive_to drive C_Z22");
+  world->take_off_field(robot, {6.5, -0.6, 0});
+  wait(0.1);
+  EXPECT_EQ(fleet->doing(robot), "off-field");
+  world->bring_back(robot, {0.3, 4, 0});
+  wait(0.1);
+  EXPECT_EQ(fleet->doing(robot), "idle");
 }
 
 TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
@@ -427,7 +444,7 @@ TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   EXPECT_NEAR(robot1().pose_in_world.yaw, 1, 0.05);
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C_Z26").status, bus::GoalStatus::kSucceeded)
       << "beside the machine in it";
-  Heard& there = send("robot1", SkillKind::kDriveTo, "", {-3, 2, -2});
+  Heard& there = send("robot1", SkillKind::kDriveTo, "", {-3, 2, -2 + 4 * std::numbers::pi});
   finish(there);
   EXPECT_EQ(there.status, bus::GoalStatus::kSucceeded);
   EXPECT_NEAR(robot1().pose_in_world.x, -3, 0.03);

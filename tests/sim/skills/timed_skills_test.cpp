@@ -120,6 +120,44 @@ class Floor {
   std::string last;
 };
 
+TEST(TimedMeans, OfShelfAndSlideFollowThoseOfPickAndPlace) {
+  TimedSkillsConfig config;
+  config.pick_mean_s = 7;
+  config.place_mean_s = 5;
+  EXPECT_EQ(means_of(config).pick_shelf, 7);
+  EXPECT_EQ(means_of(config).place_slide, 5);
+  config.pick_shelf_mean_s = 9;
+  config.place_slide_mean_s = 8;
+  const HandlingMeans means = means_of(config);
+  EXPECT_EQ((std::vector{means.pick, means.pick_shelf, means.place, means.place_slide}),
+            (std::vector<double>{7, 9, 5, 8}));
+}
+
+TEST(TimedTransport, LooksAheadForBothPartsAndChecksItsGripOnTheWay) {
+  TimedSkillsConfig config = Floor::config();
+  config.pick_mean_s = 20;
+  config.place_mean_s = 15;
+  Floor floor(config);
+  floor.put("C-BS-OUTPUT");
+  SkillGoal goal;
+  goal.kind = SkillKind::kTransport;
+  goal.spot = floor.world.plan().find_spot("C-BS-OUTPUT");
+  goal.to = floor.world.plan().find_spot("C-RS1-INPUT");
+  goal.pose = floor.world.plan().spot(*goal.spot).align_in_world;
+  floor.skills.start(goal, floor.world.now());
+  std::vector<double> handles;
+  SkillPhase last{};
+  for (int i = 0; i < 6000; ++i)
+    floor.tick([&](double now) {
+      const SkillPhase phase = floor.skills.phase();
+      if (phase == SkillPhase::kHandle && last != phase) handles.push_back(to_seconds(floor.skills.next_due()) - now);
+      last = phase;
+    });
+  ASSERT_EQ(handles.size(), 2U);
+  EXPECT_NEAR(handles[0], 20 - 2.3 - 2, 1e-9);
+  EXPECT_NEAR(handles[1], 15 - 2.3, 1e-9);
+}
+
 struct Case {
   const char* name;
   double until;

@@ -33,6 +33,13 @@ std::shared_ptr<RefboxStory::Outcome> RefboxStory::send_goal(const std::string& 
   return outcome;
 }
 
+std::shared_ptr<std::string> RefboxStory::listen(const std::string& topic, const std::string& type) {
+  auto last = std::make_shared<std::string>();
+  EXPECT_TRUE(bus_.subscribe(agent_, topic, **registry_.message(type),
+                             [last](const bus::Delivery& d) { *last = d.message->view().to_string(); }));
+  return last;
+}
+
 void RefboxStory::keep(Program& program, const Expected<pb::MessagePtr>& message) {
   ASSERT_TRUE(message) << message.error().message;
   program.heard.push_back({to_seconds(bus_.now()),

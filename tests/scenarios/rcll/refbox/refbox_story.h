@@ -7,6 +7,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,17 +63,17 @@ class RefboxStory : private bus::TestBus {
     }
   };
 
-  /// `client`: with a league_client whose topics and actions begin with /outside.
-  explicit RefboxStory(const WorldConfig& config = game(), bool client = false) {
+  /// `client`: with a league_client, whose topics and actions begin with /outside.
+  explicit RefboxStory(const WorldConfig& config = game(), std::optional<LeagueClientConfig> client = {}) {
     scenario_.set_world({&kWorld, config, {}});
     scenario_.tier = Tier::kTimed;
     const StageSetup setup{.scenario = scenario_, .bus = bus_, .sink = sink_, .network = &network_, .log = &log_};
     auto stage = kWorld.make_stage(setup);
     EXPECT_TRUE(stage) << (stage ? "" : stage.error().text());
     stage_ = *std::move(stage);
-    const ServerSpec outside{&kLeagueClient, LeagueClientConfig{.name_space = "/outside"}, {}};
     if (client) {
-      EXPECT_TRUE(kLeagueClient.add(outside, setup, *stage_));
+      client->name_space = "/outside";
+      EXPECT_TRUE(kLeagueClient.add(ServerSpec{&kLeagueClient, *client, {}}, setup, *stage_));
     }
     types_ = *load_types();
     agent_ = join(bus::ParticipantKind::kEnvironment, "env/agent", {"agent", "/", {}});
@@ -126,6 +127,8 @@ class RefboxStory : private bus::TestBus {
   };
   /// Sends a goal; the outcome is filled in later.
   std::shared_ptr<Outcome> send_goal(const std::string& action, const std::string& type, const std::string& yaml);
+  /// The last message of that topic as text, filled in later.
+  std::shared_ptr<std::string> listen(const std::string& topic, const std::string& type);
   void cancel(const Outcome& outcome) { bus_.cancel_goal(outcome.client, outcome.goal); }
 
   void run_until(double seconds) {

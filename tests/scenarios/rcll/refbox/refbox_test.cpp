@@ -149,6 +149,15 @@ TEST(Refbox, SpeaksToStreams) {
   EXPECT_LT(controller.times("GameState").back(), 8.5) << "it was closed";
 }
 
+TEST(Refbox, HasThirtyTwoStreamsAtMost) {
+  RefboxStory story;
+  std::vector<RefboxStory::Program*> controllers;
+  for (int i = 0; i < 33; ++i) controllers.push_back(&story.open_stream());
+  story.run_until(3);
+  for (int i = 0; i < 33; ++i)
+    EXPECT_EQ(controllers[static_cast<std::size_t>(i)]->times("GameState").empty(), i == 32) << i;
+}
+
 TEST(Refbox, TellsControllersWhatMachinesAreToldToDo) {
   RefboxStory story;
   auto& controller = story.open_stream();
@@ -167,6 +176,44 @@ TEST(Refbox, TellsControllersWhatMachinesAreToldToDo) {
   }
   story.run_for(60);
   EXPECT_THAT(controller.last_text("MachineInfo"), Not(HasSubstr("instruction_bs"))) << "done";
+}
+
+TEST(Refbox, TellsControllersWhatLiesOnBelts) {
+  RefboxStory story;
+  auto& controller = story.open_stream();
+  auto& robot = story.open(kRobot1);
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(1);
+  story.say(cyan, "PrepareMachine",
+            "team_color: CYAN machine: 'C-BS' instruction_bs { side: OUTPUT color: BASE_BLACK }");
+  story.say(robot, "AgentTask",
+            "team_color: CYAN robot_id: 1 task_id: 1 buffer { machine_id: 'C-CS1' shelf_number: 2 }");
+  story.run_until(90);
+  const std::string said = controller.last_text("WorkpieceInfo");
+  EXPECT_EQ(count(said, "workpieces {"), 2) << said;
+  EXPECT_THAT(said, HasSubstr("at_machine: \"C-BS\""));
+  EXPECT_THAT(said, HasSubstr("base_color: BASE_BLACK"));
+  EXPECT_THAT(said, HasSubstr("at_machine: \"C-CS1\""));
+  EXPECT_THAT(said, HasSubstr("base_color: BASE_CLEAR"));
+  EXPECT_EQ(count(said, "cap_color: CAP_GREY"), 1) << said;
+}
+
+TEST(Refbox, AnInstructionThatIsSaidAgainIsNoComplaint) {
+  RefboxStory story;
+  auto& controller = story.open_stream();
+  auto& cyan = story.open(kCyanWay, kLeagueKey);
+  story.run_until(1);
+  const auto say = [&](const char* machine) {
+    story.say(
+        cyan, "PrepareMachine",
+        std::string("team_color: CYAN machine: '") + machine + "' instruction_bs { side: OUTPUT color: BASE_RED }");
+    story.run_for(0.1);
+  };
+  for (int times = 0; times < 3; ++times) say("C-BS");
+  EXPECT_THAT(story.warnings(), IsEmpty());
+  say("C-XS");
+  EXPECT_THAT(story.warnings(), ElementsAre(HasSubstr("no machine 'C-XS'")));
+  EXPECT_THAT(controller.last_text("AttentionMessage"), HasSubstr("C-XS: no machine"));
 }
 
 TEST(Refbox, ControllersCommandAPausedGame) {
@@ -211,6 +258,16 @@ TEST(Refbox, SaysOnceThatNobodyTookTheFieldAndHowTheTeamsAreCalled) {
     story.run_until(150);
     EXPECT_THAT(story.warnings(), ElementsAre(AllOf(HasSubstr(names), HasSubstr(settings))));
   }
+}
+
+TEST(Refbox, WaitsSixtySecondsForATeamFromWhenSomebodyListens) {
+  RefboxStory story;
+  story.run_until(40);
+  story.open_stream();
+  story.run_until(99.9);
+  EXPECT_THAT(story.warnings(), IsEmpty());
+  story.run_until(101);
+  EXPECT_THAT(story.warnings(), SizeIs(1));
 }
 
 TEST(Refbox, SaysNothingWhereATeamHasItsName) {
@@ -549,6 +606,25 @@ TEST(RefboxRobots, SayWhatIsWrongWithATask) {
   EXPECT_EQ(error_of("retrieve { machine_id: 'C-BS' machine_point: 'OUTPUT' }"), "error_code: 202");
   EXPECT_EQ(error_of("deliver { machine_id: 'C-BS' machine_point: 'INPUT' }"), "error_code: 208");
   EXPECT_EQ(error_of("explore_machine { machine_id: '' machine_point: '' waypoint: 'C_Z52' }"), "error_code: 203");
+  auto& team = story.open(kCyanWay, kLeagueKey);
+  story.say(team, "SetRobotMaintenance", "team_color: CYAN robot_number: 1 maintenance: true");
+  story.run_for(1);
+  EXPECT_EQ(error_of(move), "error_code: 220") << "the league has no code for a robot that is off the field";
+}
+
+TEST(RefboxRobots, TellTheirLastTenTasksInBeacons) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  for (int id = 1; id <= 12; ++id) {  // none that the league knows: each ends at once
+    story.say(robot, "AgentTask", "team_color: CYAN robot_id: 1 task_id: " + std::to_string(id));
+    story.run_for(0.1);
+  }
+  story.run_for(3);
+  const std::string beacon = robot.last_text("BeaconSignal");
+  EXPECT_EQ(count(beacon, "finished_tasks"), 10) << beacon;
+  EXPECT_THAT(beacon,
+              AllOf(HasSubstr("{ TaskId: 3 successful: false }"), HasSubstr("{ TaskId: 12 successful: false }")));
 }
 
 TEST(RefboxRobots, DoOneTaskAtATime) {
@@ -625,6 +701,24 @@ TEST(RefboxRobots, TasksThatRestAreCanceledAndReplacedAtOnce) {
   EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
+TEST(RefboxRobots, OfTasksThatWaitTheLastIsDoneAndTheOthersAreCanceled) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  for (const std::string task :
+       {"1 move { waypoint: 'M-Z75' }", "2 move { waypoint: 'M-Z71' }", "3 move { waypoint: 'C_Z52' }"}) {
+    story.say(robot, "AgentTask", "team_color: CYAN robot_id: 1 task_id: " + task);
+    if (task.starts_with('1')) story.run_for(4);
+  }
+  story.run_for(40);
+  std::vector<std::string> ends;
+  for (const RefboxStory::Heard& heard : robot.heard)
+    if (heard.type == "AgentTask" && heard.text.find("task_id: 3") == std::string::npos) ends.push_back(heard.text);
+  EXPECT_THAT(ends, ElementsAre(AllOf(HasSubstr("task_id: 2"), HasSubstr("canceled: true")),
+                                AllOf(HasSubstr("task_id: 1"), HasSubstr("canceled: true"))));
+  EXPECT_THAT(robot.last_text("AgentTask"), AllOf(HasSubstr("task_id: 3"), HasSubstr("successful: true")));
+}
+
 TEST(RefboxRobots, TellWhatTheySee) {
   WorldConfig config = RefboxStory::game();
   config.exploration = true;
@@ -642,7 +736,7 @@ TEST(RefboxRobots, TellWhatTheySee) {
 constexpr const char* kInstruct = "rcll_interfaces/action/InstructMachine";
 
 TEST(LeagueClientTest, InstructionsEndAsTheirMachinesSay) {
-  RefboxStory story(RefboxStory::game(), true);
+  RefboxStory story(RefboxStory::game(), LeagueClientConfig{});
   const auto instruct = [&](const std::string& yaml) {
     return story.send_goal("/outside/factory/instruct_machine", kInstruct, yaml);
   };
@@ -676,7 +770,7 @@ TEST(LeagueClientTest, InstructionsEndAsTheirMachinesSay) {
 }
 
 TEST(LeagueClientTest, SkillsAreTasks) {
-  RefboxStory story(RefboxStory::game(), true);
+  RefboxStory story(RefboxStory::game(), LeagueClientConfig{});
   const auto skill = [&](const std::string& name, const std::string& type, const std::string& yaml) {
     return story.send_goal("/outside/robot1/" + name, "cxlab_skills/action/" + type, yaml);
   };
@@ -710,6 +804,141 @@ TEST(LeagueClientTest, SkillsAreTasks) {
   story.run_for(60);
   EXPECT_EQ(near->status, bus::GoalStatus::kSucceeded);
   EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
+/// A league_client whose referee box and robot are programs of the test.
+class OutsideLeague : public ::testing::Test {
+ protected:
+  void machine_is(const std::string& state) {
+    story_.say(box_, "MachineInfo", "team_color: CYAN machines { name: 'C-BS' state: '" + state + "' }");
+    story_.run_for(0.1);
+  }
+  auto instruct() {
+    return story_.send_goal("/outside/factory/instruct_machine", kInstruct,
+                            "{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  }
+  auto drive(const std::string& goal) {
+    const auto outcome = story_.send_goal("/outside/robot1/drive_to", "cxlab_skills/action/DriveTo", goal);
+    story_.run_for(0.1);
+    ++task_;
+    return outcome;
+  }
+  /// The robot says how the task ended; by default the one that was sent last.
+  void answer(const std::string& how, int task = 0) {
+    story_.say(robot_, "AgentTask",
+               "team_color: CYAN robot_id: 1 task_id: " + std::to_string(task == 0 ? task_ : task) + ' ' + how);
+    story_.run_for(0.1);
+  }
+
+  RefboxStory story_{RefboxStory::game(), LeagueClientConfig{.port_shift = 1000}};
+  RefboxStory::Program& box_ = story_.open({5441, 5446}, kLeagueKey);
+  RefboxStory::Program& robot_ = story_.open({3116, 3126});
+  int task_ = 0;
+};
+
+TEST(LeagueClientTest, HearsAndInstructsOnThePortsOfItsTeam) {
+  for (const auto& [team, way] : {std::pair{"CYAN", Way{5441, 5446}}, {"MAGENTA", Way{5442, 5447}}}) {
+    RefboxStory story(RefboxStory::game(), LeagueClientConfig{.team = team, .port_shift = 1000});
+    auto& box = story.open(way, kLeagueKey);
+    story.run_for(0.1);
+    story.say(box, "MachineInfo", std::string("team_color: ") + team + " machines { name: 'C-BS' state: 'IDLE' }");
+    story.run_for(0.1);
+    (void)story.send_goal("/outside/factory/instruct_machine", kInstruct, "{machine: C-BS, operation: RESET}");
+    story.run_for(0.1);
+    EXPECT_EQ(box.last_text("ResetMachine"), std::string("team_color: ") + team + " machine: \"C-BS\"");
+  }
+}
+
+TEST_F(OutsideLeague, TimesAreSecondsOfTopics) {
+  const auto state = story_.listen("/outside/game_state", "rcll_interfaces/msg/GameState");
+  RefboxStory::Program& everybody = story_.open({5444, 5445});
+  story_.run_for(0.1);
+  story_.say(everybody, "GameState",
+             "game_time { sec: 2 nsec: 500000000 } state: RUNNING phase: PRODUCTION points_cyan: 7");
+  story_.run_for(0.1);
+  EXPECT_THAT(*state, AllOf(HasSubstr("game_time: 2.5"), HasSubstr("points_cyan: 7")));
+}
+
+TEST_F(OutsideLeague, AnInstructionIsSaidEachSecondUntilItsMachineIsAtWork) {
+  story_.run_for(0.1);
+  machine_is("IDLE");
+  const auto instruction = instruct();
+  story_.run_for(3.5);
+  EXPECT_THAT(box_.times("PrepareMachine"), SizeIs(4)) << "at once and three times more";
+  machine_is("PROCESSING");
+  story_.run_for(20);
+  EXPECT_THAT(box_.times("PrepareMachine"), SizeIs(4));
+  EXPECT_FALSE(instruction->ended);
+  machine_is("IDLE");
+  EXPECT_EQ(instruction->code, 0) << "somebody has taken what it made";
+}
+
+TEST_F(OutsideLeague, AnInstructionThatNoMachineTakesEndsAfterTenSeconds) {
+  story_.run_for(0.1);
+  machine_is("IDLE");
+  const auto idle = instruct();
+  story_.run_for(9);
+  EXPECT_FALSE(idle->ended);
+  story_.run_for(2);
+  EXPECT_EQ(idle->code, 209);
+  const auto down = instruct();
+  machine_is("DOWN");
+  story_.run_for(20);
+  EXPECT_FALSE(down->ended) << "it may take it when it is up again";
+  machine_is("IDLE");
+  EXPECT_EQ(down->code, 209) << "a machine that was down has done nothing";
+}
+
+TEST_F(OutsideLeague, ATaskIsSaidEachSecondUntilItsAnswer) {
+  story_.run_for(0.5);
+  const auto goal = drive("{target: C_Z52}");
+  story_.run_for(3.4);
+  EXPECT_THAT(robot_.times("AgentTask"), SizeIs(4)) << "at once and three times more";
+  answer("successful: true", 2);
+  EXPECT_FALSE(goal->ended) << "this was the answer to another task";
+  answer("successful: true");
+  EXPECT_EQ(goal->status, bus::GoalStatus::kSucceeded);
+  const std::size_t said = robot_.times("AgentTask").size();
+  story_.run_for(3);
+  EXPECT_THAT(robot_.times("AgentTask"), SizeIs(said));
+}
+
+TEST_F(OutsideLeague, AnswersOfTheRobotEndASkill) {
+  struct Row {
+    bool cancel;
+    const char* answer;
+    bus::GoalStatus status;
+    int code;
+  };
+  using bus::GoalStatus;
+  for (const Row& row : {Row{false, "successful: true", GoalStatus::kSucceeded, 0},
+                         {false, "successful: false error_code: 201", GoalStatus::kAborted, 201},
+                         {false, "successful: false", GoalStatus::kAborted, 1},
+                         {false, "successful: false canceled: true", GoalStatus::kAborted, 1},
+                         {true, "successful: false canceled: true", GoalStatus::kCanceled, 0},
+                         {true, "successful: false error_code: 201", GoalStatus::kAborted, 201},
+                         {true, "successful: true", GoalStatus::kSucceeded, 0}}) {
+    const auto goal = drive("{target: C_Z52}");
+    if (row.cancel) story_.cancel(*goal);
+    story_.run_for(0.1);
+    EXPECT_EQ(count(robot_.last_text("AgentTask"), "cancel_task: true"), row.cancel);
+    answer(row.answer);
+    EXPECT_EQ(goal->status, row.status) << row.answer;
+    EXPECT_EQ(goal->code, row.code) << row.answer;
+  }
+}
+
+TEST_F(OutsideLeague, APoseIsTheZoneAroundIt) {
+  for (const auto& [pose, zone] : {std::pair{"{x: 0.2, y: 0.9}", "C_Z11"},
+                                   {"{x: 4.5, y: 1.2}", "C_Z52"},
+                                   {"{x: 6.9, y: 7.9}", "C_Z78"},
+                                   {"{x: 9.0, y: 9.0}", "C_Z78"},
+                                   {"{x: -0.2, y: -1.0}", "M_Z11"},
+                                   {"{x: -6.5, y: 4.5}", "M_Z75"}}) {
+    (void)drive(std::string("{target: '', pose: ") + pose + '}');
+    EXPECT_THAT(robot_.last_text("AgentTask"), HasSubstr(std::string("waypoint: \"") + zone + '"'));
+    answer("successful: true");
+  }
 }
 
 }  // namespace
