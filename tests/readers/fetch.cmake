@@ -1,5 +1,6 @@
-# The readers of tests/readers: cmake -D downloads=DIR -D folder=DIR -P fetch.cmake
+# The readers of tests/readers: cmake -D downloads=DIR -D folder=DIR [-D torch=yes] -P fetch.cmake
 #   <folder>/venv   a virtual environment with what requirements.txt pins
+#   <folder>/torch  with torch=yes, instead of the others: a virtual environment with what torch.txt pins
 #   <folder>/lcov   lcov 2, because Debian 12 has version 1: its programs are in usr/bin, its modules in usr/lib/lcov
 
 set(lcov_version 2.3.1-1)
@@ -62,21 +63,26 @@ function(fetch_lcov)
   file(WRITE "${folder}/lcov/made_from" "${lcov_hash}")
 endfunction()
 
-function(fetch_python_packages)
+# Makes the virtual environment <folder>/<name> with the packages that `list` pins.
+function(fetch_python_packages name list size)
   find_program(PYTHON3 python3 REQUIRED)
-  file(SHA256 "${CMAKE_CURRENT_LIST_DIR}/requirements.txt" requirements)
+  file(SHA256 "${CMAKE_CURRENT_LIST_DIR}/${list}" requirements)
   execute_process(COMMAND "${PYTHON3}" --version OUTPUT_VARIABLE version OUTPUT_STRIP_TRAILING_WHITESPACE)
   set(stamp "${PYTHON3} ${version} ${requirements}")
-  is_made("${folder}/venv" "${stamp}" made)
+  is_made("${folder}/${name}" "${stamp}" made)
   if(made)
     return()
   endif()
-  message(STATUS "downloading what tests/readers/requirements.txt lists (150 MB)")
-  call("Debian: apt-get install python3-venv" "${PYTHON3}" -m venv "${folder}/venv")
-  call("These packages are on PyPI; pip needs a network." "${folder}/venv/bin/python" -m pip install --quiet --disable-pip-version-check
-       --only-binary=:all: -r "${CMAKE_CURRENT_LIST_DIR}/requirements.txt")
-  file(WRITE "${folder}/venv/made_from" "${stamp}")
+  message(STATUS "downloading what tests/readers/${list} lists (${size})")
+  call("Debian: apt-get install python3-venv" "${PYTHON3}" -m venv "${folder}/${name}")
+  call("These packages are on PyPI; pip needs a network." "${folder}/${name}/bin/python" -m pip install --quiet --disable-pip-version-check
+       --only-binary=:all: -r "${CMAKE_CURRENT_LIST_DIR}/${list}")
+  file(WRITE "${folder}/${name}/made_from" "${stamp}")
 endfunction()
 
-fetch_lcov()
-fetch_python_packages()
+if(torch)
+  fetch_python_packages(torch torch.txt "SIZE GB")
+else()
+  fetch_lcov()
+  fetch_python_packages(venv requirements.txt "150 MB")
+endif()

@@ -1,12 +1,14 @@
-"""Runs tests with the Python that has the readers: CXLAB_READERS=DIR with_readers.py MODULE..."""
+"""Runs tests with the Python that has the readers, or torch: CXLAB_READERS=DIR with_readers.py [--torch] MODULE..."""
 
 import os
 import pathlib
 import sys
 
 folder = pathlib.Path(os.environ["CXLAB_READERS"])
-python = folder / "venv/bin/python"
-for part in (folder / "venv/made_from", folder / "lcov/made_from"):
-    if not part.is_file():
-        sys.exit(f"{part.parent} is missing or not whole: ./dev readers fetches the readers and runs these tests")
-os.execv(python, [python, "-m", "unittest", *sys.argv[1:]])
+torch = sys.argv[1] == "--torch"
+command, parts = ("./dev readers --torch", ["torch"]) if torch else ("./dev readers", ["venv", "lcov"])
+for part in parts:
+    if not (folder / part / "made_from").is_file():
+        sys.exit(f"{folder / part} is missing or not whole: {command} fetches the readers and runs these tests")
+python = folder / parts[0] / "bin/python"
+os.execv(python, [python, "-m", "unittest", *sys.argv[1 + torch :]])
