@@ -128,7 +128,9 @@ CdrReader::CdrReader(std::string_view value) {
   if (value.size() < kHeader)
     status_ = input_error(found_expected(std::to_string(value.size()) + " bytes", "CDR with its header of 4"));
   else if (value[0] != 0 || (value[1] != 0 && value[1] != 1))
-    status_ = input_error(found_expected("the representation " + std::to_string(static_cast<unsigned char>(value[0])) + ' ' + std::to_string(static_cast<unsigned char>(value[1])), "0 0 or 0 1, which is big-endian or little-endian CDR"));
+    status_ = input_error(found_expected("the representation " + std::to_string(static_cast<unsigned char>(value[0])) +
+                                             ' ' + std::to_string(static_cast<unsigned char>(value[1])),
+                                         "0 0 or 0 1, which is big-endian or little-endian CDR"));
   else
     fields_ = value.substr(kHeader), big_endian_ = value[1] == 0;
 }

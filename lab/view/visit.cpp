@@ -60,8 +60,8 @@ Expected<std::string> command_of(const Json& request) {
     if (found->is_number() && !verb.text) return std::string(verb.command) + ' ' + json_text(*found);
     if (found->is_string() && verb.text && is_one_line(found->get<std::string>()))
       return std::string(verb.command) + ' ' + found->get<std::string>();
-    return input_error("\"" + std::string(verb.key) + "\": " +
-                       found_expected(json_text(*found), verb.text ? "a text of one line" : "a number"));
+    return input_error("\"" + std::string(verb.key) +
+                       "\": " + found_expected(json_text(*found), verb.text ? "a text of one line" : "a number"));
   }
   return input_error(
       "expected where to go: {\"t\": S}, {\"step\": N}, {\"back\": N}, {\"until\": TEXT} or {\"back_until\": TEXT}; "
