@@ -1,6 +1,8 @@
 // cxlab run: plays one episode.
 
+#include <cctype>
 #include <cstdio>
+#include <string_view>
 
 #include "app/arguments.h"
 #include "app/command.h"
@@ -23,7 +25,16 @@ struct RunOptions : PlayCommand {
 /// Address of the run's page for a browser. The folder, if a full disk kept the page from being written.
 std::string address_of(const std::filesystem::path& folder) {
   const auto page = folder / "index.html";
-  return path_exists(page) ? "file://" + std::filesystem::absolute(page).lexically_normal().string() : folder.string();
+  if (!path_exists(page)) return folder.string();
+  std::string address = "file://";
+  for (const char c : std::filesystem::absolute(page).lexically_normal().string()) {
+    const bool plain =
+        std::isalnum(static_cast<unsigned char>(c)) || std::string_view("/-._~").find(c) != std::string_view::npos;
+    char escaped[4];
+    std::snprintf(escaped, sizeof escaped, "%%%02X", static_cast<unsigned char>(c));
+    plain ? address += c : address += escaped;
+  }
+  return address;
 }
 
 int run(RunOptions options) {

@@ -215,6 +215,12 @@ class Output(Lab):
         self.assertEqual(done.returncode, 4)
         self.assertEqual(done.stdout.splitlines(), ["failed after 0.000 s of simulated time", f"file://{self.out}/index.html"])
 
+    def test_the_address_of_the_page_is_one_for_any_name_of_a_folder(self):
+        self.agent("")
+        for name in ("plain", "a b#c?d%20é<1>"):
+            done = cxlab("run", "scenario.yaml", "--quiet", "--out", self.folder / name, cwd=self.folder)
+            self.assertEqual(done.stdout.splitlines()[-1], (self.folder / name / "index.html").as_uri())
+
     def test_a_picture_that_cannot_be_made_is_code_5(self):
         self.agent("")
         self.fails(5, "no pictures: the world is empty", arguments=["--snapshot", "1"])

@@ -114,6 +114,20 @@ class Pages(Lab):
         self.assertEqual(broken[0]["begin"], 60)
         self.assertEqual([e["t"] for e in page.events("broken")], [60])
 
+    def test_a_robot_that_a_fault_holds_up_waits_for_nobody(self):
+        """The halted robot is at a machine, and ends its work there first."""
+        for kind, keys, seconds in (("skill_stalls", ", seconds: 12", 12), ("robot_halts", ", seconds: 12", 12), ("goal_lost", "", 10)):
+            fault = f"faults=[{{kind: {kind}, at: 60, robot: robot1{keys}}}]"
+            page = RunPage(self.play("rcll/game", "--tier", "timed", "--until", 200, "--set", fault, name=kind))
+            lane = next(lane for lane in page.lanes() if lane["name"] == "robot1")
+            (mark,) = lane["marks"]
+            (bar,) = [bar for bar in lane["bars"] if bar["text"] == "held up by a fault"]
+            self.assertEqual(mark["text"], kind)
+            self.assertGreaterEqual(bar["begin"], mark["t"])
+            self.assertAlmostEqual(bar["end"], mark["t"] + seconds, delta=0.1)
+            self.assertIn(f"the fault {kind} held up its ", bar["remark"])
+            self.assertIn("waits for way", [bar["text"] for bar in lane["bars"]], "other waits stay what they are")
+
     def test_errors_of_rules_are_events(self):
         self.agent("(defrule wrong (start-up) => (/ 1 0))\n(deffacts here (start-up))")
         self.run_it()

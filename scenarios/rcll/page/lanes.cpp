@@ -54,7 +54,9 @@ PageBar bar_of(const RobotWait& wait) {
           waits ? kWaitsKind : kIdleKind,
           begin_of(one.when),
           end_of(one.when),
-          waits ? "waits for " + one.what : "idle",
+          one.what == "fault" ? "held up by a fault"
+          : waits             ? "waits for " + one.what
+                              : "idle",
           ": " + one.why};
 }
 

@@ -169,6 +169,16 @@ void add_idle(const GameStory& story, const RobotStory& robot, const Interval& i
   for (Waiting& part : parts) out.push_back({std::move(part), false});
 }
 
+/// The fault of the scenario that has the robot stand at that time, if any.
+const FaultStruck* standing_fault(const GameStory& story, const RobotStory& robot, SimTime t) {
+  static constexpr std::string_view kStands[]{"skill_stalls", "robot_halts", "goal_lost"};
+  for (const FaultStruck& fault : story.faults)
+    if (fault.at == robot.name && std::ranges::find(kStands, fault.kind) != std::end(kStands) && fault.t <= t &&
+        t <= fault.until)
+      return &fault;
+  return nullptr;
+}
+
 /// The parts of a skill in which it stood.
 void add_standing(const GameStory& story, const RobotStory& robot, const SkillRun& skill, std::vector<RobotWait>& out) {
   for (const Interval& pause : story.pauses)
@@ -177,10 +187,13 @@ void add_standing(const GameStory& story, const RobotStory& robot, const SkillRu
   for (const SkillRun::PhaseOf& phase : skill.phases) {
     const Interval when = common(phase.when, story.asked());
     if (when.empty()) continue;
-    const std::string doing = skill.skill + " to " + skill.target;
     if (phase.name == "wait") {
+      const std::string doing = skill.skill + ' ' + skill.target;
+      const FaultStruck* fault = standing_fault(story, robot, phase.when.from);
       for (const Interval& part : without(when, story.pauses))
-        out.push_back({{part, "way", "another robot was in the way of its " + doing}, true});
+        out.push_back({fault ? Waiting{part, "fault", "the fault " + fault->kind + " held up its " + doing}
+                             : Waiting{part, "way", "another robot was in the way of its " + doing},
+                       true});
       continue;
     }
     // A pick looks, or handles, from before its piece has come.

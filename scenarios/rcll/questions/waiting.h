@@ -10,7 +10,7 @@ namespace cxlab::rcll {
 
 struct Waiting {
   Interval when;
-  std::string what;  ///< a machine, a robot, "agent", "window", "work", "way", "pause", ...
+  std::string what;  ///< a machine, a robot, "agent", "window", "work", "way", "fault", "pause", ...
   std::string why;   ///< one sentence's end: "C-CS2 was PROCESSING"
   friend bool same_reason(const Waiting& a, const Waiting& b) { return a.what == b.what && a.why == b.why; }
 };

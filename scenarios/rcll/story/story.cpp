@@ -6,6 +6,7 @@
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/journal_reader.h"
+#include "scenarios/floor/sections.h"
 #include "scenarios/rcll/game/floor_plan.h"
 #include "scenarios/rcll/rules/layout.h"
 #include "scenarios/scenario.h"
@@ -134,6 +135,7 @@ Expected<GameStory> GameStory::read(const AskedRun& run) {
   story.from = run.from;
   story.end = run.to;
   story.run_ended = run.ended;
+  story.planned_ = faults_of(run.scenario);
   for (const sim::RobotStart& robot : story.plan.robots)
     story.robots.push_back({.name = robot.name, .team = team_of(robot), .skills = {}, .off_field = {}, .holds = {}});
   for (const sim::Station& station : story.plan.stations)
@@ -158,8 +160,10 @@ void GameStory::take(const JournalRecord& record) {
 
 void GameStory::take_fault(const JournalRecord& record) {
   const std::string_view robot = record.data.text("robot");
+  const auto number = static_cast<std::size_t>(record.data.integer("number"));
+  const SimTime lasts = number < planned_.size() ? planned_[number].duration : SimTime{};
   faults.push_back({record.t, std::string(record.data.text("fault")),
-                    std::string(robot.empty() ? record.data.text("machine") : robot)});
+                    std::string(robot.empty() ? record.data.text("machine") : robot), record.t + lasts});
   if (record.data.find("piece")) piece_of(static_cast<int>(record.data.integer("piece"))).taken = record.t;
 }
 

@@ -12,6 +12,7 @@
 #include "scenarios/question.h"
 #include "scenarios/rcll/game/game.h"
 #include "scenarios/rcll/rules/event.h"
+#include "sim/faults/fault.h"
 #include "sim/world.h"
 
 namespace cxlab::rcll {
@@ -122,6 +123,7 @@ struct Decision {
 struct FaultStruck {
   SimTime t{};
   std::string kind, at;  ///< a robot or a machine
+  SimTime until{};       ///< how long the scenario has it last; `t` for those that happen at once
 };
 
 class GameStory {
@@ -172,6 +174,7 @@ class GameStory {
   RobotStory* find_robot(std::string_view name);
   MachineStory* find_machine(std::string_view name);
 
+  std::vector<sim::Fault> planned_;                      ///< of the scenario
   std::map<std::string, Team, std::less<>> commanders_;  ///< by environment
 };
 
