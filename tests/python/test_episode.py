@@ -60,6 +60,7 @@ class Steps(EpisodeTest):
             self.assertLessEqual(episode.now, 5.0)
             self.assertEqual(episode.step(until=1.0).ticks, 0)
             self.assertEqual(episode.step(ticks=0).ticks, 0)
+            self.assertEqual(episode.step(ticks=5000).ticks, 5000)  # longer than it keeps the lock of the interpreter
             self.assertEqual(episode.result["status"], "running")
         self.assertEqual(episode.result["status"], "stopped")
 

@@ -46,13 +46,14 @@ TEST(Maintenance, WhoBlocksAnOpponentAtItsMachineForMoreThanTenSecondsMustLeave)
 }
 
 TEST(Maintenance, WhoFindsAllPlacesOfItsTeamTakenWaitsThoughThoseOfTheOthersAreFree) {
-  sim::Fault fault;
+  std::vector<sim::Fault> faults(1);
+  sim::Fault& fault = faults.front();
   fault.kind = sim::FaultKind::kRobotMaintenance;
   fault.at = std::chrono::seconds(10);
   fault.duration = std::chrono::seconds(20);
   fault.robot = "robot1";
-  GameStory story(both_teams(), 1, std::chrono::milliseconds(20), {fault});
-  story.set_robot(1, {6, 0.5, 0});  // before the places of robots 1 and 2; robot 3 stands at its own
+  GameStory story(both_teams(), 1, std::chrono::milliseconds(20), faults);
+  story.set_robot(1, {5, 0.5, 0});  // at the places of robots 1 and 2; robot 3 stands at its own
   for (const int magenta : {3, 4, 5}) story.set_robot(magenta, {-2.0 * magenta + 5, 4, 0});
   const auto first = [&] { return story.world().robot(sim::RobotId{0}).pose_in_world; };
   story.run_until(35);
@@ -61,7 +62,7 @@ TEST(Maintenance, WhoFindsAllPlacesOfItsTeamTakenWaitsThoughThoseOfTheOthersAreF
   story.set_robot(1, {3, 4, 0});
   story.run_for(1);
   EXPECT_EQ(story.factory().maintenance().robots()[0].duty, RobotDuty::kActive);
-  EXPECT_NEAR(first().x, 6.5, 1e-9);
+  EXPECT_NEAR(first().x, 4.5, 1e-9);
 }
 
 TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {

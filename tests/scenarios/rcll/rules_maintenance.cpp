@@ -67,6 +67,20 @@ std::span<const Row> maintenance_rows() {
         maintenance 1 ends
         robot 1 at 4.5 0.5
         message /robot_info /robots/0/state "ACTIVE")"},
+      {"maintenance: its end must be asked for again the second time, of which the team is warned as well",
+       R"(maintenance 1
+        wait 106
+        maintenance 1 ends
+        wait 1
+        message /robot_info /robots/0/state "ACTIVE"
+        maintenance 1
+        wait 60
+        message /robot_info /robots/0/state "MAINTENANCE"
+        wait 46
+        told {"event": "maintenance", "state": "warning"}
+        maintenance 1 ends
+        wait 1
+        message /robot_info /robots/0/state "ACTIVE")"},
       {"maintenance: people need their time for the robot",
        R"(maintenance 1
         maintenance 1 ends

@@ -191,6 +191,24 @@ TEST(FaultySkills, AreForgottenWhenTheRobotIsCarriedAway) {
   }
 }
 
+TEST(FaultySkills, OfASkillThatWasCancelledNoResultIsLate) {
+  Log calls;
+  Hand hand;
+  std::vector<Fault> faults(1);
+  faults[0].kind = FaultKind::kResultLate;
+  faults[0].probability = 1;
+  faults[0].duration = from_seconds(5);
+  FaultLog sink(calls, faults);
+  Traffic traffic(hand.plan());
+  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(10)), RobotId{0}, hand, traffic, faults, 1,
+                      sink);
+  skills.start({SkillKind::kDriveTo, "A", std::nullopt, {}}, {});
+  skills.cancel(from_seconds(1));
+  const auto result = skills.sense(from_seconds(2));
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->cancelled);
+}
+
 TEST(FaultySkills, AShortHaltEndsNoLongOne) {
   Log calls;
   Hand hand;
