@@ -10,6 +10,8 @@ import unittest
 from unittest import mock
 
 import numpy as np
+import torch
+from cxlab.learn import RCLLDispatchEnv
 from ray.rllib.env.single_agent_episode import SingleAgentEpisode
 from ray.rllib.utils.metrics.metrics_logger import MetricsLogger
 
@@ -49,6 +51,25 @@ class WithRLlib(unittest.TestCase):
         self.assertEqual(self.trained(2), lines)
         # Before it has learned the policy is the same one, so the robots as agents play the same games.
         self.assertEqual(self.trained(1, "--robots"), lines[:1])
+
+    def test_the_policy_scores_options_wherever_they_stand_and_gives_forbidden_ones_no_chance(self):
+        env = rllib_dispatch.WithMask(RCLLDispatchEnv(until=30.0))
+        self.addCleanup(env.close)
+        torch.manual_seed(1)
+        policy = rllib_dispatch.MaskedPolicy(observation_space=env.observation_space, action_space=env.action_space)
+        head, width = rllib_dispatch.HEAD, rllib_dispatch.WIDTH
+        seen = 2 * torch.rand(1, *env.observation_space["observation"].shape) - 1
+        turned = torch.cat([seen[:, :head], seen[:, head:].roll(width, dims=1)], dim=1)
+        mask = (torch.arange(16) % 3 > 0).to(torch.int8)[None]
+
+        def chances(observation, allowed):
+            out = policy.forward_inference({"obs": {"observation": observation, "action_mask": allowed}})
+            return torch.softmax(out["action_dist_inputs"], dim=1)[0]
+
+        found = chances(seen, mask)
+        self.assertEqual((found > 0).tolist(), (mask[0] > 0).tolist())
+        self.assertGreater(found[mask[0] > 0].std().item(), 1e-3)
+        torch.testing.assert_close(chances(turned, mask.roll(1, dims=1)), found.roll(1))
 
     def test_what_the_mask_forbids_is_counted(self):
         seen = {"observation": np.zeros(3, np.float32), "action_mask": np.array([1, 0, 1], np.int8)}
