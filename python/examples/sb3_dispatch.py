@@ -13,7 +13,7 @@ from sb3_contrib import MaskablePPO
 import cxlab.learn  # noqa: F401  registers the environments
 
 env = gymnasium.make("cxlab/RCLLDispatch-v0", journal="decisions")
-model = MaskablePPO("MlpPolicy", env, n_steps=2048, batch_size=512, gamma=0.999, seed=1, verbose=1)
+model = MaskablePPO("MlpPolicy", env, n_steps=512, batch_size=256, gamma=0.999, seed=1, verbose=1)
 model.learn(int(sys.argv[1]) if len(sys.argv) > 1 else 20_000)
 
 seen, info = env.reset(seed=30001)

@@ -134,11 +134,12 @@ class Dev(unittest.TestCase):
         self.assertRegex(done.stdout, r" cmake .* libcapture-tiny-perl .* python3-venv")
 
     def test_readers_that_are_missing_are_an_error_with_the_remedy(self):
-        with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([sys.executable, ROOT / "tests/readers/with_readers.py", "plans"], env={**os.environ, "CXLAB_READERS": folder},
-                                  text=True, capture_output=True, timeout=50)
-        self.assertEqual((done.returncode, done.stdout), (1, ""))
-        self.assertIn("./dev readers fetches the readers", done.stderr)
+        for arguments, command in ((["plans"], "./dev readers"), (["--torch", "plans"], "./dev readers --torch")):
+            with self.subTest(command), tempfile.TemporaryDirectory() as folder:
+                done = subprocess.run([sys.executable, ROOT / "tests/readers/with_readers.py", *arguments], env={**os.environ, "CXLAB_READERS": folder},
+                                      text=True, capture_output=True, timeout=50)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertIn(f": {command} fetches the readers", done.stderr)
 
     def test_failed_installation_is_reported(self):
         done = dev_on_a_bare_machine("test")

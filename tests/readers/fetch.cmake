@@ -81,7 +81,7 @@ function(fetch_python_packages name list size)
 endfunction()
 
 if(torch)
-  fetch_python_packages(torch torch.txt "SIZE GB")
+  fetch_python_packages(torch torch.txt "3.2 GB, 6.1 GB on the disk")
 else()
   fetch_lcov()
   fetch_python_packages(venv requirements.txt "150 MB")

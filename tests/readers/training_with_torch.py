@@ -1,4 +1,4 @@
-"""python/examples/rllib_dispatch.py on the two nodes that it starts on this machine. ./dev readers --torch"""
+"""The examples that need torch: RLlib on the two nodes that it starts here, and MaskablePPO. ./dev readers --torch"""
 
 import math
 import os
@@ -7,59 +7,84 @@ import re
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 import numpy as np
+import torch
+from cxlab.learn import RCLLDispatchEnv
 from ray.rllib.env.single_agent_episode import SingleAgentEpisode
 from ray.rllib.utils.metrics.metrics_logger import MetricsLogger
 
-EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "python/examples/rllib_dispatch.py"
-LINE = re.compile(r"iteration (\d+): (\d+) games, ([-+.\w]+) points a game; (\d+) of (\d+) choices forbidden; choices on each node: (.+)")
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "python/examples"
+sys.path.insert(0, str(EXAMPLES))
+import rllib_dispatch  # noqa: E402
+
+LINE = re.compile(r"iteration (\d+): (\d+) games, (\S+) points a game; (\d+) of (\d+) choices forbidden; .* node: (.+)")
 
 
-class OnTwoNodes(unittest.TestCase):
-    def trained(self, *arguments):
-        """The lines of two iterations: numbers, and the choices on each node."""
-        done = subprocess.run(
-            [sys.executable, EXAMPLE, "--iterations", "2", "--choices", "60", "--until", "240", *arguments],
-            capture_output=True, text=True, timeout=900, check=False, env=os.environ | {"RAY_USAGE_STATS_ENABLED": "0"},
-        )  # fmt: skip
-        self.assertEqual(done.returncode, 0, done.stderr)
-        lines = [match.groups() for match in LINE.finditer(done.stdout)]
-        self.assertEqual([line[0] for line in lines], ["1", "2"], done.stdout)
-        return [(int(games), float(points), int(forbidden), int(choices), [int(one) for one in nodes.split(", ")])
-                for _, games, points, forbidden, choices, nodes in lines]  # fmt: skip
+def said(name, *arguments):
+    environment = os.environ | {"RAY_USAGE_STATS_ENABLED": "0"}
+    command = [sys.executable, EXAMPLES / name, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False, env=environment)
+    if done.returncode != 0:
+        raise AssertionError(done.stdout + done.stderr)
+    return done.stdout
 
-    def check(self, lines):
-        for games, points, forbidden, choices, nodes in lines:
-            self.assertGreaterEqual(games, 2)
-            self.assertTrue(math.isfinite(points))
-            self.assertEqual(forbidden, 0)
-            self.assertEqual(len(nodes), 2)
-            self.assertEqual(sum(nodes), choices)
+
+class WithRLlib(unittest.TestCase):
+    def trained(self, iterations, *arguments):
+        """Games, points, choices, and the choices on each node, of each iteration."""
+        out = said("rllib_dispatch.py", "--iterations", str(iterations), "--choices", "60", "--until", "240", *arguments)
+        lines = LINE.findall(out)
+        self.assertEqual([int(line[0]) for line in lines], list(range(1, iterations + 1)), out)
+        for _, games, points, forbidden, choices, nodes in lines:
+            nodes = [int(one) for one in nodes.split(", ")]
+            self.assertEqual((len(nodes), sum(nodes)), (2, int(choices)))
             self.assertGreater(min(nodes), 0)
+            self.assertGreaterEqual(int(games), 2)
+            self.assertTrue(math.isfinite(float(points)))
+            self.assertEqual(forbidden, "0")
+        return lines
 
-    def test_both_play_what_the_mask_allows_and_a_seed_says_what(self):
-        lines = self.trained()
-        self.check(lines)
-        self.assertEqual(self.trained(), lines)
-        self.assertNotEqual(self.trained("--seed", "2"), lines)
+    def test_both_nodes_play_what_the_mask_allows_and_a_seed_trains_the_same_way(self):
+        lines = self.trained(2)
+        self.assertEqual(self.trained(2), lines)
+        # Before it has learned the policy is the same one, so the robots as agents play the same games.
+        self.assertEqual(self.trained(1, "--robots"), lines[:1])
 
-    def test_so_do_the_robots_as_agents(self):
-        self.check(self.trained("--robots"))
+    def test_the_policy_scores_options_wherever_they_stand_and_gives_forbidden_ones_no_chance(self):
+        env = rllib_dispatch.WithMask(RCLLDispatchEnv(until=30.0))
+        self.addCleanup(env.close)
+        torch.manual_seed(1)
+        policy = rllib_dispatch.MaskedPolicy(observation_space=env.observation_space, action_space=env.action_space)
+        head, width = rllib_dispatch.HEAD, rllib_dispatch.WIDTH
+        seen = 2 * torch.rand(1, *env.observation_space["observation"].shape) - 1
+        turned = torch.cat([seen[:, :head], seen[:, head:].roll(width, dims=1)], dim=1)
+        mask = (torch.arange(16) % 3 > 0).to(torch.int8)[None]
 
+        def chances(observation, allowed):
+            out = policy.forward_inference({"obs": {"observation": observation, "action_mask": allowed}})
+            return torch.softmax(out["action_dist_inputs"], dim=1)[0]
 
-class Counting(unittest.TestCase):
+        found = chances(seen, mask)
+        self.assertEqual((found > 0).tolist(), (mask[0] > 0).tolist())
+        self.assertGreater(found[mask[0] > 0].std().item(), 1e-3)
+        torch.testing.assert_close(chances(turned, mask.roll(1, dims=1)), found.roll(1))
+
     def test_what_the_mask_forbids_is_counted(self):
-        sys.path.insert(0, str(EXAMPLE.parent))
-        self.addCleanup(sys.path.remove, str(EXAMPLE.parent))
-        from rllib_dispatch import look_at
-
         seen = {"observation": np.zeros(3, np.float32), "action_mask": np.array([1, 0, 1], np.int8)}
-        game = SingleAgentEpisode(observations=[seen] * 4, actions=[0, 1, 2], rewards=[0.0, 3.0, 2.0], infos=[{}] * 4, terminated=True)
-        logger = MetricsLogger(root=True)
-        look_at([game], logger)
-        told = logger.reduce()
-        print(told)
+        game = SingleAgentEpisode(observations=[seen] * 4, actions=[0, 1, 2], rewards=[0.0, 3.0, 2.0], len_lookback_buffer=0)
+        logger = MetricsLogger()
+        with mock.patch.object(rllib_dispatch.ray, "get_runtime_context") as here:
+            here().get_node_id.return_value = "node"
+            rllib_dispatch.look_at([game], logger)
+        told = [logger.peek(key) for key in ("points", "forbidden", ("choices", "node"))]
+        self.assertEqual(told, [[5.0], 1, 3])
+
+
+class WithStableBaselines(unittest.TestCase):
+    def test_a_trained_policy_plays_a_whole_game_and_takes_what_the_mask_allows(self):
+        self.assertRegex(said("sb3_dispatch.py", "130"), r"\nseed 30001: \d+ points, 0 choices forbidden\n$")
 
 
 if __name__ == "__main__":
