@@ -9,7 +9,6 @@ With --robots each robot is an agent, and so is who begins orders; they share on
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -66,7 +65,7 @@ class MaskedPolicy(TorchRLModule, ValueFunctionAPI):
         return self.value(batch[Columns.OBS]["observation"][:, :HEAD]).squeeze(1)
 
 
-def look_at(samples: Sequence[SingleAgentEpisode | MultiAgentEpisode], metrics_logger: MetricsLogger, **more: Any) -> None:
+def look_at(samples: list[SingleAgentEpisode | MultiAgentEpisode], metrics_logger: MetricsLogger, **more: Any) -> None:
     """Counts, where games are played, their points, their choices, and those that the mask forbids."""
     node = ray.get_runtime_context().get_node_id()
     for game in samples:
@@ -95,19 +94,13 @@ def main() -> None:
     settings = {"until": arguments.until, "journal": "decisions"}
     register_env("dispatch", lambda _: WithMask(RCLLDispatchEnv(**settings)))
     register_env("robots", lambda _: PettingZooEnv(RCLLRobotsEnv(**settings)))
+    size = arguments.choices
     config = (
         PPOConfig()
         .environment("robots" if arguments.robots else "dispatch")
         .env_runners(num_env_runners=int(ray.cluster_resources()["CPU"]), batch_mode="complete_episodes")
         .rl_module(rl_module_spec=RLModuleSpec(module_class=MaskedPolicy))
-        .training(
-            train_batch_size=arguments.choices,
-            minibatch_size=arguments.choices // 4,
-            num_epochs=4,
-            lr=1e-3,
-            gamma=0.999,
-            vf_clip_param=1e6,
-        )
+        .training(train_batch_size=size, minibatch_size=size // 4, num_epochs=4, lr=1e-3, gamma=0.999, vf_clip_param=1e6)
         .callbacks(on_sample_end=look_at)
         .debugging(seed=arguments.seed, log_level="ERROR")
     )
