@@ -8,7 +8,7 @@ Needs NumPy only. A round plays games with the policy of the round before, the f
 branches (`ChoiceGame.what_if`): a copy takes another option and plays on with the same policy to its end. The points that the copy
 has more are what that option is worth at that choice. A ridge regression on the terms of both options gives the next policy, which
 takes the option that is worth most. The last one is in policy.json. curve.csv compares policies with the rules, by seeds kept for that
-(20001...): those from a quarter and from half of the games of a round, and those from all of them.
+(20001...). A round has three of them: from a quarter of its games, from half of them, and from all.
 
 `train` goes on with what training/samples.jsonl has; the same arguments give the same weights, with any number of processes.
 """
@@ -66,7 +66,7 @@ def points_with(game: ChoiceGame, policy: Policy) -> float:
 
 
 def branch(game: ChoiceGame, policy: Policy, choice: Choice, option: int) -> float:
-    """Points of the game if this option is taken; the last one begins none of the others for a while."""
+    """Points of the game with this option. The last option begins none of the others for a while."""
 
     def go_on() -> float:
         game.choose(option)
@@ -135,7 +135,7 @@ def pool_of(processes: int) -> ProcessPoolExecutor:
 
 
 class Training:
-    """What is known so far: the games with their branches (samples.jsonl), and how the policies did (curve.csv)."""
+    """Keeps the games with their branches (samples.jsonl), and how the policies did (curve.csv)."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         folder, self.games, self.seed, self.scenario = Path(arguments.out), arguments.games, arguments.seed, arguments.scenario
