@@ -19,8 +19,8 @@ PERIOD = 0.1  # s of a step
 class TurtlesimEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """A turtle that is to come within 0.3 m of a goal on the canvas; rules may play beside it, as the scenario says.
 
-    Observation: float32, shape (6,), between -1 and 1. Four numbers are the way to the goal: along x and y of the canvas, then ahead and to the
-    left of the turtle, where a side of the canvas is 1. Two are the sine and cosine of its heading. Action: float32, shape (2,), between -1
+    Observation: float32, shape (6,), between -1 and 1. Four numbers are the way to the goal in sides of the canvas. They go along its x and y,
+    and ahead and to the left of the turtle. Two are the sine and cosine of its heading. Action: float32, shape (2,), between -1
     and 1, for 0.1 s. It gives the speed ahead (1 is 2 m/s), and how fast the turtle turns left (1 is 2 rad/s). Reward: the metres by which it came nearer. The
     episode terminates at the goal; it is truncated after 200 steps, or when the scenario ends.
 
