@@ -21,8 +21,8 @@ class TurtlesimEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     Observation: float32, shape (6,), between -1 and 1. Four numbers are the way to the goal in sides of the canvas. They go along its x and y,
     and ahead and to the left of the turtle. Two are the sine and cosine of its heading. Action: float32, shape (2,), between -1
-    and 1, for 0.1 s. It gives the speed ahead (1 is 2 m/s), and how fast the turtle turns left (1 is 2 rad/s). Reward: the metres by which it came nearer. The
-    episode terminates at the goal; it is truncated after 200 steps, or when the scenario ends.
+    and 1, for 0.1 s. It gives the speed ahead (1 is 2 m/s), and how fast the turtle turns left (1 is 2 rad/s). Reward: the metres by which
+    it came nearer. The episode terminates at the goal; it is truncated after 200 steps, or when the scenario ends.
 
     Args:
         scenario: a world of kind turtlesim.
