@@ -28,11 +28,13 @@ std::string address_of(const std::filesystem::path& folder) {
   if (!path_exists(page)) return folder.string();
   std::string address = "file://";
   for (const char c : std::filesystem::absolute(page).lexically_normal().string()) {
-    const bool plain =
-        std::isalnum(static_cast<unsigned char>(c)) || std::string_view("/-._~").find(c) != std::string_view::npos;
+    if (std::isalnum(static_cast<unsigned char>(c)) || std::string_view("/-._~").find(c) != std::string_view::npos) {
+      address += c;
+      continue;
+    }
     char escaped[4];
     std::snprintf(escaped, sizeof escaped, "%%%02X", static_cast<unsigned char>(c));
-    plain ? address += c : address += escaped;
+    address += escaped;
   }
   return address;
 }
