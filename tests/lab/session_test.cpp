@@ -172,7 +172,7 @@ TEST_F(SessionTest, ARerunPlaysFromTheCopiesIfFilesHaveGone) {
   const auto again = rerun(*run, {path("again").string()}, watch.host());
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_THAT(again->differ, IsEmpty());
-  EXPECT_THAT(watch.notes.front(), HasSubstr("all are taken from the run's own copies"));
+  EXPECT_THAT(watch.notes.front(), HasSubstr("cxlab uses the run's own copies of all files"));
 }
 
 }  // namespace
