@@ -208,7 +208,7 @@ std::string Makers::text() const {
   if (changed)
     line(std::string(forbids ? "it was " : "the nearest fact was ") + done_by(changed->kind) + " at " +
          seconds_text(changed->t) + " by " + changed->by.text());
-  // The nearest fact, which still stands, fails beside the conditions before it or in a test: of it all is said.
+  // The nearest fact still stands, and fails in a test or beside the conditions before: the lines above say all of it.
   const bool is_nearest = changed && matched && !gone && matched->number == changed->after.number;
   if (made && !forbids && !is_nearest) {
     const auto when = [](const FactChange& change) {

@@ -25,7 +25,7 @@ def preferred(choice: Choice) -> int:
 
 
 def term_values(choice: Choice, terms: Sequence[str]) -> NDArray[np.float64]:
-    """Of each option its terms: float64, shape (options, terms).
+    """The terms of each option: float64, shape (options, terms).
 
     A term is a feature of the option ("worth"), or the product of one with another feature of the option or of the situation
     ("none*products"); of a name that both have, the option's counts.

@@ -117,7 +117,7 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
 }
 
 TEST(LazySearch, AStateIsAnotherOneAfterItsEvents) {
-  // The door is open at the beginning and once more later: only then is there time to go in.
+  // The door is open at the beginning and once again later: only then is there time to go in.
   Expected<Domain> domain =
       parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (open) (in))
     (:durative-action enter :parameters () :duration (= ?duration 20) :condition (over all (open)) :effect (at end (in)))))",
