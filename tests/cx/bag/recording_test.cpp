@@ -361,7 +361,8 @@ TEST_F(BagFolder, WhatCannotBeReadHasARemedy) {
   EXPECT_THAT(all()[0], HasSubstr("metadata.yaml:2: "));
   EXPECT_THAT(all()[0], HasSubstr("found '../secret.mcap', expected the name of a file in this folder"));
   folder_.write("floor/metadata.yaml", head + "[a.mcap]\n  compression_format: lzma\n  compression_mode: MESSAGE\n");
-  EXPECT_THAT(all()[0], HasSubstr("found the compression 'lzma', expected zstd: rewrite the bag with ros2 bag convert"));
+  EXPECT_THAT(all()[0],
+              HasSubstr("found the compression 'lzma', expected zstd: rewrite the bag with ros2 bag convert"));
   folder_.write("floor/metadata.yaml", head + "[gone.mcap]\n");
   EXPECT_THAT(all(), ElementsAre(file("gone.mcap") + ": the file cannot be read"));
 }
