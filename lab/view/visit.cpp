@@ -112,6 +112,7 @@ Status Visit::connect_to_player() {
   if (!player) return player.error();
   player_ = player->number;
   end_ = player->end;
+  just_opened_ = true;
   while (!left_) {
     if (auto client = ControlClient::connect({.path = player->socket}, {})) {
       const std::lock_guard lock(news_);
@@ -271,12 +272,17 @@ Visit::Answer Visit::carry_out(const std::string& line, bool wait) {
 }
 
 /// Goes to the time that a request names, if it names one and the person is elsewhere; the error that this ends with.
+/// Where the run has just been opened again, that is the time at which the person stood before.
 std::optional<Visit::Answer> Visit::set_time(const Json& request) {
-  const auto found = request.find("t");
+  const bool just_opened = std::exchange(just_opened_, false);
+  auto found = request.find("t");
+  if (found == request.end() && just_opened) found = request.find("stood");
   if (found == request.end() || found->is_null()) return std::nullopt;
   const double t = found->is_number() ? found->get<double>() : -1;
   if (!(t >= 0 && t <= 1e9))
-    return Answer{input_error("\"t\": " + found_expected(json_text(*found), "a time of the run in s")), false, {}};
+    return Answer{input_error('"' + found.key() + "\": " + found_expected(json_text(*found), "a time of the run in s")),
+                  false,
+                  {}};
   if (live_)
     return Answer{
         input_error("this run is still being played: it can be asked about now only, without \"t\""), false, {}};
@@ -310,6 +316,7 @@ ViewReply Visit::ask(const Json& request) {
   if (const auto failed = set_time(request)) return reply(*failed);
   Json question = request;
   question.erase("t");
+  question.erase("stood");
   question.erase("line");
   question.erase("complete");
   Answer answer = asked(question);
@@ -332,6 +339,7 @@ ViewReply Visit::go(const Json& request) {
   }
   const auto command = command_of(request);
   if (!command) return view_error(400, command.error().text());
+  if (const auto failed = set_time(request)) return reply(*failed);
   set_to_.reset();
   if (!client_) return with_place(nullptr);
   if (const Answer gone = carry_out(*command, !request.contains("continue")); gone.error) return reply(gone);

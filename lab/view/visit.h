@@ -69,6 +69,7 @@ class Visit {
   std::optional<int> player_;
   std::optional<double> end_;     // of the run, where it is known
   std::optional<double> set_to_;  // the time that the last question asked for, if the person is still there
+  bool just_opened_ = false;      // the player stands at the beginning
   std::thread watch_, begin_;     // of a live run; of `begin`
 
   std::mutex news_;

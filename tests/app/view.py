@@ -303,6 +303,20 @@ class Questions(View):
         self.assertIn("signal 9", server.ask("facts", t=2, expect=500))
         self.assertEqual(server.ask("facts", t=2), before)
 
+    def test_in_a_run_that_was_opened_again_the_server_stands_where_the_person_stood(self):
+        self.play()
+        server = Server(self, "run")
+        facts = server.ask("facts", t=2)
+        server.go(t=2)
+        step = server.go(step=1)
+        for question, answer in ((lambda: server.ask("facts", stood=2), facts), (lambda: server.go(stood=2, step=1), step)):
+            for pid in server.children()[1:]:
+                os.kill(pid, signal.SIGKILL)
+            server.ask("facts", t=1, expect=500)
+            self.assertEqual(question(), answer)
+        # Nothing was opened again: it goes on from where it stands.
+        self.assertEqual(server.go(stood=1, back=1)["t"], 2)
+
     def test_two_environments(self):
         self.agent(RULES, SCENARIO)
         agent = self.folder / "agent.yaml"

@@ -94,9 +94,10 @@ export class Ask {
 
   // --- The server
 
-  /** Where a question is asked: a time, or where the server stands. */
+  /** Where a question is asked: a time, or where the server stands; after it has opened the run again, at the time of that. */
   when(/** @type {number} */ t) {
-    return this.live || t === this.stood ? {} : { t };
+    if (this.live) return {};
+    return t === this.stood ? { stood: t } : { t };
   }
   /**
    * Asks about a time, that of the slider by default.
@@ -122,7 +123,8 @@ export class Ask {
       await this.turns.take(async () => {
         const when = this.when(this.page.clock.t);
         if ('t' in when && !('t' in order)) await request('go', when);
-        const { place } = await request('go', this.envs.options.length > 1 ? { ...order, env: this.env } : order);
+        const stood = 'stood' in when ? when : {};
+        const { place } = await request('go', { ...stood, ...order, ...(this.envs.options.length > 1 ? { env: this.env } : {}) });
         this.stand(place);
         if (this.live) return;
         this.t = this.stood = Math.min(this.page.clock.end, Math.max(0, place.t));
