@@ -272,7 +272,7 @@ Visit::Answer Visit::carry_out(const std::string& line, bool wait) {
 }
 
 /// Goes to the time that a request names, if it names one and the person is elsewhere; the error that this ends with.
-/// Where the run has just been opened again, that is the time at which the person stood before.
+/// Where this request opened the run again, that is the time at which the person stood before.
 std::optional<Visit::Answer> Visit::set_time(const Json& request) {
   const bool just_opened = std::exchange(just_opened_, false);
   auto found = request.find("t");
