@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play
 from cxlab.learn.policy import Policy, preferred, term_values
 
-KIND = "begin-order"  # jobs stay with the rules: no other job was found to be worth more (benchmarks/README.md)
+KIND = "begin-order"  # jobs stay with the rules: another job is worth no more (docs/reference/learning.md)
 START = LinearPolicy({KIND: {"preferred": 1.0, "none": 0.5}})
 TERMS = ("none", "worth", "worth*worth", "payments", "first_machine_shared", "to_begin", "to_end", "none*time", "none*products")
 TRAINING_SEEDS = 1_000_000  # and up, each played once

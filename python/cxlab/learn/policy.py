@@ -83,7 +83,7 @@ class LinearPolicy:
 
     @staticmethod
     def greedy() -> LinearPolicy:
-        """What the rules choose, as weights: the place where training begins."""
+        """What the rules choose, as weights."""
         return LinearPolicy({kind: {"preferred": 1.0} for kind in KINDS})
 
     def to_json(self) -> str:
