@@ -19,36 +19,18 @@ function(cxlab_install_headers folder)
 endfunction()
 
 # Files that include headers, compiled without making code. Beside the installed headers they may include Eigen's, which
-# find_package(cxlab) finds; a header of another Debian package is an error. In a whole build a file includes the headers of a folder,
-# after the common headers of cxlab.cmake; installed_headers_alone, and the long test of its name, compiles each header by itself, which
-# takes ten times as long.
+# find_package(cxlab) finds; a header of another Debian package is an error. In a whole build one file includes all of them;
+# installed_headers_alone, and the long test of its name, compiles each header by itself, which takes sixty times as long.
 function(cxlab_check_installed_headers)
   set(check "${PROJECT_BINARY_DIR}/installed/check")
   get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
-  set(compiler ${CMAKE_CXX_COMPILER} -std=c++20 ${CXLAB_WARNINGS})
-  list(TRANSFORM CXLAB_COMMON_HEADERS REPLACE "(.+)" "#include \\1\n" OUTPUT_VARIABLE common)
-  string(JOIN "" common ${common})
-  file(CONFIGURE OUTPUT "${check}/common.h" CONTENT "${common}")
-  add_custom_command(OUTPUT "${check}/common.h.gch"
-    COMMAND ${compiler} -isystem "${eigen}" -x c++-header "${check}/common.h" -o "${check}/common.h.gch"
-    DEPENDS "${check}/common.h"
-    COMMENT "Compiling the common headers for the check of installed headers")
   get_property(installed_headers GLOBAL PROPERTY CXLAB_INSTALLED_HEADERS)
-  set(folders "")
-  foreach(pair IN LISTS installed_headers)
-    string(REGEX MATCH "^([^>]+)/[^/>]+>" _ "${pair}")
-    list(APPEND folders "${CMAKE_MATCH_1}")
-    list(APPEND "headers_of_${CMAKE_MATCH_1}" "${pair}")
-  endforeach()
-  list(REMOVE_DUPLICATES folders)
-  foreach(folder IN LISTS folders)
-    _cxlab_check_headers(quick "${folder}" "${headers_of_${folder}}" "${check}/common.h.gch" "-include;${check}/common.h")
-  endforeach()
+  _cxlab_check_headers(together "all installed headers" "${installed_headers}")
   foreach(pair IN LISTS installed_headers)
     string(REGEX MATCH "^([^>]+)>" _ "${pair}")
-    _cxlab_check_headers(alone "${CMAKE_MATCH_1}" "${pair}" "" "")
+    _cxlab_check_headers(alone "${CMAKE_MATCH_1}" "${pair}")
   endforeach()
-  add_custom_target(installed_headers DEPENDS ${stamps_quick})
+  add_custom_target(installed_headers DEPENDS ${stamps_together})
   add_custom_target(installed_headers_alone DEPENDS ${stamps_alone})
   foreach(target IN ITEMS installed_headers installed_headers_alone)
     add_test(NAME ${target} COMMAND ${CMAKE_COMMAND} --build "${PROJECT_BINARY_DIR}" --target ${target})
@@ -58,8 +40,8 @@ function(cxlab_check_installed_headers)
   set_tests_properties(installed_headers_alone PROPERTIES LABELS long TIMEOUT 3600)
 endfunction()
 
-# A stamp, named in stamps_<way>: the headers of a folder, or one, compile together with those options.
-macro(_cxlab_check_headers way name pairs needed options)
+# A stamp, named in stamps_<way>: those headers compile.
+macro(_cxlab_check_headers way name pairs)
   string(MAKE_C_IDENTIFIER "${name}" stem)
   set(stem "${check}/${way}/${stem}")
   set(text "")
@@ -71,13 +53,12 @@ macro(_cxlab_check_headers way name pairs needed options)
   endforeach()
   file(CONFIGURE OUTPUT "${stem}.cpp" CONTENT "${text}")
   add_custom_command(OUTPUT "${stem}.stamp"
-    COMMAND ${compiler} ${options} -fsyntax-only -MD -MF "${stem}.d" -MT "${stem}.stamp"
+    COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${CXLAB_WARNINGS} -fsyntax-only -MD -MF "${stem}.d" -MT "${stem}.stamp"
             "-I${CXLAB_INSTALLED_INCLUDE}" -isystem "${eigen}" "${stem}.cpp"
     COMMAND ${CMAKE_COMMAND} -D "dependencies=${stem}.d" -D "header=${name}" -P "${PROJECT_SOURCE_DIR}/cmake/package/check_header.cmake"
     COMMAND ${CMAKE_COMMAND} -E touch "${stem}.stamp"
     DEPENDS ${files} "${stem}.cpp" "${PROJECT_BINARY_DIR}/include/cx_abi/cx/executive/abi.h" "${PROJECT_SOURCE_DIR}/cmake/package/check_header.cmake"
-            ${needed}
     DEPFILE "${stem}.d"
-    COMMENT "Compiling the headers of ${name}")
+    COMMENT "Compiling ${name}")
   list(APPEND stamps_${way} "${stem}.stamp")
 endmacro()
