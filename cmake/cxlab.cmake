@@ -18,7 +18,7 @@ include_guard(GLOBAL)
 set(CXLAB_C_WARNINGS -Wall -Wextra -Werror)
 set(CXLAB_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Werror)
 
-# Headers that are compiled once for all libraries (CXLAB_UNITY), for all tests, and for the check of installed headers.
+# Headers that are compiled once for all libraries (CXLAB_UNITY) and for all tests.
 set(CXLAB_COMMON_HEADERS <Eigen/Geometry> <algorithm> <any> <array> <atomic> <charconv> <chrono> <cmath> <deque> <filesystem>
   <fstream> <functional> <future> <map> <memory> <mutex> <optional> <random> <ranges> <set> <span> <sstream> <string>
   <string_view> <thread> <unordered_map> <variant> <vector>)
@@ -57,6 +57,17 @@ function(cxlab_check_dependencies)
   endforeach()
 endfunction()
 
+# With CXLAB_UNITY: all sources of the target but the named ones are one file.
+function(cxlab_compile_together target)
+  if(CXLAB_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    # A class of a source file is then a class of an included file, which may not have members of anonymous types. A local
+    # name may also appear in another file.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
+  endif()
+endfunction()
+
 function(cxlab_library target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "FOLDER;SOURCES;ALONE;DEPS;PRIVATE_DEPS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_FOLDER)
@@ -70,18 +81,17 @@ function(cxlab_library target)
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
     target_compile_options(${target} PRIVATE
       "$<$<COMPILE_LANGUAGE:CXX>:${CXLAB_WARNINGS}>" "$<$<COMPILE_LANGUAGE:C>:${CXLAB_C_WARNINGS}>")
+    # A precompiled header costs its users what they do not use of it: GCC makes its templates anew in each. JSON is most of that, and
+    # what is not cold has little of it.
     set(precompiled precompiled_for_libraries)
     if(arg_COLD)
       target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-      set(precompiled precompiled_for_cold_libraries)
+      set(precompiled precompiled_for_cold_libraries HEADERS <nlohmann/json.hpp>)
     endif()
     if(CXLAB_UNITY AND arg_SOURCES MATCHES "\\.cpp")
-      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
-      set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      # A class of a source file is then a class of an included file, which may not have members of anonymous types. A local
-      # name may also appear in another file.
-      target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
-      cxlab_precompiled(${precompiled} ${target} HEADERS <nlohmann/json.hpp>)
+      cxlab_compile_together(${target} ${arg_ALONE})
+      list(POP_FRONT precompiled name)
+      cxlab_precompiled(${name} ${target} ${precompiled})
     endif()
   else()
     add_library(${target} INTERFACE)
@@ -146,11 +156,7 @@ function(cxlab_test name)
   cxlab_executable(${name} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
   target_link_libraries(${name} PRIVATE test_main)
   target_compile_options(${name} PRIVATE -O0)
-  if(CXLAB_UNITY)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
-    set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    target_compile_options(${name} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
-  endif()
+  cxlab_compile_together(${name} ${arg_ALONE})
   cxlab_precompiled(precompiled_for_tests ${name} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
   add_test(NAME ${name} COMMAND ${name})
   set(label short)
