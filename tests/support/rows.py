@@ -100,7 +100,7 @@ def form_of(row, text):
         message = re.sub(r"^errors?: ", "", line)
         if found := INSIDE.search(message):
             wrong.append(f"it shows the inside of the program: {found[0]}")
-        wrong += [f"it shows a path of the machine: {path}" for path in re.findall(r"(?<![\w{}./~-])/(?:home|root|work|tmp|build|usr/src)/[\w./-]*", message) if path not in given]
+        wrong += [f"it shows a path of the machine: {path}" for path in re.findall(r"(?<![\w{}./~-])/(?:home|root|work|tmp|dev/shm|build|usr/src)/[\w./-]*", message) if path not in given]
         if len(message.split()) < 3:
             wrong.append("it is no sentence")
         if re.search(r"[,:(]$", message) and len(line) < LONGEST:
