@@ -200,6 +200,12 @@ class Scenarios(Lab):
             warnings = json.loads((self.folder / "out/result.json").read_text())["warnings"]
             self.assertEqual(["config is " + config in one and "set config, too" in one for one in warnings], [True] * warned)
 
+    def test_a_configuration_of_cx_is_not_a_scenario(self):
+        self.write("scenario.yaml", CONFIG)
+        done = self.run_it()
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("cxlab env runs it", done.stderr)
+
     def test_an_empty_file_of_stimuli_has_none(self):
         self.agent("")
         for text in ("", "# none yet\n", "[]\n"):
