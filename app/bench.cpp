@@ -297,7 +297,7 @@ void add_bench(CLI::App& app, Action& action) {
       "  cxlab bench compare runs/before runs/after");
   add_limit_options(*command);
   CLI::Option* suite = command->add_option("suite", options->suite, "Suite file (YAML)");
-  whole_number(command->add_option("-j", options->jobs, "Episodes at once"), 1, 256);
+  whole_number(command->add_option("-j,--jobs", options->jobs, "Episodes at once"), 1, 256);
   command->add_option("--out", options->out,
                       "Folder of the rows (default runs/bench-<suite>); keeps rows that are still current");
   command->add_option("--time-limit", options->time_limit_s, "Ends an episode after so many seconds of wall time")

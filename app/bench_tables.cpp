@@ -258,7 +258,7 @@ void add_bench_tables(CLI::App& bench, Action& action) {
                            "Differences are from this strategy (default: the first of each scenario)");
   CLI::Option* play_games = page_command->add_flag(
       "--play", paged->play, "Plays the shown games again, into SWEEP/games, and links to their pages");
-  whole_number(page_command->add_option("-j", paged->jobs, "Games at once"), 1, 256)->needs(play_games);
+  whole_number(page_command->add_option("-j,--jobs", paged->jobs, "Games at once"), 1, 256)->needs(play_games);
   page_command->callback([paged, &action] { action = [paged] { return page(*paged); }; });
 
   auto compared = std::make_shared<CompareOptions>();

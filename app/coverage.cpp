@@ -106,7 +106,7 @@ void add_coverage(CLI::App& app, Action& action) {
   add_trust_programs(*command, options->trust_programs);
   command->add_option("--lcov", options->reports.lcov, "Writes the counts as lcov, for genhtml and CI");
   add_coverage(*command, "--html", options->reports);
-  whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
+  whole_number(command->add_option("-j,--jobs", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->footer(
       "cxlab plays the rules of each run again from its records, to its end and through deactivation. A sweep keeps\n"

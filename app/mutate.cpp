@@ -325,7 +325,7 @@ void add_mutate(CLI::App& app, Action& action) {
           "Begins no other mutant after so many seconds; the first play of the stories without a mutant does not count")
       ->check(positive())
       ->type_name("S");
-  whole_number(command->add_option("-j", options->jobs, "Mutants at once"), 1, 256);
+  whole_number(command->add_option("-j,--jobs", options->jobs, "Mutants at once"), 1, 256);
   command->add_option("-k", options->filter, "Plays only the stories for which this holds, as cxlab test -k does")
       ->type_name("EXPR");
   once_each(command->add_option("--file", options->files, "Changes only this rule file, or those of this folder"))

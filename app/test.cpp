@@ -386,7 +386,7 @@ void add_test(CLI::App& app, Action& action) {
       "--coverage", options->coverage.lcov,
       "Reports which rules fired, how far conditions got, and what was called; writes the counts as lcov");
   add_coverage(*command, "--coverage-page", options->coverage);
-  whole_number(command->add_option("-j", options->jobs, "Processes"), 1, 256);
+  whole_number(command->add_option("-j,--jobs", options->jobs, "Processes"), 1, 256);
   command->add_flag("--json", options->json, "Prints JSON");
   command->add_flag("--accept", options->accept,
                     "Replaces golden runs that differ by the new runs; look at the difference first");

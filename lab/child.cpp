@@ -27,7 +27,7 @@ Json answer_of(const Expected<Json>& done) {
 Expected<Child> Child::start(const Work& work) {
   auto pipe = make_pipe();
   if (!pipe) return pipe.error();
-  auto process = Process::fork({}, [&] { return say_to(pipe->to, json_text(answer_of(work()))); });
+  auto process = Process::fork({}, [&] { return say_to(pipe->to, json_text(answer_of(work()))); }, pipe->to.number());
   if (!process) return process.error();
   return Child(std::move(pipe->from), *std::move(process));
 }

@@ -31,16 +31,6 @@ Expected<std::pair<std::string, std::string>> split(const std::string& option, c
 
 // --- Packages around a configuration
 
-/// <name> of a package.xml, else the folder's name.
-std::string package_name(const fs::path& folder) {
-  if (auto text = read_file(folder / "package.xml")) {
-    const std::size_t begin = text->find("<name>"), end = text->find("</name>");
-    if (begin != std::string::npos && end != std::string::npos && begin < end)
-      return text->substr(begin + 6, end - begin - 6);
-  }
-  return folder.filename().string();
-}
-
 /// The package that a configuration lies in: the nearest folder above it with a package.xml; without one, or below the
 /// folder share of a prefix, the folder above "params" or "config", or the folder of the file.
 fs::path package_of(const fs::path& config) {

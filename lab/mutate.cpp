@@ -392,7 +392,7 @@ class MutantPlayer {
       auto pipe = make_pipe();
       if (!pipe) return pipe.error();
       const std::size_t mutant = order_[next_];
-      auto process = Process::fork({}, [&] { return play_in_process(mutant, pipe->to); });
+      auto process = Process::fork({}, [&] { return play_in_process(mutant, pipe->to); }, pipe->to.number());
       if (!process) return process.error();
       ++next_;
       remaining_.begun(kKind);

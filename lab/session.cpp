@@ -85,8 +85,8 @@ struct RunAtPlay {
   Meter game, physics;
   Played played;
   bool refused = false;    // could not begin; its result says why
-  Status so_far;           // of a session; an error has ended it
-  std::int64_t ticks = 0;  // that its steps have played
+  Status so_far;           // an error has ended it
+  std::int64_t ticks = 0;  // that were played
   bool over = false;       // its result is written
 };
 
@@ -268,27 +268,34 @@ bool has_ended(const RunAtPlay& run) {
   return run.episode->over() || run.host.stopped() || (until && to_seconds(run.episode->now()) >= *until);
 }
 
-/// Plays the tick at `next`, which becomes the time of the tick after it.
-Status play_tick(RunAtPlay& run, SimTime& next) {
+Status play_tick(RunAtPlay& run, SimTime next) {
   Episode& episode = *run.episode;
   run.game.begin();
   const Status ticked = episode.tick_at(next);
   run.game.end();
+  ++run.ticks;
   if (!ticked) return ticked;
   const SimTime now = episode.now();
-  next = episode.next_tick();
-  const SimTime seen_until = has_ended(run) ? now : std::min(next, from_seconds(end_of(run)));
-  if (Status s = run.pictures->look(now, seen_until); !s) return s;
-  if (run.video)
-    if (Status s = run.video->look(now, seen_until); !s) return s;
-  run.host.show(to_seconds(episode.now()), end_of(run));
+  if (!run.snapshots.empty() || run.video) {
+    const SimTime seen_until = has_ended(run) ? now : std::min(episode.next_tick(), from_seconds(end_of(run)));
+    if (Status s = run.pictures->look(now, seen_until); !s) return s;
+    if (run.video)
+      if (Status s = run.video->look(now, seen_until); !s) return s;
+  }
+  run.host.show(to_seconds(now), end_of(run));
   if (!run.options.realtime && !run.options.spec.sockets) return {};
   run.game.begin();
-  wait_until(run.wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(episode.now()),
-             run.host);
+  wait_until(run.wall_start + run.control.waited + std::chrono::duration_cast<std::chrono::nanoseconds>(now), run.host);
   run.game.end();
-  next = episode.next_tick();  // others may have sent something meanwhile
   return {};
+}
+
+/// Plays each tick up to `until`, unless the run ends or `pause` returns true after a tick.
+void play_on(RunAtPlay& run, SimTime until, const std::function<bool()>& pause = {}) {
+  for (SimTime next; run.so_far && !has_ended(run) && (next = run.episode->next_tick()) <= until;) {
+    run.so_far = play_tick(run, next);
+    if (pause && pause()) return;
+  }
 }
 
 /// Completes what was drawn of a run that was played so, of one that failed as well.
@@ -485,11 +492,10 @@ Expected<Played> play_scenario(const PlayOptions& options, Scenario scenario, co
   run.scenario = std::move(scenario);
   run.host = host;
   if (Status s = set_up(run); !s) return run.refused ? refused(run, s.error()) : s.error();
-  Status played = prepare_pictures(run);
-  if (played) played = start_agents(run);
-  SimTime next = run.episode->next_tick();
-  while (played && !has_ended(run)) played = play_tick(run, next);
-  return conclude(run, played);
+  run.so_far = prepare_pictures(run);
+  if (run.so_far) run.so_far = start_agents(run);
+  play_on(run, kNever);
+  return conclude(run, run.so_far);
 }
 
 Session::Session() : run_(std::make_unique<RunAtPlay>()) {}
@@ -515,12 +521,7 @@ Expected<std::unique_ptr<Session>> Session::load(const PlayOptions& options, Sce
 Expected<StepReport> Session::step(SimTime until, const std::function<bool()>& pause) {
   RunAtPlay& run = *run_;
   const std::int64_t before = run.ticks;
-  SimTime next = run.episode->next_tick();
-  while (run.so_far && !has_ended(run) && next <= until) {
-    run.so_far = play_tick(run, next);
-    ++run.ticks;
-    if (pause && pause()) break;
-  }
+  play_on(run, until, pause);
   if (!run.so_far) return run.so_far.error();
   return StepReport{run.episode->now(), run.ticks - before, has_ended(run)};
 }

@@ -55,16 +55,19 @@ Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec sp
   spec.seed = job.seed;
   ProcessOptions options;
   if (!job.keep.empty()) options.out = options.err = Stream::null();  // the first play has printed the same
-  auto process = Process::fork(options, [&] {
-    Host confined;
-    confined.most = setup.limits;
-    confined.confine = true;
-    const bool golden = !spec.golden.empty();
-    if (job.keep.empty())
-      return say_to(to, story_answer(golden ? play_golden(spec, confined) : testing::run_story(spec, setup)));
-    const Status kept = golden ? keep_golden(spec, job.keep, confined) : keep_run(spec, setup, job.keep);
-    return kept ? 0 : say_to(to, kept.error().text());
-  });
+  auto process = Process::fork(
+      options,
+      [&] {
+        Host confined;
+        confined.most = setup.limits;
+        confined.confine = true;
+        const bool golden = !spec.golden.empty();
+        if (job.keep.empty())
+          return say_to(to, story_answer(golden ? play_golden(spec, confined) : testing::run_story(spec, setup)));
+        const Status kept = golden ? keep_golden(spec, job.keep, confined) : keep_run(spec, setup, job.keep);
+        return kept ? 0 : say_to(to, kept.error().text());
+      },
+      to.number());
   if (!process) return process.error();
   return Player{number, std::move(job), std::move(pipe->from), *std::move(process)};
 }

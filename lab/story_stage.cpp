@@ -141,7 +141,8 @@ class Stages {
     if (!pipe) return pipe.error();
     ProcessOptions options;
     options.in = Stream::pipe();
-    auto process = Process::fork(options, [&] { return keep_stage(stories_, i, agent.seed, plan_.setup, pipe->to); });
+    auto process = Process::fork(
+        options, [&] { return keep_stage(stories_, i, agent.seed, plan_.setup, pipe->to); }, pipe->to.number());
     if (!process) return process.error();
     stages_.push_back({std::move(agent), std::move(pipe->from), *std::move(process)});
     return {};

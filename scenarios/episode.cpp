@@ -180,6 +180,7 @@ Result Episode::result() const {
     for (const cx::RuleErrorEntry& entry : agent->rule_errors())
       out.rule_errors.push_back({entry.error.rule, entry.error.file, std::string(to_string(entry.error.side)),
                                  entry.error.message, entry.error.line, entry.error.t / scenario_.tick});
+  out.warnings.insert(out.warnings.end(), strange_configs_.begin(), strange_configs_.end());
   for (const auto& agent : agents_)
     for (const Error& warning : agent->warnings()) out.warnings.push_back(warning.text());
   out.journal_hash = journal_.journal_hash();

@@ -165,6 +165,7 @@ class Episode {
   EpisodeOptions options_;
   LimitsInUse limits_;
   std::vector<Shares> shares_;  // by agent
+  std::vector<std::string> strange_configs_;
   Journal journal_;
   std::optional<KeptFiles> files_;
   bus::Registry registry_;

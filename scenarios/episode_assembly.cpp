@@ -92,7 +92,11 @@ Status Episode::open_files() {
   if (options_.replay)
     shares_ = options_.replay->shares;
   else
-    for (const AgentSpec& spec : scenario_.agents) shares_.push_back(scenario_.shares(spec));
+    for (const AgentSpec& spec : scenario_.agents) {
+      shares_.push_back(scenario_.shares(spec));
+      if (std::string warning = scenario_.strange_config(spec); !warning.empty())
+        strange_configs_.push_back(std::move(warning));
+    }
   if (shares_.size() != scenario_.agents.size())
     return input_error("the recorded run has another number of agents", scenario_.file.string());
   auto files = KeptFiles::create(options_.replay ? fs::path() : options_.run_folder, shares_, scenario_.shares({}),

@@ -202,6 +202,10 @@ Expected<Scenario> Scenario::parse(const std::string& text, const std::filesyste
   for (const auto& [key, what] : {std::pair("scenarios", "a suite, and no scenario; cxlab bench plays it"),
                                   {"stories", "a file of stories, and no scenario; cxlab test plays them"}})
     if (document->root().as_map().has(key)) return input_error(std::string("this is ") + what, file.string(), 1);
+  for (const auto& [node, value] : document->root().as_map().entries())
+    if (value.is_map() && value.as_map().has("ros__parameters"))
+      return input_error("this is a configuration of the CLIPS-Executive, and no scenario; cxlab env runs it",
+                         file.string(), 1);
   if (const yaml::Value schema = map.require("schema"); schema && schema.as_integer() != 1)
     schema.fail(found_expected(schema.text(), "1"));
   if (const yaml::Value world = map.get("world")) read_world(world, catalogue, scenario);

@@ -180,6 +180,8 @@ struct Scenario {
   std::filesystem::path resolve(const std::string& relative) const;
   /// The share directory of each package that an agent sees: an absolute path without '.' or '..'.
   std::map<std::string, std::string> shares(const AgentSpec& agent) const;
+  /// A warning where the agent's configuration lies in a package that its packages have in another folder; else empty.
+  std::string strange_config(const AgentSpec& agent) const;
 };
 
 /// A list of stimuli, from a scenario or from a file of its own.

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "cx/base/file.h"
+
 namespace cxlab {
 
 namespace fs = std::filesystem;
@@ -48,6 +50,15 @@ Share find_share() {
   const fs::path source = CXLAB_SOURCE_DIR;
   return Share{source / "cx/interfaces", source / "models",          source / "cx/packages", source / "scenarios",
                source / "docs",          source / "planner/engines", source / "lab/pages",   {}};
+}
+
+std::string package_name(const fs::path& folder) {
+  if (auto text = read_file(folder / "package.xml")) {
+    const std::size_t begin = text->find("<name>"), end = text->find("</name>");
+    if (begin != std::string::npos && end != std::string::npos && begin < end)
+      return text->substr(begin + 6, end - begin - 6);
+  }
+  return folder.filename().string();
 }
 
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes) {

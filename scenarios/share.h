@@ -30,6 +30,9 @@ Share find_share();
 /// there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
 
+/// <name> of the package.xml in a folder, else the folder's name.
+std::string package_name(const std::filesystem::path& folder);
+
 /// The packages that come with cxlab: folders of `Share::packages`, by name.
 std::map<std::string, std::string> own_packages();
 

@@ -14,6 +14,8 @@
 #include <sstream>
 #include <thread>
 
+#include "cx/base/servant.h"
+
 extern char** environ;
 
 namespace cxlab {
@@ -129,9 +131,9 @@ Expected<Process> Process::start(const ProcessOptions& options) {
   });
 }
 
-Expected<Process> Process::fork(const ProcessOptions& options, const std::function<int()>& work) {
-  return fork_child(options, "a copy of this process", [&](int ready) -> int {
-    close(ready);
+Expected<Process> Process::fork(const ProcessOptions& options, const std::function<int()>& work, int kept) {
+  return fork_child(options, "a copy of this process", [&](int) -> int {
+    close_all_but(kept);  // the pipe of `fork_child` as well, which so reports a start
     const int code = work();
     std::fflush(nullptr);
     _exit(code);

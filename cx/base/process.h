@@ -40,7 +40,9 @@ class Process {
   /// Runs a program. kResource if it cannot be run.
   static Expected<Process> start(const ProcessOptions& options);
   /// Runs `work` in a copy of this process, which must have one thread only. `argv` and `environment` have no meaning.
-  static Expected<Process> fork(const ProcessOptions& options, const std::function<int()>& work);
+  /// Of the descriptors of this process the copy has the standard streams and `kept` only: rules that escape in it
+  /// reach no other copy.
+  static Expected<Process> fork(const ProcessOptions& options, const std::function<int()>& work, int kept = -1);
 
   Process(Process&& other) noexcept { *this = std::move(other); }
   Process& operator=(Process&& other) noexcept;

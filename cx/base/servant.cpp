@@ -84,9 +84,7 @@ void leave_behind(int line) {
   for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGSYS}) std::signal(number, SIG_DFL);
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
-  const auto from = static_cast<unsigned>(STDERR_FILENO + 1), own = static_cast<unsigned>(line);
-  if (own > from) close_range(from, own - 1, 0);
-  close_range(own + 1, ~0U, 0);
+  close_all_but(line);
 }
 
 [[noreturn]] void serve(int line, const Servant::Work& work, const std::function<void()>& at_end) {
@@ -114,6 +112,13 @@ Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
 
 Descriptor::~Descriptor() {
   if (number_ >= 0) close(number_);
+}
+
+void close_all_but(int kept) {
+  constexpr unsigned kFirst = STDERR_FILENO + 1;
+  const unsigned own = kept < static_cast<int>(kFirst) ? kFirst - 1 : static_cast<unsigned>(kept);
+  if (own > kFirst) close_range(kFirst, own - 1, 0);
+  close_range(own + 1, ~0U, 0);
 }
 
 Expected<Servant> Servant::start(Work work, std::function<void()> at_end) {

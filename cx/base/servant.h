@@ -28,6 +28,9 @@ class Descriptor {
   int number_;
 };
 
+/// Closes all descriptors of this process but the standard streams and `kept`.
+void close_all_but(int kept);
+
 class Servant {
  public:
   struct Answer {

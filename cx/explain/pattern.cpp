@@ -376,9 +376,9 @@ bool Pattern::match(const FactCopy& fact, Bindings& bindings, Evaluator* evaluat
   return Matching(*this, bindings, evaluator, found).all_slots(fact, 0);
 }
 
-bool Pattern::matches(const FactCopy& fact) const {
+bool Pattern::matches(const FactCopy& fact, Evaluator* evaluator) const {
   Bindings bindings;
-  return match(fact, bindings, nullptr, [] { return true; });
+  return match(fact, bindings, evaluator, [] { return true; });
 }
 
 std::vector<Mismatch> Pattern::mismatches(const FactCopy& fact, const Bindings& bindings, Evaluator* evaluator) const {

@@ -64,7 +64,7 @@ class Pattern {
   /// whether it did. The bindings are as before afterwards. Expressions hold without an evaluator, or where one of
   /// their variables has no value.
   bool match(const FactCopy& fact, Bindings& bindings, Evaluator* evaluator, const std::function<bool()>& found) const;
-  bool matches(const FactCopy& fact) const;
+  bool matches(const FactCopy& fact, Evaluator* evaluator = nullptr) const;
   /// The slots that do not match, each looked at on its own after those before it.
   std::vector<Mismatch> mismatches(const FactCopy& fact, const Bindings& bindings = {},
                                    Evaluator* evaluator = nullptr) const;

@@ -303,6 +303,7 @@ Expected<Look> look(RuleEngine& engine, const ConstructInfo& rule, const Wanted&
   }
   if (out.count == 0) out.unmet = Explainer(matcher).first_unmet(alternatives, {begun});
   if (matcher.exhausted()) out.unmet = from_counts(engine, rule, "there are too many combinations to look at each");
+  if (out.unmet) out.unmet->module = rule.module;
   return out;
 }
 

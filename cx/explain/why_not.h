@@ -29,6 +29,7 @@ struct UnmetCondition {
   bool none_there = false;          ///< there is no fact of its template at all
   std::optional<std::size_t> matches_alone;  ///< of a pattern: facts that match it without the conditions before
   Values values;                             ///< in the combination that got furthest
+  std::string module = "MAIN";               ///< of the rule
 
   /// Text, reason and fact in one line.
   std::string print() const;

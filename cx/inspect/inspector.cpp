@@ -265,16 +265,17 @@ std::optional<std::uint64_t> Inspector::last_firing(const std::string& rule, std
   return last == all.rend() ? std::nullopt : std::optional(*last);
 }
 
-std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& pattern, std::uint64_t end) const {
+std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& pattern, explain::Evaluator* evaluator,
+                                                  std::uint64_t end) const {
   for (std::uint64_t n = std::min(timeline_->end(), end); n-- > timeline_->begin();) {
     const std::int64_t fact = timeline_->fact(n);
     if (fact == 0 || timeline_->kind(n) == RecordKind::kRetract || timeline_->name(n) != pattern.template_name() ||
-        !pattern.matches(timeline_->fact_after(n)))
+        !pattern.matches(timeline_->fact_after(n), evaluator))
       continue;
     const auto changes = timeline_->changes(fact);
     const auto at = std::ranges::lower_bound(changes, n);
     if (timeline_->kind(n) != RecordKind::kModify || at == changes.begin() ||
-        !pattern.matches(timeline_->fact_after(*(at - 1))))
+        !pattern.matches(timeline_->fact_after(*(at - 1)), evaluator))
       return n;
   }
   return std::nullopt;

@@ -144,8 +144,10 @@ class Inspector {
   static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
   /// The record of the rule's last firing, of those before `end`; none if it has not fired.
   std::optional<std::uint64_t> last_firing(const std::string& rule, std::uint64_t end = kAll) const;
-  /// The last record that made a fact match the pattern, of those before `end`.
-  std::optional<std::uint64_t> last_made(const explain::Pattern& pattern, std::uint64_t end = kAll) const;
+  /// The last record that made a fact match the pattern by itself, of those before `end`. Expressions have their
+  /// present values; they hold without an evaluator.
+  std::optional<std::uint64_t> last_made(const explain::Pattern& pattern, explain::Evaluator* evaluator = nullptr,
+                                         std::uint64_t end = kAll) const;
 
   /// How record `n` came about.
   Derivation why(std::uint64_t n) const;

@@ -105,10 +105,11 @@ std::string how_of(const check::Touch& touch, const Needed& wanted, bool forbids
 }
 
 /// The slots in which facts of the pattern's template differ from it; empty where one matches.
-std::set<std::string> differing_slots(const RuleEngine& engine, const explain::Pattern& pattern) {
+std::set<std::string> differing_slots(const RuleEngine& engine, const explain::Pattern& pattern,
+                                      explain::Evaluator& evaluator) {
   std::set<std::string> slots;
   for (const FactCopy& fact : engine.facts(pattern.template_name())) {
-    const auto mismatches = pattern.mismatches(fact);
+    const auto mismatches = pattern.mismatches(fact, {}, &evaluator);
     if (mismatches.empty()) return {};
     for (const explain::Mismatch& one : mismatches) slots.insert(one.slot);
   }
@@ -146,6 +147,7 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
   out.forbids = found.negated;
 
   RuleEngine& engine = inspector.engine();
+  explain::Evaluator evaluator(engine, unmet.module);
   check::Outside outside;
   outside.open = true;
   const auto base = check::RuleBase::read(sources_of(engine), std::move(outside));
@@ -164,7 +166,7 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
       maker.lacks = explain::unmet_condition(engine, *info);
     out.makers.push_back(std::move(maker));
   };
-  const Needed needed{*wanted, out.forbids ? std::set<std::string>() : differing_slots(engine, *pattern)};
+  const Needed needed{*wanted, out.forbids ? std::set<std::string>() : differing_slots(engine, *pattern, evaluator)};
   for (const check::Touch& touch : base->touches()) {
     const std::string how = how_of(touch, needed, out.forbids);
     if (how.empty()) continue;
@@ -181,13 +183,13 @@ std::optional<Makers> makers_of(const Inspector& inspector, const explain::Unmet
     return std::pair(!maker.last || doers.contains(maker.rule), maker.last.value_or(SimTime::min()));
   });
 
-  if (const auto made = inspector.last_made(*pattern)) {
+  if (const auto made = inspector.last_made(*pattern, &evaluator)) {
     out.made = inspector.change(*made);
     out.matched = out.made->after;
     for (const std::uint64_t n : inspector.timeline().changes(static_cast<std::int64_t>(out.made->after.number))) {
       if (n <= *made || out.gone) continue;
       FactChange later = inspector.change(n);
-      if (later.kind == RecordKind::kRetract || !pattern->matches(later.after))
+      if (later.kind == RecordKind::kRetract || !pattern->matches(later.after, &evaluator))
         out.gone = std::move(later);
       else
         out.matched = std::move(later.after);

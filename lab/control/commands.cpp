@@ -506,7 +506,7 @@ Debugger::Answer Debugger::back_until(const std::string& what) {
     if (!selected_.empty() && environment->unique_name() != selected_) continue;
     const inspect::Inspector inspector = inspect(*environment);
     const std::uint64_t end = end_here(*environment);
-    const auto n = is_fact ? inspector.last_made(*pattern, end) : inspector.last_firing(what, end);
+    const auto n = is_fact ? inspector.last_made(*pattern, nullptr, end) : inspector.last_firing(what, end);
     const auto there = n ? before_record(*environment, *n) : std::nullopt;
     if (there && (!last || *there > *last)) last = there;
   }

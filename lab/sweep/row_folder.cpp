@@ -90,11 +90,8 @@ RowFolder::RowFolder(RowFolder&& other) noexcept
       lock_(std::exchange(other.lock_, -1)),
       known_(std::move(other.known_)) {}
 
-RowFolder::~RowFolder() { release(); }
-
-void RowFolder::release() {
+RowFolder::~RowFolder() {
   if (lock_ >= 0) close(lock_);
-  lock_ = -1;
 }
 
 fs::path RowFolder::unfinished(const fs::path& file) const {

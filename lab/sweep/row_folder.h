@@ -57,8 +57,6 @@ class RowFolder {
   RowFolder(RowFolder&& other) noexcept;
   RowFolder& operator=(RowFolder&&) = delete;
   ~RowFolder();
-  /// In a copy of the process: the use is that of the original.
-  void release();
 
   std::filesystem::path file_of(const Cell& cell) const { return rows_ / (row_name(cell) + ".json"); }
   std::filesystem::path log_of(const Cell& cell) const { return rows_ / (row_name(cell) + ".log"); }

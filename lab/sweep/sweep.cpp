@@ -231,7 +231,6 @@ class CellPlayer {
     const FileNames& names = matcher_.names_of(cell);
     const std::string& commit = matcher_.agent_commit_of(cell);
     auto started = Process::fork(process, [&] {
-      folder_.release();
       auto out = AppendFile::create(part);  // the process opens no file of the sweep once rules have run
       if (!out) return kRowNotWritten;
       const Row row = play(cell, *suite_.catalogue, matcher_.program(), names, commit, host_);

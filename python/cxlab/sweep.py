@@ -207,7 +207,8 @@ def bench(
     Games that are there already and would come out the same are kept.
 
     Args:
-        suite: a file (docs/reference/sweeps.md), or what it holds, with files relative to the current folder.
+        suite: a file (docs/reference/sweeps.md), or what it holds, with files relative to the current folder and names of
+            shipped scenarios.
         out: the folder; without it runs/bench-<suite>. A suite that is no file needs one.
         jobs: games that are played at once.
         time_limit: ends a game after so many seconds of wall time.
@@ -237,7 +238,7 @@ def bench(
 def _with_absolute_files(suite: Mapping[str, Any]) -> dict[str, Any]:
     out = dict(suite)
     if "scenarios" in out:
-        out["scenarios"] = [os.path.abspath(name) for name in out["scenarios"]]
+        out["scenarios"] = [os.path.abspath(name) if os.path.exists(name) else name for name in out["scenarios"]]
     if "games" in out:
         out["games"] = os.path.abspath(out["games"])
     if "earlier" in out:

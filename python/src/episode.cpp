@@ -39,7 +39,7 @@ constexpr auto kStretch = std::chrono::milliseconds(50);
 class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
  public:
   /// The levels of Python's logging that are wanted now.
-  void listen() { least_ = nb::cast<int>(logger().attr("getEffectiveLevel")()); }
+  void listen() { least_ = nb::cast<int>(logger_.attr("getEffectiveLevel")()); }
   void line(const cx::LogLine& line) override {
     constexpr int kLevels[] = {10, 20, 30, 40};
     const int level = kLevels[static_cast<std::size_t>(line.level)];
@@ -55,12 +55,12 @@ class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
   void hand_over() {
     if (lines_.empty()) return;
     const auto lines = std::exchange(lines_, {});
-    const nb::object log = logger().attr("log");
+    const nb::object log = logger_.attr("log");
     for (const auto& [level, line] : lines) log(level, "%s", text(line));
   }
 
  private:
-  static nb::object logger() { return nb::module_::import_("logging").attr("getLogger")("cxlab"); }
+  nb::object logger_ = nb::module_::import_("logging").attr("getLogger")("cxlab");
   int least_ = 30;
   std::vector<std::pair<int, std::string>> lines_;
 };

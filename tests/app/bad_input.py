@@ -191,6 +191,21 @@ class Scenarios(Lab):
         remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: packages: {rules: DIR} in the scenario or story, or --package rules=DIR of cxlab env and test"
         self.scenario_fails(SCENARIO.replace("packages: {rules: rules}\n", ""), "agent.yaml:7: " + remedy)
 
+    def test_a_configuration_of_another_copy_of_its_package_is_a_warning(self):
+        shutil.copytree(SOURCE / "scenarios/rcll/agent", self.folder / "copy")
+        packages = f"agents[0].packages={{rcll_agent: {self.folder}/copy}}"
+        for config, warned in (("agent/params/agent.yaml", True), (f"{self.folder}/copy/params/agent.yaml", False)):
+            self.assertEqual(0, subprocess.run([CXLAB, "run", SOURCE / "scenarios/rcll/game.yaml", "--tier", "timed", "--until", "1", "--force", "--quiet", "--out", self.folder / "out",
+                                               "--set", packages, "--set", f"agents[0].config={config}"], capture_output=True).returncode)
+            warnings = json.loads((self.folder / "out/result.json").read_text())["warnings"]
+            self.assertEqual(["config is " + config in one and "set config, too" in one for one in warnings], [True] * warned)
+
+    def test_a_configuration_of_cx_is_not_a_scenario(self):
+        self.write("scenario.yaml", CONFIG)
+        done = self.run_it()
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("cxlab env runs it", done.stderr)
+
     def test_an_empty_file_of_stimuli_has_none(self):
         self.agent("")
         for text in ("", "# none yet\n", "[]\n"):

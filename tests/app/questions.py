@@ -272,7 +272,15 @@ class WhyNot(Lab):
         said = self.cxlab("why-not", run, "bright").stdout
         self.assertIn("watts is 3, not ?w&:(> ?w 5)", said)
         self.assertIn("the nearest fact was asserted at 0.000 s by the start of the environment", said)
-        self.assertNotIn("matched", said)
+        self.assertIn("no fact has matched", said)
+
+    def test_a_fact_that_fails_in_a_test_has_not_matched_either(self):
+        boxes = "(deftemplate box (slot n) (slot weight))\n(deffacts boxes (wanted 1) (box (n 1) (weight 3)) (box (n 2) (weight {})))\n"
+        rule = "(deffunction heavy (?w) (> ?w 5))\n(defrule lift (wanted ?n) (box (n ?n) (weight ?w&:(heavy ?w))) => )"
+        said = self.cxlab("why-not", self.agent(boxes.format(4) + rule), "lift").stdout
+        self.assertIn("no fact has matched (box (n ?n) (weight ?w&:(heavy ?w))) so far", said)
+        said = self.cxlab("why-not", self.agent(boxes.format(6) + rule, out="heavier"), "lift").stdout
+        self.assertRegex(said, r"the last fact that matched [^:]*:\(heavy \?w\)\)\)[,:]\s+\(box \(n 2\) \(weight 6\)\)")
 
     def test_a_value_that_no_rule_sets(self):
         run = self.agent()

@@ -1,5 +1,6 @@
 #include "cx/base/process.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -7,8 +8,10 @@
 #include <fstream>
 #include <iterator>
 #include <thread>
+#include <utility>
 
 #include "cx/base/scratch_folder.h"
+#include "cx/base/servant.h"
 
 namespace cxlab {
 namespace {
@@ -188,6 +191,23 @@ TEST_F(ProcessTest, ForkRunsAFunctionOnACopy) {
   EXPECT_EQ(process->wait(), 5);
   EXPECT_EQ(here, 1);
   EXPECT_EQ(text_of(path("out")), "from the copy");
+}
+
+TEST_F(ProcessTest, ForkLeavesBehindWhatThisProcessHasOpenButForOneDescriptor) {
+  const Descriptor before(open("/dev/null", O_RDONLY)), kept(open("/dev/null", O_RDONLY)),
+      after(open("/dev/null", O_RDONLY));
+  const auto open_in_copy = [&] {
+    int sum = 0;
+    for (const auto& [descriptor, value] : {std::pair(&before, 1), {&kept, 2}, {&after, 4}})
+      if (fcntl(descriptor->number(), F_GETFD) >= 0) sum += value;
+    return sum;
+  };
+  EXPECT_EQ(open_in_copy(), 7);
+  for (const auto& [number, expected] : {std::pair(kept.number(), 2), {-1, 0}, {STDIN_FILENO, 0}}) {
+    auto process = Process::fork({}, open_in_copy, number);
+    ASSERT_TRUE(process);
+    EXPECT_EQ(process->wait(), expected);
+  }
 }
 
 TEST_F(ProcessTest, ForkReadsItsInputToTheEnd) {
