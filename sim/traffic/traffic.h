@@ -109,7 +109,7 @@ class Traffic {
   /// Rests of the robots other than `except` for which `only` holds.
   template <class Only>
   std::vector<Keepout> rests(std::size_t except, Only only) const;
-  /// Of these robots, the one whose rest comes first on the way; if none lies on it, the nearest.
+  /// The robot among these whose rest comes first on the way; if none lies on it, the nearest.
   template <class Only>
   std::optional<RobotId> first_on(std::span<const Vec2> way, std::size_t except, Only only) const;
   std::vector<Keepout> rests(std::size_t except) const;

@@ -15,6 +15,7 @@ import sys
 import tempfile
 
 from referee_model import CAP_OF, GATE, OPERATE, RINGS_OF, STORED, WORTH
+from scene_tracks import SceneTracks
 
 SCENARIOS = pathlib.Path(__file__).resolve().parents[3] / "scenarios/rcll"
 FAULTS = """faults=[{kind: machine_breaks, machine: C-RS1, at: 300}, {kind: machine_breaks, machine: C-CS2, mean_s: 300},
