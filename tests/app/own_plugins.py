@@ -158,6 +158,8 @@ class OwnPackages(Installed):
         self.assertRegex(own_world("list", "worlds").stdout, r"(?m)^grid +a robot")
         self.assertIn("world.map[2]: found 2 cells, expected 12", own_world("run", maze, "--set", "world.map[2]=..", expect=3).stderr)
         self.assertIn("found 'grid', expected one of: none, rcll, turtlesim", call(self.cxlab, "run", maze, expect=3).stderr)
+        self.assertIn("found 'grid'", call(self.cxlab, "export", run, "--csv", expect=3).stderr)
+        self.assertFalse((run / "export").exists())
 
     def test_shipped_scenarios_play_where_they_are_installed(self):
         for name in (line.split()[0] for line in call(self.cxlab, "list", "scenarios").stdout.splitlines()):
