@@ -450,15 +450,17 @@ def comes_near(robots, robot, whom, begin, until, there):
 
 def waits(game):
     """A robot that waits is held up by a fault, or another one stands on its later way or drives across it: that one is named."""
-    steps, stands = collections.defaultdict(list), collections.defaultdict(list)
+    steps, stands, thwarted = (collections.defaultdict(list) for _ in range(3))
     for t, kind, d in game.records:
         if kind == "skill" and d["event"] != "refused":
             steps[d["robot"]].append((t, d))
-        elif kind == "fault" and d["fault"] in STANDS:
+        if kind == "fault" and d["fault"] in STANDS:
             stands[d["robot"]].append(t)
+        if kind == "fault" or kind == "skill" and d["event"] == "end" and (d["code"] or d["cancelled"]):
+            thwarted[d.get("robot")].append(t)
     for robot, its in steps.items():
         for i, ((t, d), (until, _)) in enumerate(zip(its, its[1:]), 1):
-            if d.get("phase") != "wait" or until - t < TICK:
+            if d.get("phase") != "wait" or until - t < 1.5 * TICK:
                 continue
             what, whom = f"at {t:.2f} s {robot} waits for {d.get('for')}", d.get("for")
             if whom is None and not any(t - STANDS_FOR <= at <= until for at in stands[robot]):
@@ -468,7 +470,9 @@ def waits(game):
             if whom == robot or whom not in game.robots.points:
                 yield what
                 continue
-            there = next((at for at, step in its[i:] if step.get("phase") not in ("wait", "drive")), until)
+            there = next((at for at, step in its[i:] if step.get("phase") not in ("wait", "drive")), None)
+            if there is None or any(t <= at <= there for at in thwarted[robot] + thwarted[whom]):
+                continue  # one of them does not drive as it was planned
             # It also waits for one that it made room for, and that a fault then halted.
             begin = t - MAKES_ROOM if any(at <= t <= at + STANDS_FOR for at in stands[whom]) else t
             if (nearest := comes_near(game.robots, robot, whom, begin, until, there)) > IN_THE_WAY:
@@ -503,11 +507,11 @@ def changes():
     def other(**values):
         return lambda t, kind, d: [(t, kind, {**d, **{k: v(d[k]) if callable(v) else v for k, v in values.items()}})]
 
-    def third(records):
-        """Each wait names the robot that is neither this one nor the one in its way."""
-        for i, (t, kind, d) in enumerate(records):
-            if "for" in d:
-                records[i] = (t, kind, {**d, "for": next(r for r in ("robot1", "robot2", "robot3") if r not in (d["robot"], d["for"]))})
+    def all_wait(choose):
+        """Each robot that waits for one waits for another one, or for none."""
+        def change(records):
+            records[:] = [(t, kind, {**d, "for": choose(d["robot"], d["for"])} if "for" in d else d) for t, kind, d in records]
+        return change
     right = {"correct": True}
     yield phases, "production comes twice", edit(twice, "phase", -1, phase="PRODUCTION")
     yield phases, "a score comes after the game", edit(later(2000), "score")
@@ -569,9 +573,9 @@ def changes():
     yield skills, "a piece comes to a robot that drives", edit(other(from_name="robot9"), "piece", **{"from": "gripper", "to": "belt"})
     yield skills, "a robot works off the field", edit(
         lambda t, kind, d: [(t - 5, "referee", {"event": "maintenance", "robot": d["robot"], "state": "begin"}), (t, kind, d)], "start")
-    yield waits, "a robot waits for nobody", edit(lambda t, kind, d: [(t, kind, {k: v for k, v in d.items() if k != "for"})], "phase", phase="wait")
-    yield waits, "a robot waits for itself", edit(lambda t, kind, d: [(t, kind, {**d, "for": d["robot"]})], "phase", phase="wait")
-    yield waits, "all robots wait for a third one", third
+    yield waits, "robots wait for nobody", all_wait(lambda robot, whom: None)
+    yield waits, "robots wait for themselves", all_wait(lambda robot, whom: robot)
+    yield waits, "robots wait for a third one", all_wait(lambda *two: next(r for r in ("robot1", "robot2", "robot3") if r not in two))
     yield no_errors, "a rule raises an error", edit(lambda t, kind, d: [(t, "error", d)], "end")
 
 
