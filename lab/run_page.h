@@ -33,7 +33,7 @@ inline constexpr std::size_t kLargestPage = 3'000'000;
 
 // --- Pages that `cxlab view` serves: they have no data, but fetch it (docs/reference/view.md)
 
-/// The page of a run. `head` as for `run_page`; its `live`: the run goes on.
+/// The page of a run. `head` as for `run_page`; its `live`: the run goes on; `in_folder`: "/" lists more runs.
 Expected<std::string> served_run_page(Json head);
 /// "runs.html", the table of the runs of a folder, or "two.html", two runs side by side.
 Expected<std::string> served_page(const std::string& name);

@@ -33,6 +33,20 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+/// "begin-order" of "order-begin" and "begin_order".
+std::string with_sorted_words(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (const char c : name)
+    if (c == '-' || c == '_' || c == ':' || c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  std::ranges::sort(words);
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : "-") + word;
+  return out;
+}
+
 }  // namespace
 
 /// Whether `text` has all letters of `word` in their order: then letters were left out, the commonest slip.
@@ -45,9 +59,11 @@ static bool is_shortened(const std::string& word, const std::string& text) {
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;
+  const std::string sorted = with_sorted_words(word);
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
-    const std::size_t distance = edit_distance(word, candidate);
+    const std::size_t distance =
+        std::min(edit_distance(word, candidate), 1 + edit_distance(sorted, with_sorted_words(candidate)));
     const std::size_t longer = std::max(word.size(), candidate.size());
     if (distance >= longer || (distance > 1 && 2 * distance >= longer)) continue;  // too little in common
     const bool as_near = distance == best_distance && !best.empty();

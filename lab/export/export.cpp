@@ -19,15 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that are being made, under other names until all are whole.
+/// Files that are being made, under other names until all are whole, and the folders that are made for them.
 class Parts {
  public:
+  Status make(const fs::path& folder) {
+    std::error_code none;
+    std::vector<fs::path> missing;
+    for (fs::path at = folder; !at.empty() && !fs::exists(at, none); at = at.parent_path()) missing.push_back(at);
+    folders_.insert(folders_.end(), missing.rbegin(), missing.rend());
+    return make_folder(folder);
+  }
   /// The name under which it is made.
   fs::path begin(const fs::path& file, const std::string& format) {
     files_.push_back({file.string(), format});
     return part_of(files_.back().path);
   }
-  /// Gives all their names, or takes them away.
+  /// Gives all their names, or takes them and their folders away.
   Status end(Status made) {
     for (const Exported::File& file : files_) {
       std::error_code none;
@@ -36,6 +43,9 @@ class Parts {
       else
         fs::remove(part_of(file.path), none);
     }
+    std::error_code none;
+    if (!made)
+      for (auto folder = folders_.rbegin(); folder != folders_.rend(); ++folder) fs::remove(*folder, none);
     return made;
   }
   std::vector<Exported::File>& files() { return files_; }
@@ -43,6 +53,7 @@ class Parts {
  private:
   static fs::path part_of(const std::string& file) { return file + ".part"; }
   std::vector<Exported::File> files_;
+  std::vector<fs::path> folders_;
 };
 
 std::string name_of(const Run& run) {
@@ -60,8 +71,6 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
   const fs::path folder = to_file ? out.parent_path() : out;
   if (to_file && is_folder(out))
     return usage_error("--out: " + out.string() + " is a folder, expected the name of a file");
-  if (!folder.empty())
-    if (Status s = make_folder(folder); !s) return s.error();
   const auto file_of = [&](const std::string& suffix) { return to_file ? out : folder / (name_of(run) + suffix); };
 
   Exported done;
@@ -72,6 +81,8 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
   std::vector<PassListener*> listeners;
 
   const auto begin = [&]() -> Status {
+    if (!folder.empty())
+      if (Status s = parts.make(folder); !s) return s;
     if (options.mcap) {
       auto made = McapExport::create(run, options.stretch, options.pictures, parts.begin(file_of(".mcap"), "mcap"));
       if (!made) return made.error();
@@ -97,7 +108,7 @@ Expected<Exported> export_run(const Run& run, const ExportOptions& options, cons
          {std::tuple{options.csv, "csv", &create_csv}, {options.parquet, "parquet", &create_parquet}}) {
       if (!wanted) continue;
       const fs::path of_tables = formats == 1 && !options.out.empty() ? folder : folder / format;
-      if (Status s = make_folder(of_tables); !s) return s;
+      if (Status s = parts.make(of_tables); !s) return s;
       auto made = TableExport::create(
           run, options.stretch,
           [&parts, of_tables, format, create](const std::string& name, std::vector<TableColumn> columns) {

@@ -40,11 +40,17 @@ void add_word(std::string& text, std::string_view word) {
 
 }  // namespace
 
+std::string phase_of(const RecordValue& skill) {
+  std::string out(skill.text("phase"));
+  if (const std::string_view who = skill.text("for"); !who.empty()) (out += " for ") += who;
+  return out;
+}
+
 std::string state_after(const RecordValue& skill) {
   const std::string_view event = skill.text("event");
   if (event == "end" || event == "refused") return "idle";
   std::string out(skill.text("skill"));
-  add_word(out, skill.text("phase"));
+  add_word(out, phase_of(skill));
   add_word(out, skill.text("target"));
   return out;
 }
@@ -103,6 +109,7 @@ void StoryChannels::put_skill(const JournalRecord& record) {
   bus::Message message = bag_.make("cxlab_msgs/msg/Skill");
   set_stamp(message->nested("stamp"), record.t);
   for (const char* const key : {"robot", "skill", "target", "event", "phase"}) message->set(key, data.text(key));
+  message->set("waits_for", data.text("for"));
   message->set("state", state_after(data)).set("code", data.integer("code"));
   message->set("error", data.text(data.text("event") == "refused" ? "reason" : "error"));
   message->set("cancelled", data.flag("cancelled")).set("duration_s", data.real("duration_s"));

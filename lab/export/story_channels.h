@@ -37,6 +37,8 @@ class StoryChannels final : public PassListener {
   std::size_t next_line_ = 0;
 };
 
+/// "wait for robot2", "drive": of a record of a skill.
+std::string phase_of(const RecordValue& skill);
 /// What a robot does after a record of its skill: "transport drive C-RS1"; "idle" after the end.
 std::string state_after(const RecordValue& skill);
 /// What happened, in one word: the record's `event`, `fault`, `what`, `op` or `template`.

@@ -94,7 +94,7 @@ void TraceExport::hear_skill(const JournalRecord& record) {
     skills_[record.stream] = {robot,
                               {std::string(data.text("skill")) + ' ' + std::string(data.text("target")), record.t}};
   } else if (event == "phase") {
-    phases_[record.stream] = {robot, {std::string(data.text("phase")), record.t}};
+    phases_[record.stream] = {robot, {phase_of(data), record.t}};
   } else if (event == "end") {
     const auto skill = skills_.find(record.stream);
     if (skill == skills_.end()) return;

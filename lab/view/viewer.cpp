@@ -118,6 +118,7 @@ ViewReply Viewer::answer_run(const ViewRequest& request, const std::string& id, 
   if (is_data) return {200, "application/json", json_text(parts->run)};
   if (!run->unfinished) page_data_.emplace(id, json_text(parts->run));
   (void)visit(id, *folder);  // the reader of the page asks soon
+  parts->head["in_folder"] = !only();
   return view_run_page(*run, std::move(parts->head));
 }
 

@@ -31,6 +31,7 @@ class FaultySkills final : public RobotSkills {
   SkillPhase phase() const override {
     return stalled() ? SkillPhase::kWait : searching() ? SkillPhase::kLook : skills_->phase();
   }
+  std::optional<RobotId> waits_for(SimTime now) const override { return skills_->waits_for(now); }
   SkillKind part() const override { return !begun_ ? goal_.kind : astray_ ? leg_.kind : skills_->part(); }
   double remaining(SimTime now) const override { return stalled() ? 0 : skills_->remaining(now); }
   SimTime next_due() const override;

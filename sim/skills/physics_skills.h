@@ -23,6 +23,7 @@ class PhysicsSkills final : public RobotSkills {
   void act(SimTime now) override;
   void drop(SimTime now) override;
   SkillPhase phase() const override { return phase_; }
+  std::optional<RobotId> waits_for(SimTime now) const override { return traffic_.waits_for(robot_, now); }
   SkillKind part() const override { return goal_.kind; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override { return now_; }  // a stepped world is looked at each tick

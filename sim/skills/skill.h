@@ -113,6 +113,8 @@ class RobotSkills {
   /// Lets go of what the robot holds, wherever it is: a fault, not a skill.
   virtual void drop(SimTime now) = 0;
   virtual SkillPhase phase() const = 0;
+  /// In the phase `kWait`: the robot that is in the way; nothing if a fault holds this one up.
+  virtual std::optional<RobotId> waits_for(SimTime now) const = 0;
   /// The skill, or what a transport is at: a pick, then a place.
   virtual SkillKind part() const = 0;
   /// Metres still to drive.

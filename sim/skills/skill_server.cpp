@@ -197,22 +197,30 @@ void SkillServer::note_doing() {
   }
   doing_ = to_string(active_->action->kind);
   (doing_ += ' ') += to_string(active_->phase.value_or(SkillPhase::kWait));
+  if (active_->waits_for) (doing_ += " for ") += plan_.robot(*active_->waits_for).name;
   if (const std::string& target = active_->skill.target; !target.empty())
     (doing_ += ' ') += target.substr(0, kMostOfATarget);
 }
 
 void SkillServer::report_phase(SimTime now) {
-  if (!active_ || active_->phase == skills_.phase()) return;
+  if (!active_) return;
+  const SkillPhase phase = skills_.phase();
+  const auto waits_for = phase == SkillPhase::kWait ? skills_.waits_for(now) : std::nullopt;
+  const bool is_new = active_->phase != phase;
+  if (!is_new && active_->waits_for == waits_for) return;
   count_phase(now, stats_);
   active_->phase_since = now;
-  active_->phase = skills_.phase();
+  active_->phase = phase;
+  active_->waits_for = waits_for;
   note_doing();
   const Action& action = *active_->action;
   record(action, active_->skill.target, "phase");
-  data_.field("phase", to_string(*active_->phase));
+  data_.field("phase", to_string(phase));
+  if (waits_for) data_.field("for", plan_.robot(*waits_for).name);
   sink_.write(stream_, now, RecordKind::kSkill, data_);
+  if (!is_new) return;
   auto feedback = std::make_shared<bus::Message>(*action.type->feedback);
-  feedback->view().set("phase", to_string(*active_->phase)).set("remaining_m", skills_.remaining(now));
+  feedback->view().set("phase", to_string(phase)).set("remaining_m", skills_.remaining(now));
   if (action.kind == SkillKind::kTransport) feedback->view().set("sub_action", sub_action());
   bus_.publish_feedback(action.endpoint, active_->goal, std::move(feedback));
 }

@@ -50,7 +50,7 @@ class SkillServer {
   void take(SimTime now);
   /// The robot is off the field, from now on or no more: what it does is aborted, and every goal until it is back.
   void set_off_field(bool off, SimTime now);
-  /// Posts the phase if it has changed.
+  /// Posts the phase if it has changed. A robot that waits now for another one leaves a record alone.
   void report_phase(SimTime now);
 
   bus::ParticipantId node() const { return node_; }
@@ -59,7 +59,8 @@ class SkillServer {
   void ask_whether_known(std::function<bool(StationId)> knows) { knows_ = std::move(knows); }
   bool active() const { return active_.has_value(); }
   RobotStats stats(SimTime now) const;
-  /// "idle", "off-field", or skill, phase and target: "pick drive C-BS-OUTPUT". A target of more than 80 bytes is cut.
+  /// "idle", "off-field", or skill, phase and target: "pick drive C-BS-OUTPUT", "pick wait for robot2 C-BS-OUTPUT". A
+  /// target of more than 80 bytes is cut.
   const std::string& doing() const { return doing_; }
 
  private:
@@ -75,6 +76,7 @@ class SkillServer {
     SimTime since{};
     SimTime phase_since{};
     std::optional<SkillPhase> phase;
+    std::optional<RobotId> waits_for;
     bool cancelling = false;
   };
 

@@ -26,6 +26,7 @@ class TimedSkills final : public RobotSkills {
   void act(SimTime now) override;
   void drop(SimTime) override { book_.drop(robot_); }
   SkillPhase phase() const override { return phase_; }
+  std::optional<RobotId> waits_for(SimTime now) const override { return traffic_.waits_for(robot_, now); }
   SkillKind part() const override { return goal_.kind; }
   double remaining(SimTime now) const override { return traffic_.remaining(robot_, now); }
   SimTime next_due() const override;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace cxlab::sim {
 namespace {
@@ -164,6 +165,22 @@ std::vector<Keepout> Traffic::rests(std::size_t except, Only only) const {
   return keepouts;
 }
 
+template <class Only>
+std::optional<RobotId> Traffic::first_on(std::span<const Vec2> way, std::size_t except, Only only) const {
+  std::optional<RobotId> found;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vec2& p : way)
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      if (i == except || !only(i)) continue;
+      if (const double apart = distance(p, robots_[i].rest); apart < nearest) {
+        nearest = apart;
+        found = static_cast<RobotId>(i);
+      }
+      if (nearest < kGap) return found;
+    }
+  return found;
+}
+
 std::vector<Keepout> Traffic::rests(std::size_t except) const {
   return rests(except, [](std::size_t) { return true; });
 }
@@ -215,6 +232,7 @@ void Traffic::plan(SimTime now) {
 
 void Traffic::attempt(std::size_t index, SimTime now) {
   Robot& robot = robots_[index];
+  if (!robot.moving) robot.blocked_by.reset();
   if (!robot.wants || robot.unreachable || robot.speed == 0) return;
   const auto conflicts = [&](std::size_t other) {
     return other != index && distance(robots_[other].rest, footprint_at_goal(robot)) < kGap;
@@ -229,29 +247,38 @@ void Traffic::attempt(std::size_t index, SimTime now) {
   if (robot.yields_to) {
     const Robot& other = robots_[*robot.yields_to];
     const bool still_here = other.wants && !(other.moving && other.purpose == Purpose::kGoal);
-    if (still_here && other.order < robot.order && now < robot.yields_until) return;
+    if (still_here && other.order < robot.order && now < robot.yields_until) {
+      robot.blocked_by = static_cast<RobotId>(*robot.yields_to);
+      return;
+    }
     robot.yields_to.reset();
   }
   if (map_.clearance(robot.goal.position()) < kGoalClearance) {
     robot.unreachable = true;
     return;
   }
-  bool occupied = false, waits = false;
+  bool occupied = false;
+  std::optional<RobotId> waits_for;
   for (std::size_t i = 0; i < robots_.size(); ++i)
     if (conflicts(i)) {
       occupied = true;
-      waits = waits || !movable(robots_[i], now);
+      if (!waits_for && !movable(robots_[i], now)) waits_for = static_cast<RobotId>(i);
     }
-  if (waits) return queue(index, now);
+  if (waits_for) {
+    queue(index, now);
+    robot.blocked_by = waits_for;
+    return;
+  }
   if (!occupied && drive_to_goal(index, now)) return;
 
-  const auto fixed = rests(index, [&](std::size_t i) { return !movable(robots_[i], now); });
-  const auto way = map_.route(robot.pose.position(), robot.goal.position(), fixed);
+  const auto stays = [&](std::size_t i) { return !movable(robots_[i], now); };
+  const auto way = map_.route(robot.pose.position(), robot.goal.position(), rests(index, stays));
   if (!way) {
-    if (fixed.empty() || !map_.route(robot.pose.position(), robot.goal.position(), {}))
-      robot.unreachable = true;
-    else
-      queue(index, now);
+    const auto free = map_.route(robot.pose.position(), robot.goal.position(), {});
+    const auto first = free ? first_on(*free, index, stays) : std::nullopt;
+    robot.unreachable = !first;
+    if (first) queue(index, now);
+    robot.blocked_by = first;
     return;
   }
   const Segment end = footprint_at_goal(robot);
@@ -260,7 +287,9 @@ void Traffic::attempt(std::size_t index, SimTime now) {
     const Robot& other = robots_[i];
     if (!movable(other, now)) continue;
     const double to_way = std::min(distance_to_way(other.rest.a, *way), distance(other.rest, end));
-    if (to_way < kGap && !displace(i, *way, end, index, robots_.size(), now)) return;
+    if (to_way >= kGap) continue;
+    robot.blocked_by = static_cast<RobotId>(i);
+    if (!displace(i, *way, end, index, robots_.size(), now)) return;
   }
   if (!robot.moving) drive_to_goal(index, now);
 }
@@ -312,8 +341,7 @@ bool Traffic::commit(std::size_t index, std::span<const Vec2> way, double yaw, c
   return true;
 }
 
-std::optional<SimTime> Traffic::delay_of(std::size_t index, Trajectory& motion, const Segment& rest,
-                                         SimTime now) const {
+std::optional<SimTime> Traffic::delay_of(std::size_t index, Trajectory& motion, const Segment& rest, SimTime now) {
   SimTime last = now;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Robot& other = robots_[i];
@@ -321,28 +349,33 @@ std::optional<SimTime> Traffic::delay_of(std::size_t index, Trajectory& motion, 
   }
   for (SimTime delay{};; delay += kDelayStep) {
     motion.begin_at(now + delay);
-    if (meets_nobody(index, motion, rest, now)) return delay;
+    const auto met = met_by(index, motion, rest, now);
+    if (!met) return delay;
+    robots_[index].blocked_by = met;
     if (now + delay > last + 2 * kTimeMargin) return std::nullopt;
   }
 }
 
-bool Traffic::meets_nobody(std::size_t index, const Trajectory& motion, const Segment& rest, SimTime now) const {
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    const Robot& other = robots_[i];
-    if (i == index || !other.moving) continue;
-    const double gap = std::min(kMovingGap, distance(motion.point_at(now), other.rest) - 0.005);
-    const SimTime end = std::max(motion.end(), other.motion.end()) + kTimeMargin;
-    for (SimTime t = now; t <= end; t += kSample) {
-      const Vec2 mine = motion.point_at(t);
-      const double apart = distance(mine, other.motion.point_at(t));
-      if (apart < gap) return false;
-      if (apart < kMovingGap + kReachOfASample)
-        for (const SimTime early : {-kTimeMargin, -kTimeMargin / 2, kTimeMargin / 2, kTimeMargin})
-          if (distance(mine, other.motion.point_at(std::max(now, t + early))) < gap) return false;
-      if (t >= motion.end() - kTimeMargin && distance(other.motion.point_at(t), rest) < gap) return false;
-    }
+std::optional<RobotId> Traffic::met_by(std::size_t index, const Trajectory& motion, const Segment& rest,
+                                       SimTime now) const {
+  for (std::size_t i = 0; i < robots_.size(); ++i)
+    if (i != index && robots_[i].moving && meets(motion, rest, robots_[i], now)) return static_cast<RobotId>(i);
+  return std::nullopt;
+}
+
+bool Traffic::meets(const Trajectory& motion, const Segment& rest, const Robot& other, SimTime now) {
+  const double gap = std::min(kMovingGap, distance(motion.point_at(now), other.rest) - 0.005);
+  const SimTime end = std::max(motion.end(), other.motion.end()) + kTimeMargin;
+  for (SimTime t = now; t <= end; t += kSample) {
+    const Vec2 mine = motion.point_at(t);
+    const double apart = distance(mine, other.motion.point_at(t));
+    if (apart < gap) return true;
+    if (apart < kMovingGap + kReachOfASample)
+      for (const SimTime early : {-kTimeMargin, -kTimeMargin / 2, kTimeMargin / 2, kTimeMargin})
+        if (distance(mine, other.motion.point_at(std::max(now, t + early))) < gap) return true;
+    if (t >= motion.end() - kTimeMargin && distance(other.motion.point_at(t), rest) < gap) return true;
   }
-  return true;
+  return false;
 }
 
 // --- Making room
@@ -402,6 +435,7 @@ bool Traffic::displace(std::size_t index, std::span<const Vec2> way, const Segme
   const auto go = [&](std::span<const Vec2> aside) {
     if (!commit(index, aside, robot.pose.yaw, {aside.back(), aside.back()}, Purpose::kYield, now)) return false;
     robot.yields_to = for_robot;
+    robot.blocked_by = static_cast<RobotId>(for_robot);
     robot.yields_until = now + kYieldFor;
     return true;
   };
@@ -424,6 +458,7 @@ void Traffic::brake(std::size_t index, SimTime now) {
   robot.motion = robot.motion.braked(now, limits_);
   ++robot.motions;
   robot.purpose = Purpose::kBrake;
+  robot.blocked_by.reset();
   robot.rest = footprint_at(robot.motion.last());
   changed_ = true;
   brake_others(index, now);

@@ -56,6 +56,10 @@ class Traffic {
   bool waiting(RobotId robot, SimTime now) const {
     return at(robot).wants && (!at(robot).moving || now < at(robot).motion.start());
   }
+  /// The robot that is in the way of one that waits; nothing if a fault holds that one up.
+  std::optional<RobotId> waits_for(RobotId robot, SimTime now) const {
+    return waiting(robot, now) ? at(robot).blocked_by : std::nullopt;
+  }
   /// The current motion, or the last one; nullptr before the first.
   const Trajectory* motion(RobotId robot) const { return at(robot).motion.empty() ? nullptr : &at(robot).motion; }
   /// Grows with each new motion of the robot.
@@ -91,8 +95,9 @@ class Traffic {
     std::optional<std::size_t>
         yields_to;  ///< the robot whose way it left; it drives back only after that one has passed
     SimTime yields_until{};
-    double speed = 1;    ///< share of the limits
-    double stretch = 1;  ///< of the time of its motions
+    std::optional<RobotId> blocked_by;  ///< who it would meet or whose place it needs, at the last attempt
+    double speed = 1;                   ///< share of the limits
+    double stretch = 1;                 ///< of the time of its motions
   };
 
   const Robot& at(RobotId id) const { return robots_[index_of(id)]; }
@@ -104,14 +109,19 @@ class Traffic {
   /// Rests of the robots other than `except` for which `only` holds.
   template <class Only>
   std::vector<Keepout> rests(std::size_t except, Only only) const;
+  /// The robot among these whose rest comes first on the way; if none lies on it, the nearest.
+  template <class Only>
+  std::optional<RobotId> first_on(std::span<const Vec2> way, std::size_t except, Only only) const;
   std::vector<Keepout> rests(std::size_t except) const;
 
   void attempt(std::size_t robot, SimTime now);
   bool commit(std::size_t robot, std::span<const Vec2> way, double yaw, const Segment& rest, Purpose purpose,
               SimTime now);
-  /// The shortest delay after which the motion meets nobody, or nothing.
-  std::optional<SimTime> delay_of(std::size_t robot, Trajectory& motion, const Segment& rest, SimTime now) const;
-  bool meets_nobody(std::size_t robot, const Trajectory& motion, const Segment& rest, SimTime now) const;
+  /// The shortest delay after which the motion meets nobody, or nothing. Notes the last one that it would meet before.
+  std::optional<SimTime> delay_of(std::size_t robot, Trajectory& motion, const Segment& rest, SimTime now);
+  /// The first robot that the motion would meet.
+  std::optional<RobotId> met_by(std::size_t robot, const Trajectory& motion, const Segment& rest, SimTime now) const;
+  static bool meets(const Trajectory& motion, const Segment& rest, const Robot& other, SimTime now);
   bool drive_to_goal(std::size_t robot, SimTime now);
   void queue(std::size_t robot, SimTime now);
   /// Sends a robot to a place off the way; if others enclose it, these first.

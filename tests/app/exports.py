@@ -1,5 +1,6 @@
 """cxlab export: the same bytes each time, a trace that follows the rules of its format, tables, and errors."""
 
+import collections
 import csv
 import json
 import shutil
@@ -91,6 +92,11 @@ class Exports(Lab):
             self.assertLessEqual(skill["ts"] + skill["dur"], end + 1)
         for phase in of("skills", "phase"):
             self.assertTrue(any(s["tid"] == phase["tid"] and s["ts"] <= phase["ts"] and phase["ts"] + phase["dur"] <= s["ts"] + s["dur"] + 1 for s in of("skills", "skill")))
+        waits = lambda phases: collections.Counter(name for name in phases if name.startswith("wait"))
+        recorded = [r["data"] for r in records if r["kind"] == "skill" and r["data"].get("phase") == "wait"]
+        names_of_waits = waits(d["phase"] + (f" for {d['for']}" if "for" in d else "") for d in recorded)
+        self.assertTrue(any(name.startswith("wait for robot") for name in names_of_waits), names_of_waits)
+        self.assertEqual(waits(e["name"] for e in of("skills", "phase")), names_of_waits)
         for machine in of("machine", "state"):
             self.assertRegex(names[machine["pid"], machine["tid"]], r"^[CM]-")
 
@@ -145,6 +151,16 @@ class Exports(Lab):
         self.write("file", "")
         self.cxlab("export", "out", "--csv", "-o", "file", code=5)
         self.cxlab("export", "out", "--mcap", "-o", "file/a.mcap", code=5)
+        # A scenario that cannot be read: no folder is left behind, but one that was there stays.
+        (scenario,) = (path for path in (self.out / "files").iterdir() if path.read_bytes().startswith(b"schema: 1"))
+        known = scenario.read_text()
+        scenario.write_text(known + "world: {kind: grid}\n")
+        self.write("kept/note", "")
+        for out in ([], ["-o", "new/deep"], ["-o", "kept"], ["--parquet", "-o", "kept/new"]):
+            self.assertIn("was changed", self.cxlab("export", "out", "--csv", *out, code=3).stderr)
+        self.assertFalse((self.out / "export").exists() or (self.folder / "new").exists())
+        self.assertEqual([path.name for path in (self.folder / "kept").iterdir()], ["note"])
+        scenario.write_text(known)
         # A record that its definition does not fit: nothing is left behind.
         journal = (self.out / "journal.jsonl").read_text()
         self.assertIn('"op":"publish"', journal)

@@ -273,7 +273,11 @@ class Waits(unittest.TestCase):
                                            robot["time_s"], places=6)
                     sums = [s for s in answer["sums"] if s["robot"] == name]
                     self.assertAlmostEqual(sum(s["length_s"] for s in sums), robot["standing_s"] + robot["idle_s"], places=6)
-                    self.assertAlmostEqual(sum(s["length_s"] for s in sums if s["for"] == "way"), way[name], delta=0.1)
+                    in_the_way = [s for s in sums if " was in the way of its " in s["why"]]
+                    self.assertAlmostEqual(sum(s["length_s"] for s in in_the_way), way[name], delta=0.1)
+                    for s in in_the_way:
+                        self.assertEqual(s["why"].split()[0], s["for"], "the robot in the way is named")
+                        self.assertIn(s["for"], set(busy) - {name})
 
     def test_waits_do_not_overlap_and_are_within_the_stretch(self):
         for game in GAMES:

@@ -9,6 +9,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from pages import RunPage
+
 SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
 BUILD = Path(os.environ["CXLAB_BUILD_DIR"])
 CMAKE = os.environ["CMAKE"]
@@ -141,6 +143,13 @@ class OwnPackages(Installed):
         for seed in (1, 2):
             again = json.loads(own_world("run", maze, "--seed", seed, "--out", "none", "--json").stdout)
             self.assertEqual(again["journal_hash"] == result["journal_hash"], seed == 1)
+        (lane,) = RunPage(run).lanes()
+        self.assertEqual(lane["name"], "robot")
+        for kind in ("step", "bump"):
+            bars = [bar for bar in lane["bars"] if bar["kind"] == kind and bar["text"] != "step stay"]
+            self.assertEqual(len(bars), result["grid"][kind + "s"])
+            for bar in bars:
+                self.assertAlmostEqual(bar["end"] - bar["begin"], 0.5)
         self.assertIn("rules: the same", own_world("replay", run).stdout)
         own_world("rerun", run, "--out", self.folder / "rerun")
         self.assertIn("turn-back", own_world("why-not", run, "turn-back", "--at", 10).stdout)
@@ -149,6 +158,8 @@ class OwnPackages(Installed):
         self.assertRegex(own_world("list", "worlds").stdout, r"(?m)^grid +a robot")
         self.assertIn("world.map[2]: found 2 cells, expected 12", own_world("run", maze, "--set", "world.map[2]=..", expect=3).stderr)
         self.assertIn("found 'grid', expected one of: none, rcll, turtlesim", call(self.cxlab, "run", maze, expect=3).stderr)
+        self.assertIn("found 'grid'", call(self.cxlab, "export", run, "--csv", expect=3).stderr)
+        self.assertFalse((run / "export").exists())
 
     def test_shipped_scenarios_play_where_they_are_installed(self):
         for name in (line.split()[0] for line in call(self.cxlab, "list", "scenarios").stdout.splitlines()):

@@ -517,6 +517,7 @@ class Folders(View):
             status, headers, content = server.send("GET", path)
             self.assertEqual((status, headers["Content-Type"]), (200, "text/html; charset=utf-8"))
             self.assertNotIn(b"<img src=x", content)
+            self.assertEqual(content.count(b'<a href="/">all runs</a>'), path.startswith("/run/"))
         # A run that comes later is found, and the others keep their ids.
         self.play(out="runs/a-first")
         again = {run["name"]: run["id"] for run in server.get("/api/runs")["runs"]}

@@ -179,7 +179,9 @@ class Exports(Lab):
         # What the journal tells.
         skills = [r["data"] for r in journal if r["kind"] == "skill"]
         found = [m for topic, messages in read.items() if topic.startswith("/cxlab/skills/") for _, m in messages]
-        self.assertEqual(sorted((s["robot"], s["skill"], s["target"], s["event"]) for s in skills), sorted((m["robot"], m["skill"], m["target"], m["event"]) for m in found))
+        self.assertEqual(sorted((s["robot"], s["skill"], s["target"], s["event"], s.get("phase", ""), s.get("for", "")) for s in skills),
+                         sorted((m["robot"], m["skill"], m["target"], m["event"], m["phase"], m["waits_for"]) for m in found))
+        self.assertTrue(any(" wait for robot" in m["state"] for m in found))
         events = [(r["t"], r["stream"], r["n"], r["kind"], r["data"]) for r in journal if r["kind"] in ("referee", "decision", "control", "error")]
         self.assertEqual(events, [(t, m["stream"], m["n"], m["kind"], json.loads(m["data"])) for t, m in read["/cxlab/events"]])
         result = json.loads((self.out / "result.json").read_text())

@@ -110,6 +110,32 @@ TEST_F(OwnWorldExample, SceneHasTheRobotTheGoalAndTheWalls) {
   EXPECT_EQ(recorded->at(recorded->end())->entities, last.entities);
 }
 
+TEST_F(OwnWorldExample, PageHasALaneWithEachStepAndBump) {
+  const auto scenario = maze();
+  const Result result = played({});
+  std::vector<JournalRecord> records(3);
+  for (JournalRecord& record : records) record.stream = "node/grid";
+  records[0].data.value = RecordValue::Map{{"event", {"step"}}, {"to", {"east"}}, {"begin_s", {1.0}}};
+  records[0].t = from_seconds(1.5);
+  records[1].data.value = RecordValue::Map{{"event", {"bump"}}, {"to", {"north"}}, {"begin_s", {1.5}}};
+  records[1].t = from_seconds(2);
+  records[2].stream = "node/other";
+  const std::filesystem::path none;
+  const auto page = grid::kWorld.page({none, *scenario, records, {}, from_seconds(9), true, {}}, result);
+  ASSERT_TRUE(page.ok());
+  const auto& lanes = std::get<PageLanes>(page->parts.back());
+  ASSERT_EQ(lanes.lanes.size(), 1u);
+  EXPECT_EQ(lanes.lanes[0].name, "robot") << "that of the entity of the scene";
+  const auto& bars = lanes.lanes[0].bars;
+  ASSERT_EQ(bars.size(), 2u);
+  EXPECT_EQ(std::tie(bars[0].kind, bars[0].begin, bars[0].end, bars[0].text),
+            std::make_tuple(std::string("step"), 1.0, 1.5, std::string("step east")));
+  EXPECT_EQ(std::tie(bars[1].kind, bars[1].begin, bars[1].end, bars[1].text),
+            std::make_tuple(std::string("bump"), 1.5, 2.0, std::string("bump north")));
+  for (const PageBar& bar : bars)
+    EXPECT_NE(std::ranges::find(page->kinds, bar.kind, &PageKind::name), page->kinds.end());
+}
+
 TEST_F(OwnWorldExample, PictureShowsRobotGoalAndWalls) {
   auto scenario = maze({"world.map=['SG', '#.']"});
   auto episode = load(*scenario);

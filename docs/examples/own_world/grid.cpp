@@ -92,10 +92,14 @@ class Robot final : public Server, public Referee {
     const bus::Delivery& request = requests_.front();
     const std::string& wanted = request.message->view().text("direction");
     bus::Message answer(response_);
-    if (const auto found = std::ranges::find(kDirections, wanted, &Direction::name); found != kDirections.end())
-      answer->set("moved", move(*found));
-    else
+    if (const auto found = std::ranges::find(kDirections, wanted, &Direction::name); found != kDirections.end()) {
+      const bool moved = move(*found);
+      answer->set("moved", moved);
+      data_.begin().field("event", moved ? "step" : "bump").field("to", wanted).field("begin_s", to_seconds(begun_));
+      sink_.write(stream_, now, RecordKind::kReferee, data_);
+    } else {
       answer->set("error", "direction: found '" + wanted + "', expected north, east, south, west or stay");
+    }
     answer->set("row", at_.row).set("column", at_.column).set("at_goal", over());
     bus_.respond(request.endpoint, request, std::make_shared<const bus::Message>(std::move(answer)));
     requests_.pop_front();
@@ -112,12 +116,13 @@ class Robot final : public Server, public Referee {
 
  private:
   Robot(const StageSetup& setup, const bus::MessageType& response)
-      : config_(setup.scenario.world.get<Config>()), bus_(setup.bus), response_(response) {
+      : config_(setup.scenario.world.get<Config>()), bus_(setup.bus), sink_(setup.sink), response_(response) {
     auto starts = config_.cells('S');
     if (starts.empty()) starts = config_.cells('.');
     at_ = starts[RandomStream(setup.scenario.seed, "grid/start").below(starts.size())];
     way_ = {at_};
-    self_ = bus_.join(bus::ParticipantKind::kNode, {"grid", "/", {}}, setup.sink.open_stream("node/grid"));
+    stream_ = sink_.open_stream("node/grid");
+    self_ = bus_.join(bus::ParticipantKind::kNode, {"grid", "/", {}}, stream_);
   }
   bool move(const Direction& direction) {
     const Cell to{at_.row + direction.rows, at_.column + direction.columns};
@@ -128,7 +133,10 @@ class Robot final : public Server, public Referee {
 
   Config config_;
   bus::Bus& bus_;
+  RecordSink& sink_;
   const bus::MessageType& response_;
+  StreamId stream_{};
+  RecordData data_;
   bus::ParticipantId self_{};
   std::deque<bus::Delivery> requests_;  ///< the first is carried out
   SimTime begun_{};                     ///< when the first began
@@ -186,6 +194,23 @@ constexpr Metric kMetrics[]{
     {.name = "bumps", .what = "steps into a wall", .from = "grid.bumps", .more_is_better = false, .title = "bumps"},
 };
 
+/// The page of a run: a lane with the steps and bumps of the robot, beside the scene.
+Expected<RunPage> page_of(const AskedRun& run, const Result& result) {
+  PageLane lane{"robot", {}, {}};
+  for (const JournalRecord& record : run.records)
+    if (const std::string event(record.data.text("event")); record.stream == "node/grid")
+      lane.bars.push_back({PageBar::Shape::kBar, event, record.data.real("begin_s"), to_seconds(record.t),
+                           event + ' ' + std::string(record.data.text("to"))});
+  RunPage page;
+  page.kinds = {{.name = "step", .fill = "#56b4e9", .ink = ""},
+                {.name = "bump", .fill = "#d55e00", .ink = "", .hatched = true}};
+  page.parts.emplace_back(
+      PageTable{"The way to the goal", {"steps", "bumps"}, {{result.at("grid.steps"), result.at("grid.bumps")}}});
+  page.parts.emplace_back(
+      PageLanes{"What the robot did", {{"step", "steps"}, {"bump", "bumps into a wall"}}, {std::move(lane)}});
+  return page;
+}
+
 class GridStage final : public Stage {
  public:
   explicit GridStage(std::unique_ptr<Robot> robot) : robot_(*robot) {
@@ -241,6 +266,7 @@ constinit const WorldKind kWorld{
     },
     .sections = kSections,
     .metrics = kMetrics,
+    .page = page_of,
 };
 
 }  // namespace grid

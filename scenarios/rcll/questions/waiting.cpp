@@ -189,11 +189,11 @@ void add_standing(const GameStory& story, const RobotStory& robot, const SkillRu
     if (when.empty()) continue;
     if (phase.name == "wait") {
       const std::string doing = skill.skill + ' ' + skill.target;
-      const FaultStruck* fault = standing_fault(story, robot, phase.when.from);
-      for (const Interval& part : without(when, story.pauses))
-        out.push_back({fault ? Waiting{part, "fault", "the fault " + fault->kind + " held up its " + doing}
-                             : Waiting{part, "way", "another robot was in the way of its " + doing},
-                       true});
+      const FaultStruck* fault = phase.waits_for.empty() ? standing_fault(story, robot, phase.when.from) : nullptr;
+      const std::string what = fault ? "fault" : phase.waits_for.empty() ? "way" : phase.waits_for;
+      const std::string why = fault ? "the fault " + fault->kind + " held up its "
+                                    : (what == "way" ? "another robot" : what) + " was in the way of its ";
+      for (const Interval& part : without(when, story.pauses)) out.push_back({{part, what, why + doing}, true});
       continue;
     }
     // A pick looks, or handles, from before its piece has come.

@@ -187,7 +187,8 @@ void GameStory::take_skill(const JournalRecord& record) {
   if (event != "phase" && event != "end") return;
   if (!skill.phases.empty()) skill.phases.back().when.to = record.t;
   if (event == "phase") {
-    skill.phases.push_back({{record.t, kNever}, std::string(record.data.text("phase"))});
+    skill.phases.push_back(
+        {{record.t, kNever}, std::string(record.data.text("phase")), std::string(record.data.text("for"))});
     return;
   }
   skill.when.to = record.t;

@@ -37,6 +37,7 @@ struct SkillRun {
   struct PhaseOf {
     Interval when;
     std::string name;
+    std::string waits_for;  ///< the robot that is in the way; empty: not known
   };
   std::vector<PhaseOf> phases;
 };

@@ -67,6 +67,15 @@ TEST(NearestWord, FindsOneSlip) {
   EXPECT_EQ(nearest_word("rup", {"rip", "run"}), "rip") << "of two as near, the first";
 }
 
+TEST(NearestWord, FindsWordsInAnotherOrder) {
+  EXPECT_EQ(nearest_word("begin-order", {"order-late", "order-begin"}), "order-begin");
+  EXPECT_EQ(nearest_word("begin_order", {"order-begin"}), "order-begin");
+  EXPECT_EQ(nearest_word("state-of-machine-lost", {"lost-machine-of-state"}), "lost-machine-of-state");
+  EXPECT_EQ(nearest_word("begin-odrer", {"order-late", "order-begin"}), "order-begin") << "and a slip";
+  EXPECT_EQ(nearest_word("begin-order", {"order-begin", "begin-orders"}), "begin-orders") << "a letter left out";
+  EXPECT_EQ(nearest_word("begin-order", {"order-end"}), "") << "only some of the words";
+}
+
 TEST(NearestWord, IsEmptyWhereNothingIsNear) {
   EXPECT_EQ(nearest_word("snapshot", {"run", "env"}), "");
   EXPECT_EQ(nearest_word("abc", {}), "");

@@ -15,6 +15,7 @@ import sys
 import tempfile
 
 from referee_model import CAP_OF, GATE, OPERATE, RINGS_OF, STORED, WORTH
+from scene_tracks import STEP, SceneTracks
 
 SCENARIOS = pathlib.Path(__file__).resolve().parents[3] / "scenarios/rcll"
 FAULTS = """faults=[{kind: machine_breaks, machine: C-RS1, at: 300}, {kind: machine_breaks, machine: C-CS2, mean_s: 300},
@@ -44,6 +45,9 @@ LASTS = {"BROKEN": 30, "WAIT-IDLE": 5}
 WAYS = {"dispenser": {"belt", "slot"}, "slot": {"gripper", "floor"}, "belt": {"gripper", "gate", "storage", "floor"},
         "gripper": {"belt", "slot", "slide", "floor", "crew"}, "storage": {"belt"}, "floor": set(), "slide": set(), "gate": set(), "crew": set()}
 WITH_PIECES = ("pick", "place", "transport")
+# Faults with which a robot stands, and the longest time; how near a robot in the way comes, m; how long another one makes room for it.
+STANDS, STANDS_FOR = ("skill_stalls", "robot_halts", "goal_lost"), 10.1
+IN_THE_WAY, MAKES_ROOM = 0.7, 22
 DELIVERY_KINDS = {"delivery", "late", "competitive", "ring", "cap"}
 
 
@@ -68,6 +72,7 @@ class Game:
             if record["kind"] in ("referee", "skill", "error") or record["stream"] == "faults":
                 self.records.append((record["t"] / 1e9, record["kind"] if record["stream"] != "faults" else "fault", record["data"]))
         self.records.sort(key=lambda record: record[0])  # the referee looks back a tick
+        self.robots = SceneTracks(folder, "robot")
 
     @staticmethod
     def order(block):
@@ -436,7 +441,45 @@ def skills(game):
                 yield f"at {t:.2f} s {robot} ends with {d}"
 
 
-CHECKS = [phases, no_errors, totals, causes, payments, orders, deliveries, reports, automaton, out_of_order, tracks, products, skills]
+def comes_near(robots, robot, whom, begin, until, there):
+    """How near the one in the way comes: to the places of a robot until that is there, while that waits; or on its way, as much earlier."""
+    own, other = robots.way(robot, begin, there), robots.way(whom, begin, there)
+    waited = round((until - begin) / STEP) + 2
+    return min(math.dist(p, q) for i, p in enumerate(own) for q in other[:waited] + other[max(i - waited, 0):i + 1])
+
+
+def waits(game):
+    """A robot that waits is held up by a fault, or another one stands on its later way or drives across it: that one is named."""
+    steps, stands, thwarted = (collections.defaultdict(list) for _ in range(3))
+    for t, kind, d in game.records:
+        if kind == "skill" and d["event"] != "refused":
+            steps[d["robot"]].append((t, d))
+        if kind == "fault" and d["fault"] in STANDS:
+            stands[d["robot"]].append(t)
+        if kind == "fault" or kind == "skill" and d["event"] == "end" and (d["code"] or d["cancelled"]):
+            thwarted[d.get("robot")].append(t)
+    for robot, its in steps.items():
+        for i, ((t, d), (until, _)) in enumerate(zip(its, its[1:]), 1):
+            if d.get("phase") != "wait" or until - t < 1.5 * TICK:
+                continue
+            what, whom = f"at {t:.2f} s {robot} waits for {d.get('for')}", d.get("for")
+            if whom is None and not any(t - STANDS_FOR <= at <= until for at in stands[robot]):
+                yield what
+            if whom is None:
+                continue
+            if whom == robot or whom not in game.robots.points:
+                yield what
+                continue
+            there = next((at for at, step in its[i:] if step.get("phase") not in ("wait", "drive")), None)
+            if there is None or any(t <= at <= there for at in thwarted[robot] + thwarted[whom]):
+                continue  # one of them does not drive as it was planned
+            # It also waits for one that it made room for, and that a fault then halted.
+            begin = t - MAKES_ROOM if any(at <= t <= at + STANDS_FOR for at in stands[whom]) else t
+            if (nearest := comes_near(game.robots, robot, whom, begin, until, there)) > IN_THE_WAY:
+                yield f"{what}, which stays {nearest:.2f} m away"
+
+
+CHECKS = [phases, no_errors, totals, causes, payments, orders, deliveries, reports, automaton, out_of_order, tracks, products, skills, waits]
 
 
 def changes():
@@ -463,6 +506,12 @@ def changes():
 
     def other(**values):
         return lambda t, kind, d: [(t, kind, {**d, **{k: v(d[k]) if callable(v) else v for k, v in values.items()}})]
+
+    def all_wait(choose):
+        """Each robot that waits for one waits for another one, or for none."""
+        def change(records):
+            records[:] = [(t, kind, {**d, "for": choose(d["robot"], d["for"])} if "for" in d else d) for t, kind, d in records]
+        return change
     right = {"correct": True}
     yield phases, "production comes twice", edit(twice, "phase", -1, phase="PRODUCTION")
     yield phases, "a score comes after the game", edit(later(2000), "score")
@@ -524,6 +573,9 @@ def changes():
     yield skills, "a piece comes to a robot that drives", edit(other(from_name="robot9"), "piece", **{"from": "gripper", "to": "belt"})
     yield skills, "a robot works off the field", edit(
         lambda t, kind, d: [(t - 5, "referee", {"event": "maintenance", "robot": d["robot"], "state": "begin"}), (t, kind, d)], "start")
+    yield waits, "robots wait for nobody", all_wait(lambda robot, whom: None)
+    yield waits, "robots wait for themselves", all_wait(lambda robot, whom: robot)
+    yield waits, "robots wait for a third one", all_wait(lambda *two: next(r for r in ("robot1", "robot2", "robot3") if r not in two))
     yield no_errors, "a rule raises an error", edit(lambda t, kind, d: [(t, "error", d)], "end")
 
 

@@ -4,7 +4,8 @@
     games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED
 
 Points, deliveries, share of work, driving together, contacts, lengths of skills; and for every accepted product that its track in
-the journal is continuous: from a dispenser or shelf through grippers and belts to the gate, never by another way.
+the journal is continuous: from a dispenser or shelf through grippers and belts to the gate, never by another way. Whoever a robot
+waits for comes near its way.
 """
 import collections
 import json
@@ -12,6 +13,8 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+
+import game_invariants
 
 LEAST_DELIVERIES = 3
 LEAST_POINTS, LEAST_MEAN_POINTS = 250, 450
@@ -131,7 +134,7 @@ def main():
             done = subprocess.run([program, "run", scenario, "--tier", tier, "--seed", str(seed), "--quiet", "--out", str(out)],
                                   capture_output=True, text=True)
             game = Game(out)
-            faults = list(game.faults()) + ([f"exit code {done.returncode}: {done.stderr}"] if done.returncode else [])
+            faults = list(game.faults()) + list(game_invariants.waits(game_invariants.Game(out))) + ([f"exit code {done.returncode}: {done.stderr}"] if done.returncode else [])
             accepted = sum(d["correct"] for d in game.result["deliveries"])
             deliveries.append(accepted)
             points.append(game.points())

@@ -91,6 +91,7 @@ class Plain final : public RobotSkills {
     log_.push_back("drop");
     hand_.holds = false;
   }
+  std::optional<RobotId> waits_for(SimTime) const override { return std::nullopt; }
   SkillPhase phase() const override { return SkillPhase::kHandle; }
   SkillKind part() const override { return part_; }
   double remaining(SimTime) const override { return 3; }

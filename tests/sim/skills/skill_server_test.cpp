@@ -960,6 +960,9 @@ TEST_P(Skills, TwoRobotsTakeTurnsAtOneSpot) {
   base_at("C-BS-OUTPUT");
   const Heard& first = send("robot1", SkillKind::kPick, "C-BS-OUTPUT");
   const Heard& second = send("robot2", SkillKind::kPick, "C-BS-OUTPUT");
+  ASSERT_TRUE(reach(second, "wait"));
+  tick();
+  EXPECT_EQ(fleet->doing(RobotId{1}), "pick wait for robot1 C-BS-OUTPUT");
   finish(first);
   ASSERT_EQ(first.status, bus::GoalStatus::kSucceeded) << first.error;
   base_at("C-BS-OUTPUT");
@@ -971,6 +974,19 @@ TEST_P(Skills, TwoRobotsTakeTurnsAtOneSpot) {
   EXPECT_GT(stats[1].drive_s, 2);
   EXPECT_EQ(stats[1].skills, 1);
   EXPECT_EQ(stats[1].failures, 0);
+  EXPECT_EQ(std::ranges::adjacent_find(second.phases), second.phases.end()) << "feedback tells of new phases only";
+  double named = 0;
+  SimTime since = kNever;  // it waits for robot1
+  for (const KeptRecords::Record& record : sink.of(RecordKind::kSkill)) {
+    const auto data = nlohmann::json::from_msgpack(record.data);
+    if (data["robot"] != "robot2") {
+      EXPECT_FALSE(data.contains("for"));
+      continue;
+    }
+    if (since != kNever) named += to_seconds(record.t - since);
+    since = data.value("for", "") == "robot1" ? record.t : kNever;
+  }
+  EXPECT_NEAR(named, stats[1].wait_s, 0.05);
 }
 
 TEST_P(Skills, AnIdleRobotMakesRoom) {

@@ -654,6 +654,138 @@ TEST(Traffic, OneThatGivesUpItsWorkTakesTheRoomOfARobotOnly) {
   EXPECT_NEAR(floor.traffic.motion(kRobot2)->length(), 6, 0.01);
 }
 
+/// "robot1 waits for robot2; ...": those that wait, with whom they wait for, if it is known.
+std::string who_waits(const Drivers& floor, int robots) {
+  std::string out;
+  for (int i = 0; i < robots; ++i)
+    if (const auto id = static_cast<RobotId>(i); floor.traffic.waiting(id, floor.now)) {
+      const auto whom = floor.traffic.waits_for(id, floor.now);
+      out += (out.empty() ? "robot" : "; robot") + std::to_string(i + 1) + " waits" +
+             (whom ? " for robot" + std::to_string(static_cast<int>(*whom) + 1) : "");
+    }
+  return out;
+}
+
+TEST(WhoWaits, IsToldOfTheOneAtItsGoal) {
+  for (const auto& [worker, other] : {std::pair{kRobot1, kRobot2}, std::pair{kRobot2, kRobot1}}) {
+    Drivers floor(open_floor({{-0.9, 4, 0}, {0.9, 4, 0}, {0, 7, 0}}));
+    const Segment work{{0, 4}, {0, 4.17}};
+    floor.traffic.request(worker, {0, 4, 0}, work, floor.now);
+    floor.until([&] { return floor.traffic.working(worker); });
+    floor.traffic.request(other, {0, 4, 0}, work, floor.now);
+    floor.tick();
+    EXPECT_EQ(who_waits(floor, 3), worker == kRobot1 ? "robot2 waits for robot1" : "robot1 waits for robot2");
+    floor.traffic.withdraw(worker, floor.now);
+    floor.until([&] { return floor.traffic.arrived(other); });
+    EXPECT_EQ(who_waits(floor, 3), "");
+  }
+}
+
+TEST(WhoWaits, IsToldOfTheOneThatItHasCometoWaitFor) {
+  Drivers floor(open_floor({{-5, 4, 0}, {0.5, 4, 0}}));
+  const Segment work{{0, 4}, {0.17, 4}};
+  floor.traffic.request(kRobot2, {0, 4, 0}, work, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot2); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, work, floor.now);
+  floor.tick();
+  EXPECT_EQ(who_waits(floor, 2), "") << "it drives nearer";
+  floor.until([&] { return floor.traffic.waiting(kRobot1, floor.now); });
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_EQ(who_waits(floor, 2), "robot1 waits for robot2");
+    floor.tick();
+  }
+}
+
+TEST(WhoWaits, IsToldOfTheOneThatItWouldMeetIfItSetOff) {
+  int waits = 0;
+  for (int k = 0; k < 12; ++k) {
+    Drivers floor(open_floor({{-3, 4, 0}, {0, 1 + 0.15 * k, 0}, {0.9, 7, 0}}));
+    floor.traffic.request(kRobot1, {3, 4, 0}, {}, floor.now);
+    floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+    floor.traffic.request(kRobot3, {0, 7, 0}, {}, floor.now);
+    floor.tick();
+    if (!floor.traffic.waiting(kRobot2, floor.now)) continue;
+    ++waits;
+    EXPECT_EQ(who_waits(floor, 3), "robot2 waits for robot1; robot3 waits for robot2") << k;
+    floor.until([&] { return floor.now >= floor.traffic.motion(kRobot2)->start(); });
+    EXPECT_EQ(who_waits(floor, 3), "robot3 waits for robot2") << k;
+  }
+  EXPECT_GT(waits, 0);
+}
+
+TEST(WhoWaits, IsToldOfNobodyWhereItIsHaltedItself) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}}));
+  floor.traffic.request(kRobot2, {0, 7, 0}, {}, floor.now);
+  floor.traffic.set_speed(kRobot2, 0, floor.now);
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.now > from_seconds(1) && floor.traffic.waiting(kRobot1, floor.now); });
+  EXPECT_EQ(who_waits(floor, 2), "robot1 waits for robot2; robot2 waits");
+  floor.traffic.set_speed(kRobot1, 0, floor.now);
+  floor.tick();
+  EXPECT_EQ(who_waits(floor, 2), "robot1 waits; robot2 waits");
+  floor.traffic.set_speed(kRobot1, 1, floor.now);
+  floor.tick();
+  EXPECT_EQ(who_waits(floor, 2), "robot1 waits for robot2; robot2 waits");
+}
+
+TEST(WhoWaits, IsToldOfTheFirstInARow) {
+  // A corridor as wide as one robot and a bit: 3 behind 2 behind 1.
+  FloorPlan plan = open_floor({{4.5, 0.5, 0}, {5.5, 0.5, 0}, {6.5, 0.5, 0}});
+  plan.walls = {{{5, 1}, {7, 1}}, {{4, 0}, {4, 1}}};
+  for (const bool second_is_halted : {false, true}) {
+    Drivers floor(plan);
+    floor.traffic.set_speed(kRobot1, 0, floor.now);
+    floor.traffic.set_speed(kRobot2, second_is_halted ? 0 : 1, floor.now);
+    floor.until([&] { return floor.now > from_seconds(2); });
+    floor.traffic.request(kRobot2, {3, 0.5, 0}, {}, floor.now);
+    floor.traffic.request(kRobot3, {3, 4, 0}, {}, floor.now);
+    floor.tick();
+    EXPECT_EQ(who_waits(floor, 3), second_is_halted ? "robot2 waits; robot3 waits for robot2"
+                                                    : "robot2 waits for robot1; robot3 waits for robot1")
+        << "who could make room is not in the way";
+  }
+}
+
+TEST(WhoWaits, IsToldOfTheOneForWhichItSteppedAside) {
+  Drivers floor(open_floor({{-3, 4, 0}, {0, 4, 0}, {6, 6, 0}}));
+  floor.traffic.request(kRobot3, {6, 6, 0}, Segment{{6, 6}, {6, 6}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot3); });
+  floor.traffic.request(kRobot1, {0, 4, 0}, {}, floor.now);
+  floor.until([&] { return floor.traffic.moving(kRobot2); });
+  floor.until([&] { return !floor.traffic.moving(kRobot2); });
+  floor.traffic.request(kRobot1, {6, 6, 0}, {}, floor.now);  // which stays occupied
+  floor.traffic.request(kRobot2, {-3, 6, 0}, {}, floor.now);
+  floor.tick();
+  EXPECT_EQ(who_waits(floor, 2), "robot2 waits for robot1");
+}
+
+/// Where a robot wants to go, and the ground that it works on there.
+struct Wish {
+  Vec2 goal{};
+  Segment ground{};
+};
+
+/// How near two robots come, if each drives to its goal as if it were alone, or as it is planned to.
+double nearest_approach(FloorMap& map, const Drivers& floor, const Wish (&wishes)[3], RobotId a, RobotId b) {
+  const auto places = [&](RobotId id) {
+    const Wish& wish = wishes[static_cast<std::size_t>(id)];
+    std::vector<Vec2> out{floor.pose(id).position()};
+    if (floor.traffic.working(id)) out.insert(out.end(), {wish.ground.a, wish.ground.b});
+    if (floor.traffic.moving(id))
+      for (SimTime t = floor.now; t < floor.traffic.motion(id)->end(); t += 5 * kTick)
+        out.push_back(floor.traffic.motion(id)->point_at(t));
+    if (!floor.traffic.waiting(id, floor.now)) return out;
+    out.insert(out.end(), {wish.ground.a, wish.ground.b});
+    if (const auto way = map.route(out.front(), wish.goal, {})) out.insert(out.end(), way->begin(), way->end());
+    return out;
+  };
+  double nearest = 100;
+  const std::vector<Vec2> others = places(b);
+  for (const Vec2& p : places(a))
+    for (const Vec2& q : others) nearest = std::min(nearest, distance(p, q));
+  return nearest;
+}
+
 /// Three robots on a floor with machines, who each get one job after another: half of them work at a spot for a while.
 /// `restless`: now and then a job is given up or replaced on the way.
 std::string busy_floor(std::uint64_t seed, bool restless = false) {
@@ -672,17 +804,24 @@ std::string busy_floor(std::uint64_t seed, bool restless = false) {
   for (std::size_t i = 0; i < plan.stations.size(); ++i)
     for (Spot& spot : spots_of(plan.stations[i], static_cast<StationId>(i))) plan.spots.push_back(std::move(spot));
   Drivers floor(plan);
+  FloorMap map(plan);
+  Wish wishes[3];
   constexpr int kJobs = 5;
   int done[3] = {}, impossible = 0;
   bool busy[3] = {};
   SimTime works_until[3] = {};
-  double waited = 0;
+  double waited = 0, named = 0, farthest = 0;
   floor.until(
       [&] {
         for (int i = 0; i < 3; ++i) {
           const auto id = static_cast<RobotId>(i);
           Traffic& traffic = floor.traffic;
-          waited += traffic.waiting(id, floor.now) ? to_seconds(kTick) : 0;
+          if (traffic.waiting(id, floor.now)) {
+            waited += to_seconds(kTick);
+            const auto whom = traffic.waits_for(id, floor.now);
+            named += whom || traffic.unreachable(id) ? to_seconds(kTick) : 0;
+            if (whom) farthest = std::max(farthest, nearest_approach(map, floor, wishes, id, *whom));
+          }
           if (restless && busy[i] && random.chance(0.001)) {
             if (random.chance(0.5)) traffic.withdraw(id, floor.now);
             busy[i] = false;
@@ -702,14 +841,20 @@ std::string busy_floor(std::uint64_t seed, bool restless = false) {
           if (random.chance(0.8)) {
             const Spot& spot = plan.spots[random.below(plan.spots.size())];
             traffic.request(id, spot.align_in_world, spot.footprint(), floor.now);
+            wishes[i] = {spot.align_in_world.position(), spot.footprint()};
           } else {
-            traffic.request(id, {random.uniform(-3, 3), random.uniform(2, 6), random.uniform(-3, 3)}, {}, floor.now);
+            const Pose2 goal{random.uniform(-3, 3), random.uniform(2, 6), random.uniform(-3, 3)};
+            traffic.request(id, goal, {}, floor.now);
+            wishes[i] = {goal.position(), {goal.position(), goal.position()}};
           }
         }
         return done[0] + done[1] + done[2] == 3 * kJobs;
       },
       600);
   EXPECT_GE(floor.least_distance, restless ? 0.45 : 0.46) << seed;
+  EXPECT_NEAR(named, waited, 0.03) << seed << ": a robot that waits waits for one";
+  // A plan to set off later stays, also where the other one has given up meanwhile.
+  EXPECT_LT(farthest, restless ? 1.5 : 0.6) << seed << ": who waits for one would come near it";
   char text[200];
   std::snprintf(text, sizeof text, "%.1f s, %u %u %u motions, waited %.1f s, %d impossible", to_seconds(floor.now),
                 floor.traffic.motion_number(kRobot1), floor.traffic.motion_number(kRobot2),
