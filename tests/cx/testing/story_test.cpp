@@ -65,8 +65,10 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
 
 TEST_F(Stories, AFactThatIsThereForNoTimeIsSeenAtThatTime) {
   write("door.clp", "(defrule flash (bell) => (assert (light)))\n(defrule dark ?l <- (light) => (retract ?l))\n");
-  for (const auto& [when, seen] : {std::pair{"after: 1, within_s: 2", true}, {"after: 0, within_s: 1", true},
-                                   {"after: 1.1, within_s: 2", false}, {"after: 0, within_s: 0.9", false}}) {
+  for (const auto& [when, seen] : {std::pair{"after: 1, within_s: 2", true},
+                                   {"after: 0, within_s: 1", true},
+                                   {"after: 1.1, within_s: 2", false},
+                                   {"after: 0, within_s: 0.9", false}}) {
     auto stories = read(std::string("- story: s\n  rules: door.clp\n  given: []\n") + kBell +
                         "  expect:\n    - {fact: (light), " + when + "}\n    - {no_fact: (light), " + when + "}\n");
     ASSERT_TRUE(stories) << stories.error().text();
