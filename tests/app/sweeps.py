@@ -123,6 +123,20 @@ class Sweeps(Lab):
         self.assertIn("1 files are not rows", done.stderr)
         self.assertEqual(self.query(self.home / "c", "SELECT count(*), count(DISTINCT cell) FROM runs"), [(6, 6)])
 
+    def test_of_two_rows_of_a_game_the_first_counts_unless_only_the_second_was_played(self):
+        self.bench("--out", "a")
+        shutil.copytree(self.home / "a", self.home / "b")
+        crashed = {"short-1": "ab", "short-2": "a", "duration_s_2-1": "b"}  # game: the folders in which it has no journal
+        for game, folders in crashed.items():
+            for name in folders:
+                file = next((self.home / name / "rows").glob(f"game-{game}-*.json"))
+                file.write_text(json.dumps(json.loads(file.read_text()) | {"journal_hash": "", "status": "failed", "errors": [f"crashed in {name}"]}))
+        for first, second in ("ab", "ba"):
+            self.bench("--collect", first, second, "--out", "of_" + first, code=1)
+            rows = self.rows(self.home / ("of_" + first))
+            errors = {game: [row["errors"] for name, row in rows.items() if name.startswith(f"game-{game}-")] for game in crashed}
+            self.assertEqual(errors, {"short-1": [[f"crashed in {first}"]], "short-2": [[]], "duration_s_2-1": [[]]})
+
     def test_the_index_has_all_of_each_row(self):
         (self.home / ".git/refs/heads").mkdir(parents=True)
         (self.home / ".git/HEAD").write_text("ref: refs/heads/main\n")

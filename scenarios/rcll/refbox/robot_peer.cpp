@@ -217,7 +217,6 @@ void RobotPeer::take_result(const bus::Delivery& delivery) {
 
 void RobotPeer::end(std::int64_t error, bool canceled) {
   under_way_ = cancels_ = paused_ = false;
-  steps_.clear();
   Fields task(*task_);
   answer(task, error, canceled);
   finished_.emplace_back(task.integer("task_id"), error == 0 && !canceled);

@@ -37,9 +37,10 @@ class HandMadeMcap {
   static void record(std::string& to, mcap::Opcode opcode, std::string_view content) {
     ByteWriter(to).fixed(opcode).fixed(std::uint64_t{content.size()}).raw(content);
   }
-  static std::string channel(std::uint16_t id, std::string_view topic) {
+  static std::string channel(std::uint16_t id, std::string_view topic, std::string_view qos = "") {
     std::string content, out;
-    ByteWriter(content).fixed(id).fixed(std::uint16_t{0}).raw(text(topic)).raw(text("cdr")).fixed(std::uint32_t{0});
+    const std::string metadata = qos.empty() ? "" : text("offered_qos_profiles") + text(qos);
+    ByteWriter(content).fixed(id).fixed(std::uint16_t{0}).raw(text(topic)).raw(text("cdr")).raw(text(metadata));
     record(out, mcap::Opcode::kChannel, content);
     return out;
   }
@@ -293,6 +294,21 @@ TEST_F(BagFolder, MessagesOfOneTimeComeInTheOrderOfTheFiles) {
                       .whole());
   }
   EXPECT_THAT(all(), ElementsAre("/a:0", "/a:9", "/a:10", "/a:0", "/a:9", "/a:10", "/a:0", "/a:9", "/a:10"));
+}
+
+TEST_F(BagFolder, ATopicKeepsItsLastMessageIfItDoesInOneOfTheFiles) {
+  for (const int kept : {0, 1, 2, 3}) {
+    for (const int file : {0, 1, 2})
+      folder_.write("floor/floor_" + std::to_string(file) + ".mcap",
+                    HandMadeMcap()
+                        .add(M::channel(1, "/a", file == kept ? "durability: 1" : "durability: 2"))
+                        .chunk(M::message(1, 10, "x"))
+                        .whole());
+    auto recording = Recording::open(folder_.path() / "floor");
+    ASSERT_TRUE(recording);
+    ASSERT_EQ(recording->topics().size(), 1U);
+    EXPECT_EQ(recording->topics().front().latched, kept < 3) << "file " << kept;
+  }
 }
 
 TEST_F(BagFolder, HasTheFilesThatItsMetadataNames) {

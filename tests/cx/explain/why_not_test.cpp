@@ -145,6 +145,7 @@ TEST_F(WhyNotTest, ANotNamesTheFactThatForbidsIt) {
   load(std::string(kParts) + "(defrule r (not (part (state READY) (owner bob))) =>)");
   EXPECT_EQ(unmet("r").because, "a fact forbids it");
   EXPECT_EQ(unmet("r").fact, "(part (id 2) (state READY) (owner bob))");
+  EXPECT_EQ(unmet("r").fact_number, engine_->facts("part")[1].number);
 }
 
 TEST_F(WhyNotTest, ANotOfSeveralConditionsNamesAllFacts) {
@@ -154,6 +155,7 @@ TEST_F(WhyNotTest, ANotOfSeveralConditionsNamesAllFacts) {
   EXPECT_EQ(unmet("both").number, 2);
   EXPECT_EQ(unmet("both").because, "facts that hold together forbid it");
   EXPECT_EQ(unmet("both").fact, "(part (id 1) (state READY) (owner ann)) (limit 2)");
+  EXPECT_EQ(unmet("both").fact_number, 0u) << "several";
   EXPECT_EQ(unmet("later").number, 3) << "the not holds, (robot z) is missing";
   EXPECT_EQ(unmet("later").text, "(robot z)");
 }
@@ -170,6 +172,12 @@ TEST_F(WhyNotTest, TheNearestFactIsTheOneThatIsMeantInAnotherState) {
   load(std::string(kParts) + "(defrule r (limit ?l) (part (id ?l) (state BUSY)) =>)");
   EXPECT_EQ(unmet("r").fact, "(part (id 2) (state READY) (owner bob))");
   EXPECT_EQ(unmet("r").slot, "state");
+}
+
+TEST_F(WhyNotTest, OfFactsThatAreEquallyNearTheFirstIsNamed) {
+  load(std::string(kParts) + "(defrule r (part (id ?id) (state READY)) (part (id ?id) (owner eve)) =>)");
+  EXPECT_EQ(unmet("r").fact, "(part (id 1) (state READY) (owner ann))");
+  EXPECT_THAT(unmet("r").values, ElementsAre(Pair("id", "1")));
 }
 
 TEST_F(WhyNotTest, AForallNamesTheFactWithoutAPartner) {

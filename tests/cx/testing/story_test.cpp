@@ -63,6 +63,20 @@ TEST_F(Stories, AFactThatLivesWithinOneRunIsSeen) {
   EXPECT_THAT(play("no_fact: (door (state OPEN)), at: 3", both).failures, IsEmpty());
 }
 
+TEST_F(Stories, AFactThatIsThereForNoTimeIsSeenAtThatTime) {
+  write("door.clp", "(defrule flash (bell) => (assert (light)))\n(defrule dark ?l <- (light) => (retract ?l))\n");
+  for (const auto& [when, seen] : {std::pair{"after: 1, within_s: 2", true},
+                                   {"after: 0, within_s: 1", true},
+                                   {"after: 1.1, within_s: 2", false},
+                                   {"after: 0, within_s: 0.9", false}}) {
+    auto stories = read(std::string("- story: s\n  rules: door.clp\n  given: []\n") + kBell +
+                        "  expect:\n    - {fact: (light), " + when + "}\n    - {no_fact: (light), " + when + "}\n");
+    ASSERT_TRUE(stories) << stories.error().text();
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    EXPECT_THAT(result.failures, ElementsAre(HasSubstr(seen ? "there was (light)" : "expected fact (light)"))) << when;
+  }
+}
+
 TEST_F(Stories, WhatIsLeftOpenIsANoteOrAFailure) {
   write("listen.clp", "(defrule listen (bell) => (ros-msgs-create-subscription \"/x\" \"std_msgs/msg/String\"))\n");
   const auto listen = [&](const std::string& more) {

@@ -66,6 +66,31 @@ TEST(Clock, ProvesThatANumberIsReachedTooLate) {
   EXPECT_EQ(answer(parse(kOven, "(:init (cold) (= (heat) 20)) (:goal (baked))")).status, PlanStatus::kUnsolvable);
 }
 
+TEST(Clock, AConditionalEffectComesIfItsConditionHeldAllTheTime) {
+  const auto status = [](const std::string& until) {
+    return answer(parse(R"((:functions (heat)) (:predicates (cold) (open) (dry))
+      (:durative-action burn :parameters () :duration (= ?duration 10) :condition (at start (cold))
+       :effect (and (at start (not (cold))) (increase (heat) (* #t 1)) (when (over all (open)) (at end (dry))))))",
+                        "(:init (cold) (= (heat) 0) (open) (at 0.5 (not (open))) (at 1 (open)) (at " + until +
+                            " (not (open)))) (:goal (and (dry) (>= (heat) 10)))"))
+        .status;
+  };
+  EXPECT_EQ(status("12"), PlanStatus::kPlan) << "it begins after 1";
+  EXPECT_EQ(status("10.5"), PlanStatus::kUnsolvable) << "it is open for 9.5 s at most";
+}
+
+TEST(Clock, AStartThatReadsTheDurationHasTheDurationOfTheEnd) {
+  const auto status = [](const std::string& goal) {
+    return answer(parse(R"((:functions (paid) (level)) (:predicates (idle))
+      (:durative-action fill :parameters () :duration (and (>= ?duration 2) (<= ?duration 9)) :condition (at start (idle))
+       :effect (and (at start (not (idle))) (at start (increase (paid) ?duration)) (increase (level) (* #t 1)))))",
+                        "(:init (idle) (= (paid) 0) (= (level) 0)) (:goal (and " + goal + "))"))
+        .status;
+  };
+  EXPECT_EQ(status("(= (level) 2) (= (paid) 2)"), PlanStatus::kPlan);
+  EXPECT_NE(status("(= (level) 5) (= (paid) 2)"), PlanStatus::kPlan);
+}
+
 TEST(Clock, OneFillsWhileAnotherDrains) {
   const PlanAnswer found = answer(parse(R"((:functions (tank)) (:predicates (a) (b) (drained) (filled))
     (:durative-action drain :parameters () :duration (= ?duration 8) :condition (and (at start (a)) (over all (>= (tank) 0)))

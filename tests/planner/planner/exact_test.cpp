@@ -83,6 +83,18 @@ TEST(ExactNumbers, LongSumsAreNumbers) {
 
 constexpr const char* kGate = R"((:predicates (shut) (open) (done) (ready)) (:functions (length)))";
 
+TEST(ExactNumbers, WhatAnActionChangesAtItsStartCountsForItsOtherConditions) {
+  for (const auto& [when, other] : {std::pair{"at end", ""}, {"over all", ""}, {"at end", "(at start (<= (n) 9))"}})
+    for (const auto& [n, found] : {std::pair{"0", "load"}, {"1", "unsolvable"}})
+      EXPECT_EQ(steps(parse(std::string(R"((:predicates (done)) (:functions (n))
+    (:durative-action load :parameters () :duration (= ?duration 2) :condition (and )") +
+                                other + "(" + when +
+                                R"( (<= (n) 1))) :effect (and (at start (increase (n) 1)) (at end (done)))))",
+                            std::string("(:init (= (n) ") + n + ")) (:goal (done))")),
+                found)
+          << when << other;
+}
+
 TEST(NoDuration, NothingIsAskedOverAll) {
   const auto plan = [](const std::string& duration, const std::string& more = "", double length = 0) {
     return steps(parse(kGate + std::string("(:durative-action go :parameters () :duration ") + duration +
@@ -131,6 +143,16 @@ TEST(NoDuration, BeginningAndEndMustNotInterfere) {
   EXPECT_EQ(plan("(at end (>= (length) 0))", "(and (at start (increase (length) 1)) (at end (done)))"), "unsolvable");
   EXPECT_EQ(plan("(and)", "(and (at start (increase (length) 1)) (at end (increase (length) 1)) (at end (done)))"),
             "go");
+}
+
+TEST(NoDuration, TheEndMayNeedWhatTheBeginningDidOneSeparationBefore) {
+  for (const auto& [duration, found] : {std::pair{"0.0005", "unsolvable"}, {"0.001001", "go"}, {"0.002", "go"}})
+    EXPECT_EQ(
+        steps(parse(kGate + std::string("(:durative-action go :parameters () :duration (= ?duration ") + duration +
+                        ") :condition (at end (ready)) :effect (and (at start (ready)) (at end (done))))",
+                    "(:init (shut) (= (length) 0)) (:goal (done))")),
+        found)
+        << duration;
 }
 
 TEST(NoDuration, EffectsWithAConditionOverAllComeAbout) {

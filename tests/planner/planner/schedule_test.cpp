@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "planner/ground/ground.h"
 #include "planner/pddl/parser.h"
+#include "planner/search/clock.h"
 #include "planner/search/search_space.h"
+#include "planner/search/simulator.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
@@ -85,6 +89,83 @@ TEST(Timeline, WhatReadsAFactIsOverBeforeAnEventDeletesIt) {
   EXPECT_EQ(timeline.append(0, 5 * kSecond), Timeline::kNever);
   timeline.clear();
   EXPECT_EQ(timeline.append(0, 5 * kSecond - kSeparation), 0);
+}
+
+TEST(Timeline, AGoalMayEndAsSoonAsThePlanIsOver) {
+  for (const auto& [ends, is_kept] : {std::pair{"4.002", true}, {"4.001001", true}, {"4.001", false}, {"4", false}}) {
+    Expected<Domain> domain =
+        parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (light) (in))
+    (:durative-action enter :parameters () :duration (= ?duration 4) :condition () :effect (at end (in)))))",
+                     "domain");
+    ASSERT_TRUE(domain);
+    Expected<Problem> problem = parse_problem("(define (problem p) (:domain d) (:init (light) (at " +
+                                                  std::string(ends) + " (not (light)))) (:goal (and (in) (light))))",
+                                              "problem", *domain);
+    ASSERT_TRUE(problem);
+    const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+    ASSERT_TRUE(task);
+    const Touches touches(*task);
+    Timeline timeline(touches);
+    ASSERT_EQ(timeline.append(0, 4 * kSecond), 0) << ends;
+    EXPECT_EQ(timeline.finish(), is_kept) << ends;
+  }
+}
+
+/// How a search along the clock ends that takes the first plan which ends before `before`.
+SearchEnd search_along_the_clock(const std::string& domain_body, const std::string& problem_body,
+                                 Micros before = DurationRange::kForever) {
+  Expected<Domain> domain =
+      parse_domain("(define (domain d) (:requirements :adl :durative-actions :fluents)" + domain_body + ")", "domain");
+  EXPECT_TRUE(domain) << domain.error().text();
+  Expected<Problem> problem = parse_problem("(define (problem p) (:domain d)" + problem_body + ")", "problem", *domain);
+  EXPECT_TRUE(problem) << problem.error().text();
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  EXPECT_TRUE(task);
+  const Simulator simulator(*task);
+  const Touches touches(*task);
+  ClockSearch search(*task, simulator, touches);
+  Budget budget;
+  return search.run({}, before, budget, [](const std::vector<ClockStep>&) { return true; });
+}
+
+TEST(ClockSearch, WhatHeldWhenARunningActionBeganTellsStatesApart) {
+  // `one` and `other` lead to the same state, but for what `burn` has seen when it began.
+  const std::string one =
+      "(:action one :parameters () :precondition (fresh) :effect (and (not (fresh)) (ready) (seen)))";
+  const std::string other = "(:action other :parameters () :precondition (fresh) :effect (and (not (fresh)) (ready)))";
+  for (const std::string& actions : {one + other, other + one})
+    for (const char* seen : {"(seen)", "(not (seen))"})
+      for (const bool gives : {true, false})
+        EXPECT_EQ(search_along_the_clock(actions + R"((:predicates (fresh) (ready) (seen) (good) (done))
+              (:durative-action burn :parameters () :duration (= ?duration 10) :condition (at start (ready))
+               :effect (and (at start (not (ready))) (at end (done)) (when (at start )" +
+                                             seen + ") (at end " + (gives ? "(good)" : "(not (good))") + "))))",
+                                         std::string("(:init (fresh) (at 1 (seen))") + (gives ? "" : " (good)") +
+                                             ") (:goal (and (done) (good)))"),
+                  SearchEnd::kFound)
+            << actions << seen << gives;
+}
+
+TEST(ClockSearch, APlanEndsBeforeTheGivenTime) {
+  for (const Micros more : {-1, 0, 1})
+    EXPECT_EQ(
+        search_along_the_clock("(:predicates (a) (b)) (:action first :parameters () :precondition () :effect (a)) "
+                               "(:action second :parameters () :precondition (a) :effect (b))",
+                               "(:init) (:goal (b))", kSeparation + more) == SearchEnd::kFound,
+        more == 1)
+        << "the second action is at the separation: " << more;
+}
+
+TEST(Numbers, ZeroHasOneForm) {
+  for (const auto& [kind, by] : {std::pair{NumericEffect::Kind::kScale, -1.0},
+                                 {NumericEffect::Kind::kDivide, -1.0},
+                                 {NumericEffect::Kind::kAssign, -0.0},
+                                 {NumericEffect::Kind::kIncrease, -0.0}}) {
+    double number = kind == NumericEffect::Kind::kIncrease ? -0.0 : 0.0;
+    change(number, kind, by);
+    EXPECT_EQ(number, 0);
+    EXPECT_FALSE(std::signbit(number)) << static_cast<int>(kind) << ": equal states have equal bits";
+  }
 }
 
 TEST(Stn, AgreesWithTheTimeline) {

@@ -503,6 +503,34 @@ TEST(Refbox, RefusesWhatIsNotForItsTeam) {
   EXPECT_THAT(magenta.last_text("MachineInfo"), HasSubstr("PROC"));
 }
 
+TEST(Refbox, ATeamAndAControllerCallARobotOfThatTeamToMaintenance) {
+  WorldConfig config = RefboxStory::game();
+  config.team = "BOTH";
+  config.refbox.key_cyan = config.refbox.key_magenta = "";
+  const auto in_maintenance = [&](const std::string& team, bool by_controller) {
+    RefboxStory story(config);
+    auto& cyan = story.open(kCyanWay);
+    auto& magenta = story.open(kMagentaWay);
+    auto& controller = story.open_stream();
+    story.run_until(1);
+    story.say(by_controller    ? controller
+              : team == "CYAN" ? cyan
+                               : magenta,
+              "SetRobotMaintenance", "team_color: " + team + " robot_number: 2 maintenance: true");
+    story.run_for(4);
+    EXPECT_THAT(story.warnings(), IsEmpty());
+    const std::string told = controller.last_text("RobotInfo");
+    EXPECT_EQ(count(told, "MAINTENANCE"), 1) << told;
+    // The robot's part of the text ends with its state.
+    const std::string part = told.substr(0, told.find("MAINTENANCE"));
+    EXPECT_EQ(part.substr(part.rfind("number: "), 9), "number: 2") << told;
+    const std::string colour = part.substr(part.rfind("team_color: ") + 12);
+    return colour.substr(0, colour.find(' '));
+  };
+  for (const char* team : {"CYAN", "MAGENTA"})
+    for (const bool by_controller : {false, true}) EXPECT_EQ(in_maintenance(team, by_controller), team);
+}
+
 TEST(Refbox, AnyBytesChangeNothing) {
   RefboxStory story;
   auto& cyan = story.open(kCyanWay, kLeagueKey);
