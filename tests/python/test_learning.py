@@ -423,6 +423,14 @@ class OneAfterTheOther(unittest.TestCase):
         games.close()
         self.assertEqual(len(set(hashes)), 1)
 
+    def test_a_game_in_which_nothing_can_be_learned_is_refused(self):
+        for scenario, team, file in (("rcll/external", "PINK", "team"), ("rcll/game", "CYAN", "scenario")):
+            games = Games(scenario, team=team, ahead=False, tier="timed", until=SHORT)
+            self.addCleanup(games.close)
+            with self.subTest(scenario), self.assertRaises(cxlab.CxlabError) as raised:
+                games.begin(1, None)
+            self.assertEqual(raised.exception.file, file)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
+from cxlab._time import Time, seconds_of
 from cxlab._yaml import assignments_of
 from cxlab.errors import CxlabError, UsageError
 
@@ -61,14 +62,14 @@ class ChoiceGame:
         set: Mapping[str, Any] | None = None,
         out: str | os.PathLike[str] | None = None,
         force: bool = False,
-        until: float | None = None,
+        until: Time | None = None,
         journal: str = "none",
         topic: str = "/choices",
     ) -> None:
         self._core = _cxlab.ChoiceEpisode(
             scenario=os.fspath(scenario),
             assignments=assignments_of(set, seed=seed, tier=tier),
-            until=until,
+            until=seconds_of(until, "until"),
             journal=journal,
             out="" if out is None else os.fspath(out),
             force=force,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cxlab.errors import InputError, UsageError
 from cxlab.learn.choices import Choice, ChoiceGame
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 
@@ -85,9 +86,19 @@ class Games:
             if ready is not None:
                 ready[1].add_done_callback(_drop)
             self.game, self.choice = self._load(seed)
+        self._check()
         self._points = 0
         if self._pool is not None and following is not None:
             self._next = (following, self._pool.submit(self._load, following))
+
+    def _check(self) -> None:
+        """Rules that ask nothing leave nothing to learn, and a team that does not play never gets a point."""
+        assert self.game is not None
+        if self.choice is None:
+            raise InputError("the game ended before its rules asked for a choice, expected rules that ask, as those of rcll/external", "scenario")
+        teams = self.game.result_at("teams") or {}
+        if self.team not in teams:
+            raise UsageError(f"found '{self.team}', expected one of {', '.join(teams) or 'a world with teams'}", "team")
 
     def answer(self, action: int) -> bool:
         """Answer the choice, and play on to the next one. False: the mask forbids the action, and the rules' option was taken."""
