@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import threading
 import unittest
+import warnings
 from pathlib import Path
 
 import cxlab
@@ -169,6 +170,18 @@ class WhatIf(unittest.TestCase):
             with self.assertRaisesRegex(RuntimeError, "without an answer"):
                 game.what_if(lambda: os._exit(1))
             self.assertEqual(game.what_if(lambda: 7), 7)
+
+    def test_a_branch_beside_other_threads_warns_of_nothing(self):
+        over = threading.Event()
+        other = threading.Thread(target=over.wait)
+        other.start()
+        with ChoiceGame(seed=1, tier="timed", until=SHORT) as game, warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            game.next()
+            self.assertEqual(game.what_if(lambda: threading.active_count()), 1)
+            self.assertEqual(warned, [])
+        over.set()
+        other.join()
 
     def test_a_game_with_a_folder_does_not_branch(self):
         with tempfile.TemporaryDirectory() as folder, ChoiceGame(seed=1, tier="timed", until=SHORT, out=Path(folder, "run")) as game:

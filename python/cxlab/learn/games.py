@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,12 +58,35 @@ def observation_of(choice: Choice | None) -> NDArray[np.float32]:
     return out
 
 
+class Settings(TypedDict, total=False):
+    """What each environment of games takes, by keyword.
+
+    Attributes:
+        tier: "timed" (the default) or "physics".
+        team: whose points count ("CYAN").
+        ahead: a thread makes the next game ready while one is played (True).
+        until: end of an episode, s; None: the game's.
+        set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
+    """
+
+    tier: str
+    team: str
+    ahead: bool
+    until: float | None
+    set: Mapping[str, Any]
+    out: str | os.PathLike[str] | None
+    journal: str
+
+
 class Games:
     """Games one after the other. While one is played, a thread makes the next one ready up to its first choice, if its seed is
     known; which game is played never depends on that."""
 
-    def __init__(self, scenario: str, *, team: str, ahead: bool, **more: Any) -> None:
+    def __init__(
+        self, scenario: str, *, tier: str = "timed", team: str = "CYAN", ahead: bool = True, **more: Any
+    ) -> None:
         self.team = team
+        more["tier"] = tier
         if more.get("out") is not None:  # one folder, for one game at a time
             more["force"], ahead = True, False
         self._scenario, self._more = scenario, more
