@@ -14,14 +14,14 @@ from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, Settings, mask_of, ob
 class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     """The whole team is one agent: each step answers one choice of the rules.
 
-    Observation: float32, shape (346,), between -1 and 1 (docs/reference/learning.md). Action: one of 16 options; `action_masks()` and
+    Observation: float32, shape (347,), between -1 and 1 (docs/reference/learning.md). Action: one of 16 options; `action_masks()` and
     `info["action_mask"]` say which may be chosen. An action that the mask forbids takes the rules' option, and `info["invalid"]`
     is True. Reward: the points that the team
     got since the last step, or since the game began; their sum is what the game ends with. The episode terminates with the game; it is truncated at
     `until` (s), if that is given.
 
     Args:
-        scenario: one whose rules ask for orders and jobs.
+        scenario: one whose rules ask for orders and jobs, or for steps.
         settings: those of `cxlab.learn.games.Settings`.
     """
 

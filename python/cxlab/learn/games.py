@@ -16,7 +16,8 @@ from cxlab.learn.features import KINDS, OPTION, SITUATION
 
 OPTIONS = 16
 WIDTH = max(len(names) for names in OPTION.values())
-SIZE = len(KINDS) + len(SITUATION) + OPTIONS * WIDTH
+HEAD = len(KINDS) + max(len(names) for names in SITUATION.values())
+SIZE = HEAD + OPTIONS * WIDTH
 
 SEEDS = 2**31 - 1
 
@@ -44,16 +45,16 @@ def mask_of(choice: Choice | None) -> NDArray[np.bool_]:
 
 
 def observation_of(choice: Choice | None) -> NDArray[np.float32]:
-    """Shape (346,), each between -1 and 1: the kind of choice (2), the situation (8), then 16 options with 21 features each."""
+    """Shape (347,), each between -1 and 1: the kind of choice (3), the situation (8), then 16 options with 21 features each."""
     out = np.zeros(SIZE, dtype=np.float32)
     if choice is None:
         return out
     if choice.kind not in KINDS:
         raise ValueError(f"found a choice of kind {choice.kind!r}, expected one of {', '.join(KINDS)}")
     out[KINDS.index(choice.kind)] = 1.0
-    out[len(KINDS) : len(KINDS) + len(SITUATION)] = choice.situation
+    out[len(KINDS) : len(KINDS) + len(choice.situation)] = choice.situation
     features = choice.features[shown_options(choice)]
-    options = out[len(KINDS) + len(SITUATION) :].reshape(OPTIONS, WIDTH)
+    options = out[HEAD:].reshape(OPTIONS, WIDTH)
     options[: features.shape[0], : features.shape[1]] = features
     return out
 

@@ -35,7 +35,7 @@ class Terms:
         if kind not in OPTION:
             raise ValueError(f"kind of choice {kind!r}: expected one of {', '.join(OPTION)}")
         self._names = OPTION[kind]
-        factors = (*self._names, *SITUATION, "")  # "" is 1
+        factors = (*self._names, *SITUATION[kind], "")  # "" is 1
         pairs = []
         for term in terms:
             factor, product, other = term.partition("*")

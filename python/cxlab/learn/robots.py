@@ -16,7 +16,7 @@ ORDERS = "orders"
 
 
 class _Team:
-    """What both forms share. Observation: {"observation": float32 (346,), "action_mask": int8 (16,)}; who does not choose now sees
+    """What both forms share. Observation: {"observation": float32 (347,), "action_mask": int8 (16,)}; who does not choose now sees
     zeros, and its mask allows action 0 alone, which changes nothing. All agents get the team's points as reward. `settings` are those of
     `cxlab.learn.games.Settings`."""
 
