@@ -237,7 +237,7 @@ def bench(
 
 
 def _absolute(scenario: str | os.PathLike[str]) -> str:
-    """Of a file; the name of a scenario that comes with cxlab stays."""
+    """The path of a file; the name of a scenario that comes with cxlab stays."""
     name = os.fspath(scenario)
     return os.path.abspath(name) if Path(name).suffix or Path(name).exists() else name
 
