@@ -82,9 +82,11 @@ _COMMAND = re.compile(r"\bcxlab [a-z]")
 
 
 def error_of(code: int, message: str, file: str = "", line: int = 0, word: str = "") -> CxlabError:
-    """The exception of an exit code. Options of the program, `--trust-programs`, are arguments here: `trust_programs`."""
+    """The exception of an exit code. Options of the program, `--trust-programs`, are arguments here: `trust_programs`. The argument
+    that has the mistake (`tier`, `set world.team`) is named once."""
     if not _COMMAND.search(message):
         message = _OPTION.sub(lambda option: option[1].replace("-", "_"), message)
+    message = message.removeprefix(f"{file.rpartition(' ')[2]}: " if file else "")
     kind = _BY_CODE.get(code, CxlabError)
     error = kind(message, file or None, line or None, word)
     error.code = code

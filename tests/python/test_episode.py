@@ -40,6 +40,15 @@ class EpisodeTest(unittest.TestCase):
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
 
 
+class Names(unittest.TestCase):
+    def test_completion_offers_what_is_there(self):
+        self.assertEqual(dir(cxlab), sorted(cxlab.__all__))
+        for name in dir(cxlab):
+            self.assertIsNotNone(getattr(cxlab, name))
+        with self.assertRaisesRegex(AttributeError, "no attribute 'episode_'"):
+            _ = cxlab.episode_
+
+
 class Steps(EpisodeTest):
     def test_an_episode_in_ticks_is_byte_for_byte_the_run_of_the_program(self):
         ran = program("run", "rcll/game", "--seed", "7", "--tier", "timed", "--until", "300", "--out", self.folder / "a")
@@ -241,6 +250,10 @@ class Acts(EpisodeTest):
         self.assertIn("world.teem", str(caught.exception))
         with self.assertRaises(cxlab.UsageError):
             cxlab.Episode("rcll/game", journal="everything")
+        for option, wrong, text in (("seed", -3, "seed: found '-3'"), ("tier", "quick", "tier: found 'quick'"), ("set", {"world.team": "PINK"}, "set world.team: found 'PINK'")):
+            with self.subTest(option), self.assertRaises(cxlab.InputError) as caught:
+                cxlab.Episode("rcll/game", **{option: wrong})
+            self.assertTrue(str(caught.exception).startswith(text), caught.exception)
         for until in (-1, float("nan"), "soon"):
             with self.subTest(until), self.assertRaisesRegex(cxlab.UsageError, "until: "):
                 cxlab.Episode("rcll/game", until=until)
