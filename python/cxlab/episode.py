@@ -197,7 +197,7 @@ class Episode:
         return self._core.environments
 
     def facts(self, pattern: str | None = None, *, env: str | None = None, frames: Frames = "pandas") -> Any:
-        """The facts now, as a table: `fact` (index), `template`, and a column for each slot.
+        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact`, if a slot is called `fact`).
 
         Args:
             pattern: a template ("order") or a pattern: "(order (state OPEN) (id ?))". None: all facts.
@@ -207,11 +207,13 @@ class Episode:
         from cxlab import tables
 
         tables.check_frames(frames)
+        own = ("fact", "template")
         rows = [
-            {"fact": index, "template": template, **slots}
+            {"fact": index, "template": template}
+            | {f"slot_{name}" if name in own else name: value for name, value in slots.items()}
             for index, template, slots in self._core.facts(pattern or "", env)
         ]
-        return tables.frame(tables.from_rows(rows, ("fact", "template")), frames)
+        return tables.frame(tables.from_rows(rows, own), frames)
 
     def fact_list(self, pattern: str | None = None, *, env: str | None = None) -> list[dict[str, Any]]:
         """The same as a list of dicts of slots, without a table: for programs that look often.
