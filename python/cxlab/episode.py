@@ -197,7 +197,7 @@ class Episode:
         return self._core.environments
 
     def facts(self, pattern: str | None = None, *, env: str | None = None, frames: Frames = "pandas") -> Any:
-        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact`, if a slot is called `fact`).
+        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact` for one called `fact`).
 
         Args:
             pattern: a template ("order") or a pattern: "(order (state OPEN) (id ?))". None: all facts.

@@ -82,8 +82,8 @@ _COMMAND = re.compile(r"\bcxlab [a-z]")
 
 
 def error_of(code: int, message: str, file: str = "", line: int = 0, word: str = "") -> CxlabError:
-    """The exception of an exit code. Options of the program, `--trust-programs`, are arguments here: `trust_programs`. The argument
-    that has the mistake (`tier`, `set world.team`) is named once."""
+    """The exception of an exit code. Options of the program, `--trust-programs`, are arguments here: `trust_programs`.
+    The argument that has the mistake (`tier`, `set world.team`) is named once."""
     if not _COMMAND.search(message):
         message = _OPTION.sub(lambda option: option[1].replace("-", "_"), message)
     message = message.removeprefix(f"{file.rpartition(' ')[2]}: " if file else "")
