@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 import threading
 import weakref
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -27,7 +27,7 @@ _LONGEST_END_S = 5.0
 
 def error_said(code: int, said: str) -> CxlabError:
     """The exception for a command that ended with an exit code, with the reason from its standard error."""
-    lines = said.strip().splitlines()
+    lines = [line for line in said.strip().splitlines() if not line.endswith("--help says more")]
     errors = [number for number, line in enumerate(lines) if line.startswith("error: ")]
     text = "\n".join(lines[errors[0] :]).removeprefix("error: ") if errors else "\n".join(lines[-10:])
     if code < 0:
@@ -37,6 +37,17 @@ def error_said(code: int, said: str) -> CxlabError:
     if place and ("/" in place["file"] or place["line"]):
         return error_of(code, place["message"], place["file"], int(place["line"] or 0))
     return error_of(code, text or f"the program ended with exit code {code}")
+
+
+@contextlib.contextmanager
+def named(file: Path, name: str) -> Iterator[None]:
+    """Errors in a file that was written for the call name the argument that it was written from."""
+    try:
+        yield
+    except CxlabError as error:
+        if error.file == str(file):
+            error.file = name
+        raise
 
 
 def run_program(arguments: Sequence[str], answers: Collection[int] = (0,)) -> tuple[int, str]:

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from cxlab import tables
-from cxlab._asking import error_said, run_program
+from cxlab._asking import error_said, named, run_program
+from cxlab._time import Time, seconds_of
 from cxlab.errors import UsageError
-from cxlab.run import Run, Time, seconds_of
+from cxlab.run import Run
 
 
 class Rerun(Run):
@@ -71,6 +72,7 @@ def rerun(
     env: str | Iterable[str] = (),
     until: Time | None = None,
     out: str | os.PathLike[str] | None = None,
+    force: bool = False,
     trust_programs: bool = False,
 ) -> Rerun:
     """Plays a run again into a new folder; with `at` it goes on otherwise from that time.
@@ -86,11 +88,13 @@ def rerun(
         env: the environment or environments that rules, globals and facts are for.
         until: another end than that of the run.
         out: the folder of the new run; without it runs/<scenario>-<seed>.
+        force: `out` may be a folder in use.
     """
     folder = run.folder if isinstance(run, Run) else Path(run)
     trust_programs = trust_programs or (isinstance(run, Run) and run._trust_programs)
     frames: tables.Frames = run._frames if isinstance(run, Run) else "pandas"
-    arguments = ["rerun", str(folder), "--json", "--quiet"] + ["--trust-programs"] * trust_programs
+    arguments = ["rerun", str(folder), "--json", "--quiet"]
+    arguments += ["--force"] * force + ["--trust-programs"] * trust_programs
     for option, value in (("--at", seconds_of(at)), ("--until", seconds_of(until, "until")), ("--out", out)):
         if value is not None:
             arguments += [option, os.fspath(value) if not isinstance(value, float) else repr(value)]
@@ -100,15 +104,17 @@ def rerun(
         for text in [texts] if isinstance(texts, str) else texts:
             arguments += [option, text]
     with tempfile.TemporaryDirectory() as scratch:
+        written = Path(scratch) / "then.clp"
         if then is not None:
             file = Path(os.fspath(then))
             if os.fspath(then).lstrip().startswith(("(", ";")):
-                file = Path(scratch) / "then.clp"
+                file = written
                 file.write_text(os.fspath(then))
             elif not file.is_file():
                 raise UsageError(f"then: '{file}' is no file, and no rules, which begin with '('")
             arguments += ["--then", str(file)]
-        code, said = run_program(arguments, answers=(0, 1))
+        with named(written, "then"):
+            code, said = run_program(arguments, answers=(0, 1))
     if not said.strip():
         raise error_said(code, "")
     answer = json.loads(said)

@@ -14,6 +14,8 @@ def assignments_of(
     settings: Mapping[str, Any] | None, *, seed: int | None = None, tier: str | None = None
 ) -> list[tuple[str, str]]:
     """Overrides of a scenario as PATH=VALUE, each with the argument that errors name."""
+    if not isinstance(settings, Mapping | None):
+        raise UsageError(f'found a {type(settings).__name__}, expected a dict as {{"world.team": "MAGENTA"}}', "set")
     assignments = [(f"{path}={yaml_text(value, plain=True)}", f"set {path}") for path, value in (settings or {}).items()]
     if seed is not None:
         assignments.append((f"seed={seed}", "seed"))

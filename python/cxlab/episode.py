@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cxlab import _cxlab
+from cxlab._time import Time, seconds_of
 from cxlab._yaml import assignments_of, yaml_text
 from cxlab.seat import Call, Goal, Message, Seat
 
@@ -63,7 +64,7 @@ class Episode:
         seats: programs that play as well, after all agents.
         out: folder of the run; None writes nothing.
         force: `out` may be a folder in use.
-        until: end, s of simulated time; None: the duration of the scenario.
+        until: end of the run: 312.4 (s), "5:12" or "5:12.4"; None: the duration of the scenario.
         journal: what journal.jsonl holds: "none", "decisions" or "full".
         packages: prefixes below which packages of rules and interfaces lie (PREFIX/share/NAME).
 
@@ -83,7 +84,7 @@ class Episode:
         seats: Sequence[Seat] = (),
         out: str | os.PathLike[str] | None = None,
         force: bool = False,
-        until: float | None = None,
+        until: Time | None = None,
         journal: str = "decisions",
         packages: Sequence[str | os.PathLike[str]] = (),
     ) -> None:
@@ -96,18 +97,18 @@ class Episode:
         self._core: Any = _cxlab.Episode(
             scenario=os.fspath(scenario),
             assignments=assignments,
-            until=until,
+            until=seconds_of(until, "until"),
             journal=journal,
             out="" if out is None else os.fspath(out),
             force=force,
-            seats=list(seats),
+            seats=[seats] if isinstance(seats, Seat) else list(seats),
             packages=[os.fspath(package) for package in packages],
         )
 
     # --- Playing
 
-    def step(self, until: float | None = None, *, ticks: int | None = None) -> Step:
-        """Play the ticks up to a time (s), one at it included, or a number of ticks; without either one tick.
+    def step(self, until: Time | None = None, *, ticks: int | None = None) -> Step:
+        """Play the ticks up to a time (s, or "5:12.4"), one at it included, or a number of ticks; without either one tick.
 
         Other threads run meanwhile. Ctrl-C raises KeyboardInterrupt after a tick: the episode can be stepped on or closed.
 
@@ -117,6 +118,8 @@ class Episode:
         """
         if until is None and ticks is None:
             ticks = 1
+        if isinstance(until, str):
+            until = seconds_of(until, "until")
         return Step(*self._core.step(until, ticks))
 
     def run(self) -> dict[str, Any]:
@@ -181,7 +184,10 @@ class Episode:
 
     def __repr__(self) -> str:
         state = "closed" if self.closed else "over" if self.over else "open"
-        return f"<cxlab.Episode at {self.now:.3f} s, {state}>"
+        return f"<cxlab.Episode at {max(self.now, 0.0):.3f} s, {state}>"
+
+    def __reduce__(self) -> str:
+        raise TypeError("an episode lives in one process, once: to go on otherwise from a time of its run, use cxlab.rerun")
 
     # --- Rules
 
@@ -191,7 +197,7 @@ class Episode:
         return self._core.environments
 
     def facts(self, pattern: str | None = None, *, env: str | None = None, frames: Frames = "pandas") -> Any:
-        """The facts now, as a table: `fact` (index), `template`, and a column for each slot.
+        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact` for one called `fact`).
 
         Args:
             pattern: a template ("order") or a pattern: "(order (state OPEN) (id ?))". None: all facts.
@@ -200,11 +206,14 @@ class Episode:
         """
         from cxlab import tables
 
+        tables.check_frames(frames)
+        own = ("fact", "template")
         rows = [
-            {"fact": index, "template": template, **slots}
+            {"fact": index, "template": template}
+            | {f"slot_{name}" if name in own else name: value for name, value in slots.items()}
             for index, template, slots in self._core.facts(pattern or "", env)
         ]
-        return tables.frame(tables.from_rows(rows, ("fact", "template")), frames)
+        return tables.frame(tables.from_rows(rows, own), frames)
 
     def fact_list(self, pattern: str | None = None, *, env: str | None = None) -> list[dict[str, Any]]:
         """The same as a list of dicts of slots, without a table: for programs that look often.

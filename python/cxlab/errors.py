@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 
 class CxlabError(Exception):
     """What went wrong, with the place and the remedy where there is one.
@@ -75,8 +77,16 @@ _BY_CODE: dict[int, type[CxlabError]] = {
 }
 
 
+_OPTION = re.compile(r"(?<![\w/-])--([a-z]+(?:-[a-z]+)*)")
+_COMMAND = re.compile(r"\bcxlab [a-z]")
+
+
 def error_of(code: int, message: str, file: str = "", line: int = 0, word: str = "") -> CxlabError:
-    """The exception of an exit code."""
+    """The exception of an exit code. Options of the program, `--trust-programs`, are arguments here: `trust_programs`.
+    The argument that has the mistake (`tier`, `set world.team`) is named once."""
+    if not _COMMAND.search(message):
+        message = _OPTION.sub(lambda option: option[1].replace("-", "_"), message)
+    message = message.removeprefix(f"{file.rpartition(' ')[2]}: " if file else "")
     kind = _BY_CODE.get(code, CxlabError)
     error = kind(message, file or None, line or None, word)
     error.code = code

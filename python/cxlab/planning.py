@@ -114,13 +114,19 @@ class Plan(Sequence[PlanStep]):
 
     def frame(self) -> Any:
         """The steps as a pandas DataFrame: action, arguments, start, end, duration, latest_start, latest_end (s)."""
-        import pandas
+        from cxlab import tables
 
+        pandas = tables.library("pandas")
         columns = ["action", "arguments", "start", "end", "duration", "latest_start", "latest_end"]
         return pandas.DataFrame([[getattr(step, column) for column in columns] for step in self.steps], columns=columns)
 
     def __str__(self) -> str:
         return self.text if self else f"{self.status}: {self.out_of_reach or self.reason}"
+
+    def _repr_html_(self) -> str:
+        from cxlab import jupyter
+
+        return jupyter.text_html(str(self))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,35 +9,17 @@ import re
 import subprocess
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from numbers import Real
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cxlab import tables
 from cxlab._asking import Asking, error_said, run_program
 from cxlab._cxlab import RecordedRun
+from cxlab._time import Time, seconds_of
 from cxlab.errors import CxlabError, InputError, UsageError
 
-Time = float | int | str
-
-_TIME = re.compile(r"(?:(\d+):(?=[0-5]?\d(?:\.|$)))?(\d+(?:\.\d*)?)")
-_LONGEST_S = 1e9
 _AFTER_EACH_END_S = 1e8
-
-
-def seconds_of(time: Time | None, name: str = "at") -> float | None:
-    """A time of a run in s: 312.4, "312.4", "5:12" or "5:12.4". None stays None."""
-    if time is None:
-        return None
-    seconds: float | None = None
-    if isinstance(time, str):
-        written = _TIME.fullmatch(time)
-        seconds = 60 * int(written[1] or 0) + float(written[2]) if written else None
-    elif isinstance(time, Real) and not isinstance(time, bool):  # numbers of NumPy as well
-        seconds = float(time)
-    if seconds is None or not 0 <= seconds < _LONGEST_S:
-        raise UsageError(f'{name}: found {time!r}, expected a time of the run: 312.4 (s), "5:12" or "5:12.4"')
-    return seconds
 
 
 class Answer(Mapping[str, Any]):
@@ -157,10 +139,21 @@ class Run:
     ) -> None:
         self._frames = tables.check_frames(frames)
         self.folder = Path(folder).absolute()
-        self._recorded = RecordedRun(str(self.folder))
         self._trust_programs = trust_programs
-        self._asking = Asking(self.folder, trust_programs)
         self._known: dict[str, tuple[str, str]] | None = None
+        self._open()
+
+    def _open(self) -> None:
+        self._recorded = RecordedRun(str(self.folder))
+        self._asking = Asking(self.folder, self._trust_programs)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy, also in another process, opens the folder again."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_recorded", "_asking")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._open()
 
     # --- The same run, with other frames
 
@@ -456,7 +449,7 @@ class Run:
                 for number, step in enumerate(answer["steps"])
             ]
         columns = ("env", "step", "n", "t_s", "kind", "text", "place", "values", "because")
-        return Explanation(parts, lines, lambda: self._frame(rows, columns))
+        return Explanation(parts, lines, partial(self._frame, rows, columns))
 
     def why_not(
         self, what: str, at: Time | None = None, *, where: Mapping[str, Any] | None = None, env: str | None = None
@@ -490,7 +483,7 @@ class Run:
                         "because": unmet.get("because"),
                     }
                 )
-        return Explanation(parts, lines, lambda: self._frame(rows, ("env", "rule", "place")))
+        return Explanation(parts, lines, partial(self._frame, rows, ("env", "rule", "place")))
 
     def source(self, rule: str, *, env: str | None = None) -> str:
         """The text of a rule as it was played."""

@@ -29,6 +29,9 @@ class Call:
         """Whether the answer has come."""
         return self.response is not None
 
+    def __repr__(self) -> str:
+        return f"<cxlab.Call, {'answered' if self.done else 'waiting'}>"
+
 
 class Goal:
     """A goal that an episode's program sent."""
@@ -66,6 +69,11 @@ class Goal:
     def cancel(self) -> None:
         """Ask the server to end it."""
         self._core.cancel(self._number)
+
+    def __repr__(self) -> str:
+        goal = self._core.goal(self._number)
+        states = {None: "waiting", False: "refused", True: "accepted"}, {False: "failed", True: "succeeded"}
+        return f"<cxlab.Goal, {states[1].get(goal['succeeded'], states[0][goal['accepted']])}>"
 
 
 class Bus:

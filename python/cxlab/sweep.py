@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from cxlab import tables
-from cxlab._asking import error_said, run_program
+from cxlab._asking import error_said, named, run_program
+from cxlab._yaml import yaml_text
 from cxlab.errors import InputError, UsageError
 
 TABLES = ("scores", "differences", "profile", "overview", "shares")
@@ -223,8 +224,9 @@ def bench(
             raise UsageError("out: a suite that is no file needs a folder: bench({...}, out='runs/mine')")
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "suite.yaml"
-            file.write_text(json.dumps(_with_absolute_files(suite)))
-            return bench(file, out=out, jobs=jobs, time_limit=time_limit, all=all, frames=frames)
+            file.write_text(yaml_text(_with_absolute_files(suite)))
+            with named(file, "suite"):
+                return bench(file, out=out, jobs=jobs, time_limit=time_limit, all=all, frames=frames)
     target = Path(out) if out is not None else Path("runs") / f"bench-{Path(suite).stem}"
     arguments = ["bench", os.fspath(suite), "--out", str(target), "-j", str(jobs), "--json", "--quiet"]
     if time_limit is not None:
@@ -235,10 +237,16 @@ def bench(
     return Sweep(target, frames=frames, code=code)
 
 
+def _absolute(scenario: str | os.PathLike[str]) -> str:
+    """The path of a file; the name of a scenario that comes with cxlab stays."""
+    name = os.fspath(scenario)
+    return os.path.abspath(name) if Path(name).suffix or Path(name).exists() else name
+
+
 def _with_absolute_files(suite: Mapping[str, Any]) -> dict[str, Any]:
     out = dict(suite)
     if "scenarios" in out:
-        out["scenarios"] = [os.path.abspath(name) if os.path.exists(name) else name for name in out["scenarios"]]
+        out["scenarios"] = [_absolute(name) for name in out["scenarios"]]
     if "games" in out:
         out["games"] = os.path.abspath(out["games"])
     if "earlier" in out:

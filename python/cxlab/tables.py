@@ -77,12 +77,14 @@ def from_rows(rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = ()) ->
     values: whole, real, truth, text, or lists of these. One with values of several types is text.
     """
     cells: dict[str, list[Any]] = {name: [] for name in columns}
-    for number, row in enumerate(rows):
+    length = 0
+    for length, row in enumerate(rows, 1):
         for name, value in row.items():
-            cells.setdefault(name, [None] * number).append(value)
-        for column in cells.values():
-            if len(column) == number:
-                column.append(None)
+            column = cells.setdefault(name, [])
+            column += [None] * (length - 1 - len(column))
+            column.append(value)
+    for column in cells.values():
+        column += [None] * (length - len(column))
     arrow = library("pyarrow")
     return arrow.table({name: _column(values, arrow) for name, values in cells.items()})
 

@@ -128,9 +128,7 @@ class CxlabEngine(Engine, OneshotPlannerMixin, AnytimePlannerMixin, PlanValidato
         memory: address space of the planner, bytes.
     """
 
-    def __init__(
-        self, budget: int | None = None, patience: int | None = None, memory: int | None = None, **options: Any
-    ) -> None:
+    def __init__(self, budget: int | None = None, patience: int | None = None, memory: int | None = None) -> None:
         Engine.__init__(self)
         OneshotPlannerMixin.__init__(self)
         AnytimePlannerMixin.__init__(self)

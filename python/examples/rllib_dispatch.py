@@ -29,10 +29,7 @@ from ray.tune import register_env
 from torch import nn
 
 from cxlab.learn import RCLLDispatchEnv, RCLLRobotsEnv
-from cxlab.learn.features import KINDS, OPTION, SITUATION
-
-HEAD = len(KINDS) + len(SITUATION)  # of an observation; the features of 16 options follow
-WIDTH = max(len(names) for names in OPTION.values())
+from cxlab.learn.games import HEAD, WIDTH  # the head of an observation; the features of 16 options follow
 
 
 class WithMask(gymnasium.ObservationWrapper):

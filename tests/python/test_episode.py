@@ -1,10 +1,12 @@
 """Episodes that Python plays: steps, acts between ticks, the bus, seats, and hostile use."""
 
 import _thread
+import copy
 import gc
 import importlib.util
 import json
 import os
+import pickle
 import subprocess
 import tempfile
 import threading
@@ -38,6 +40,15 @@ class EpisodeTest(unittest.TestCase):
         self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
 
 
+class Names(unittest.TestCase):
+    def test_completion_offers_what_is_there(self):
+        self.assertEqual(dir(cxlab), sorted(cxlab.__all__))
+        for name in dir(cxlab):
+            self.assertIsNotNone(getattr(cxlab, name))
+        with self.assertRaisesRegex(AttributeError, "no attribute 'episode_'"):
+            _ = cxlab.episode_
+
+
 class Steps(EpisodeTest):
     def test_an_episode_in_ticks_is_byte_for_byte_the_run_of_the_program(self):
         ran = program("run", "rcll/game", "--seed", "7", "--tier", "timed", "--until", "300", "--out", self.folder / "a")
@@ -63,6 +74,19 @@ class Steps(EpisodeTest):
             self.assertEqual(episode.step(ticks=5000).ticks, 5000)  # longer than it keeps the lock of the interpreter
             self.assertEqual(episode.result["status"], "running")
         self.assertEqual(episode.result["status"], "stopped")
+
+    def test_times_are_written_as_for_a_run(self):
+        with cxlab.Episode(**GAME, until="0:12") as episode:
+            self.assertEqual(episode.step(until="0:05").now, episode.step(until=5).now)
+            episode.step(until=1e9)
+        self.assertEqual(episode.now, 12)
+
+    def test_an_episode_has_no_copy_that_would_close_it(self):
+        with cxlab.Episode(**GAME) as episode:
+            for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.subTest(copied), self.assertRaisesRegex(TypeError, "cxlab.rerun"):
+                    copied(episode)
+            self.assertEqual(episode.step().ticks, 1)
 
     def test_overrides_change_the_scenario(self):
         with cxlab.Episode(**GAME, seed=3, set={"world.team": "MAGENTA", "duration_s": 2}) as episode:
@@ -202,7 +226,8 @@ class Acts(EpisodeTest):
             (lambda e: e.publish("/x", "std_msgs/msg/String", {"dat": "x"}), cxlab.CxlabError, "dat"),
             (lambda e: e.publish("/x", "std_msgs/msg/String", {"data": object()}), cxlab.UsageError, "type object"),
             (lambda e: e.step(until=float("nan")), cxlab.UsageError, "nan"),
-            (lambda e: e.step(until="soon"), TypeError, ""),
+            (lambda e: e.step(until="soon"), cxlab.UsageError, "5:12.4"),
+            (lambda e: e.facts("machine", frames="numpy"), cxlab.UsageError, "expected one of pandas"),
             (lambda e: e.render(0, 0), cxlab.CxlabError, ""),
             (lambda e: e.render(64, 64, camera="nowhere"), cxlab.CxlabError, ""),
         ]
@@ -225,6 +250,15 @@ class Acts(EpisodeTest):
         self.assertIn("world.teem", str(caught.exception))
         with self.assertRaises(cxlab.UsageError):
             cxlab.Episode("rcll/game", journal="everything")
+        for option, wrong, text in (("seed", -3, "seed: found '-3'"), ("tier", "quick", "tier: found 'quick'"), ("set", {"world.team": "PINK"}, "set world.team: found 'PINK'")):
+            with self.subTest(option), self.assertRaises(cxlab.InputError) as caught:
+                cxlab.Episode("rcll/game", **{option: wrong})
+            self.assertTrue(str(caught.exception).startswith(text), caught.exception)
+        for until in (-1, float("nan"), "soon"):
+            with self.subTest(until), self.assertRaisesRegex(cxlab.UsageError, "until: "):
+                cxlab.Episode("rcll/game", until=until)
+        with self.assertRaisesRegex(cxlab.UsageError, "set: found a list"):
+            cxlab.Episode("rcll/game", set=[("seed", 1)])
         (self.folder / "full").mkdir()
         (self.folder / "full/file").touch()
         with self.assertRaises(cxlab.UsageError):
@@ -374,6 +408,7 @@ class Bus(EpisodeTest):
             self.assertEqual(episode.read("/star/pose"), [])
             spawned = episode.call("/spawn", None, {"x": 1.0, "y": 2.0, "name": "t9"})
             self.assertIsNone(spawned.response)
+            self.assertEqual(repr(spawned), "<cxlab.Call, waiting>")
             goal = episode.send_goal("/nobody/rotate", "turtlesim/action/RotateAbsolute", {"theta": 1.0})
             episode.step(until=2)
             self.assertEqual(spawned.response, {"name": "t9"})
@@ -390,6 +425,7 @@ class Bus(EpisodeTest):
         # What came stays when the episode is closed.
         self.assertEqual(spawned.response, {"name": "t9"})
         self.assertTrue(turn.done and turn.succeeded)
+        self.assertEqual([repr(one) for one in (spawned, turn, goal)], ["<cxlab.Call, answered>", "<cxlab.Goal, succeeded>", "<cxlab.Goal, waiting>"])
         self.assertEqual(set(turn.result), {"delta"})
         self.assertGreater(len(turn.feedback), 0)
         self.assertEqual(json.loads((self.folder / "run/manifest.json").read_text())["seats"], ["python"])

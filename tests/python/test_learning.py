@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import threading
 import unittest
+import warnings
 from pathlib import Path
 
 import cxlab
@@ -37,10 +38,10 @@ class OfTheRules(unittest.TestCase):
         cls.seen, cls.result = choices(1, journal="decisions")
 
     def test_both_kinds_come_with_features_by_their_names_between_minus_one_and_one(self):
-        self.assertEqual({choice.kind for choice in self.seen}, set(KINDS))
+        self.assertEqual({choice.kind for choice in self.seen}, {"begin-order", "take-job"})
         for choice in self.seen:
             self.assertEqual(choice.features.shape, (len(choice.options), len(OPTION[choice.kind])))
-            self.assertEqual(choice.situation.shape, (len(SITUATION),))
+            self.assertEqual(choice.situation.shape, (len(SITUATION[choice.kind]),))
             self.assertLessEqual(np.abs(choice.features).max(), 1)
             self.assertLessEqual(np.abs(choice.situation).max(), 1)
 
@@ -61,7 +62,7 @@ class OfTheRules(unittest.TestCase):
     def test_time_passes(self):
         times = [choice.now for choice in self.seen]
         self.assertEqual(times, sorted(times))
-        shares = [choice.situation[SITUATION.index("time")] for choice in self.seen]
+        shares = [choice.situation[SITUATION[choice.kind].index("time")] for choice in self.seen]
         for now, share in zip(times, shares, strict=True):
             self.assertAlmostEqual(share * 1200, now, delta=0.2)
 
@@ -170,6 +171,18 @@ class WhatIf(unittest.TestCase):
                 game.what_if(lambda: os._exit(1))
             self.assertEqual(game.what_if(lambda: 7), 7)
 
+    def test_a_branch_beside_other_threads_warns_of_nothing(self):
+        over = threading.Event()
+        other = threading.Thread(target=over.wait)
+        other.start()
+        with ChoiceGame(seed=1, tier="timed", until=SHORT) as game, warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            game.next()
+            self.assertEqual(game.what_if(lambda: threading.active_count()), 1)
+            self.assertEqual(warned, [])
+        over.set()
+        other.join()
+
     def test_a_game_with_a_folder_does_not_branch(self):
         with tempfile.TemporaryDirectory() as folder, ChoiceGame(seed=1, tier="timed", until=SHORT, out=Path(folder, "run")) as game:
             game.next()
@@ -246,7 +259,7 @@ class Policies(unittest.TestCase):
 
     def test_a_term_is_a_feature_or_the_product_of_two(self):
         for choice in choices(1)[0][:20]:
-            last, products = OPTION[choice.kind][1], choice.situation[SITUATION.index("products")]
+            last, products = OPTION[choice.kind][1], choice.situation[SITUATION[choice.kind].index("products")]
             terms = ["preferred", f"{last}*products", f"{last}*points", "points*points"]
             points = choice.features[:, OPTION[choice.kind].index("points")]
             nothing = np.arange(len(choice.options)) == len(choice.options) - 1
@@ -263,7 +276,7 @@ class Policies(unittest.TestCase):
     def test_of_a_kind_without_weights_the_option_of_the_rules_is_taken(self):
         for choice in choices(1)[0][:20]:
             self.assertEqual(LinearPolicy({})(choice), choice.preferred)
-            self.assertEqual(LinearPolicy.greedy()(choice._replace(kind="begin-step")), choice.preferred)
+            self.assertEqual(LinearPolicy.greedy()(choice._replace(kind="open-door")), choice.preferred)
 
     def test_a_policy_comes_back_from_its_text(self):
         policy = LinearPolicy({kind: {names[2]: 1.5, f"{names[1]}*idle": -2.0} for kind, names in OPTION.items()})
@@ -285,7 +298,7 @@ class Policies(unittest.TestCase):
         self.assertTrue(any(policy(choice) != choice.preferred for choice in seen))
 
 
-def choice_of_orders(*features, situation=(0.5,) * len(SITUATION), now=100.0):
+def choice_of_orders(*features, situation=(0.5,) * len(SITUATION["begin-order"]), now=100.0):
     """A choice between orders with these features by name, and none."""
     names = OPTION["begin-order"]
     rows = np.array([[by_name.get(name, 0.0) for name in names] for by_name in (*features, {"none": 1.0})])
@@ -310,7 +323,7 @@ class Trainer(unittest.TestCase):
         for worth in random.uniform(0, 1, 40):
             order, none = choice_of_orders({"worth": worth}).features.tolist()
             noise = float(random.normal(0, 20))
-            samples.append({"situation": [0.5] * len(SITUATION), "taken": none, "other": order, "gain": worth_of_points(worth) + noise})
+            samples.append({"situation": [0.5] * len(SITUATION["begin-order"]), "taken": none, "other": order, "gain": worth_of_points(worth) + noise})
         return {"seed": seed, "points": 0.0, "samples": samples}
 
     def test_a_policy_takes_what_branches_have_shown_to_be_worth_more(self):
@@ -372,13 +385,38 @@ class Observations(unittest.TestCase):
             seen = observation_of(choice)
             self.assertEqual(seen.shape, (SIZE,))
             self.assertEqual(seen.dtype, np.float32)
-            self.assertEqual(KINDS[int(np.argmax(seen[:2]))], choice.kind)
-            np.testing.assert_allclose(seen[2:10], choice.situation, rtol=1e-6)
-            options = seen[10:].reshape(OPTIONS, -1)
+            self.assertEqual(KINDS[int(np.argmax(seen[:3]))], choice.kind)
+            np.testing.assert_allclose(seen[3:11], choice.situation, rtol=1e-6)
+            options = seen[11:].reshape(OPTIONS, -1)
             count, width = choice.features.shape
             np.testing.assert_allclose(options[:count, :width], choice.features, rtol=1e-6)
             self.assertFalse(options[count:].any())
             self.assertEqual(mask_of(choice).tolist(), [True] * count + [False] * (OPTIONS - count))
+
+    def test_steps_of_the_planning_agent_are_choices_as_well(self):
+        external = {"agents[0].params": {"clips_manager.strategy.dispatch": "external"}}
+        games = Games("rcll/planning", ahead=False, until=80, set=external)
+        self.addCleanup(games.close)
+        games.begin(1, None)
+        moving = set()
+        while (choice := games.choice) is not None:
+            by_name = dict(zip(OPTION[choice.kind], choice.features.T, strict=True))
+            situation = dict(zip(SITUATION[choice.kind], choice.situation, strict=True))
+            self.assertEqual((choice.kind, choice.preferred, choice.options[-1]), ("begin-step", 0, "wait"))
+            self.assertEqual(by_name["preferred"].tolist(), [1.0] + [0.0] * (len(choice.options) - 1))
+            self.assertEqual(by_name["wait"].tolist(), [0.0] * (len(choice.options) - 1) + [1.0])
+            for text, *kinds in zip(choice.options, *choice.features.T[5:11], strict=True):  # one column an action
+                self.assertEqual([name for name, kind in zip(OPTION["begin-step"][5:11], kinds, strict=True) if kind], [text.split()[0]] * (text != "wait"))
+            self.assertAlmostEqual(situation["time"], choice.now / 1200, places=3)
+            moving.add(round(situation["running"] * 10))
+            seen = observation_of(choice)
+            self.assertEqual(seen[:3].tolist(), [0, 0, 1])
+            np.testing.assert_allclose(seen[3:7], choice.situation, rtol=1e-6)
+            self.assertFalse(seen[7:11].any())
+            self.assertEqual(LinearPolicy({"begin-step": {"preferred*not_begun": 1.0}})(choice), 0)
+            games.answer(choice.preferred)
+        self.assertEqual(min(moving), 0)
+        self.assertGreater(len(moving), 1)
 
     def test_of_many_options_the_preferred_and_the_last_one_are_always_shown(self):
         choice = choices(1)[0][0]
@@ -422,6 +460,14 @@ class OneAfterTheOther(unittest.TestCase):
             hashes.append(games.result()["journal_hash"])
         games.close()
         self.assertEqual(len(set(hashes)), 1)
+
+    def test_a_game_in_which_nothing_can_be_learned_is_refused(self):
+        for scenario, team, file in (("rcll/external", "PINK", "team"), ("rcll/game", "CYAN", "scenario")):
+            games = Games(scenario, team=team, ahead=False, tier="timed", until=SHORT)
+            self.addCleanup(games.close)
+            with self.subTest(scenario), self.assertRaises(cxlab.CxlabError) as raised:
+                games.begin(1, None)
+            self.assertEqual(raised.exception.file, file)
 
 
 if __name__ == "__main__":

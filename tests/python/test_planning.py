@@ -9,6 +9,7 @@ import tempfile
 import textwrap
 import time
 import unittest
+from html import escape
 from unittest import mock
 
 from cxlab import planning
@@ -241,6 +242,10 @@ class Planning(unittest.TestCase):
         self.assertEqual(found.index(found[1]), 1)
         self.assertEqual(found[-1:], (found[1],))
         self.assertEqual(Plan("ended", "why", (), 3).orderings, ())
+
+    def test_notebooks_show_its_steps_or_why_there_are_none(self):
+        self.assertIn(escape(plan(DOMAIN, PROBLEM).text.splitlines()[0]), plan(DOMAIN, PROBLEM)._repr_html_())
+        self.assertIn("ended: a &lt; b", Plan("ended", "a < b", (), 3)._repr_html_())
 
 
 if __name__ == "__main__":

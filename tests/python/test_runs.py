@@ -1,9 +1,11 @@
 """Questions about a run in Python, without any package: texts, JSON, errors, and the process that answers."""
 
 import contextlib
+import copy
 import gc
 import json
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -110,7 +112,13 @@ class Errors(unittest.TestCase):
     def test_a_sentence_with_a_colon_names_no_file(self):
         error = error_said(2, "error: --at: found x, expected a time\n")
         self.assertIsInstance(error, cxlab.UsageError)
-        self.assertEqual(error.message, "--at: found x, expected a time")
+        self.assertEqual(error.message, "at: found x, expected a time")
+
+    def test_options_of_the_program_are_arguments_and_its_commands_stay(self):
+        error = error_said(2, "error: it is in use; --trust-programs would do\ncxlab rerun --help says more\n")
+        self.assertEqual(error.message, "it is in use; trust_programs would do")
+        self.assertEqual(error_said(2, "error: cxlab doctor --fix mends it").message, "cxlab doctor --fix mends it")
+        self.assertEqual(error_said(2, "error: found x--y, expected ---").message, "found x--y, expected ---")
 
     def test_a_signal_is_no_answer(self):
         self.assertIn("signal 9", str(error_said(-9, "")))
@@ -369,17 +377,61 @@ class WhatIf(WithGame):
         self.assertTrue(again.same)
         self.assertEqual(again.result["journal_hash"], self.run_.result["journal_hash"])
 
+    def test_a_folder_in_use_is_written_into_by_force(self):
+        out = Path(SCRATCH.name) / "in-use"
+        out.mkdir()
+        (out / "file").touch()
+        with self.assertRaisesRegex(cxlab.UsageError, "; force writes"):
+            cxlab.rerun(self.run_, at=10, until=11, out=out)
+        self.assertTrue(cxlab.rerun(self.run_, at=10, until=11, out=out, force=True).same)
+
+    def test_a_mistake_in_rules_that_are_no_file_names_the_argument(self):
+        with self.assertRaises(cxlab.InputError) as caught:
+            cxlab.rerun(self.run_, at=10, then="; none\n(defrule a", out=Path(SCRATCH.name) / "refused")
+        self.assertEqual((caught.exception.file, caught.exception.line), ("then", 2))
+
     def test_what_cannot_be_is_refused(self):
         out = Path(SCRATCH.name) / "refused"
         for kind, text, options in (
             (cxlab.UsageError, "begin with '('", {"at": 10, "then": "no-such-file.clp"}),
-            (cxlab.UsageError, "--at", {"assert_": "(a)"}),
+            (cxlab.UsageError, "expected at T", {"assert_": "(a)"}),
             (cxlab.InputError, "no-such", {"at": 10, "assert_": "(no-such (slot 1))"}),
         ):
             with self.subTest(text), self.assertRaises(kind) as caught:
                 cxlab.rerun(self.run_, out=out, **options)
             self.assertIn(text, str(caught.exception))
             shutil.rmtree(out, ignore_errors=True)
+
+
+class Copies(WithGame):
+    def test_a_copy_answers_the_same_in_a_process_of_its_own(self):
+        text = str(self.run_.why("order-begin"))
+        for copied in (copy.copy(self.run_), copy.deepcopy(self.run_), pickle.loads(pickle.dumps(self.run_.arrow))):
+            self.addCleanup(copied.close)
+            self.assertEqual(str(copied.why("order-begin")), text)
+            self.assertNotEqual(copied._asking.pid, self.run_._asking.pid)
+            self.assertEqual(copied.result, self.run_.result)
+        self.assertEqual(copied._frames, "arrow")
+
+    def test_an_explanation_goes_to_another_process(self):
+        answer = self.run_.why("order-begin")
+        self.assertEqual(str(pickle.loads(pickle.dumps(answer))), str(answer))
+
+
+class Suites(unittest.TestCase):
+    def test_a_suite_names_scenarios_that_come_with_the_program(self):
+        suite = {"scenarios": ["rcll/game"], "tier": "timed", "seeds": [1], "strategies": {"a": []}}
+        sweep = cxlab.bench(suite, out=Path(SCRATCH.name) / "suite")
+        self.assertEqual(len((sweep.folder / "rows.csv").read_text().splitlines()), 2)
+
+    def test_a_mistake_in_a_suite_that_is_no_file_names_the_argument(self):
+        for wrong, says in (
+            ({"seed": "1"}, "did you mean 'seeds'"),
+            ({"scenarios": ["nowhere.yaml"]}, str(Path("nowhere.yaml").absolute())),
+        ):
+            with self.subTest(wrong), self.assertRaisesRegex(cxlab.InputError, re.escape(says)) as caught:
+                cxlab.bench({"scenarios": ["rcll/game"], "seeds": [1], "strategies": {"a": []}, **wrong}, out=Path(SCRATCH.name) / "wrong")
+            self.assertEqual(caught.exception.file, "suite")
 
 
 class Pages(WithGame):

@@ -214,10 +214,12 @@ class Turtles(unittest.TestCase):
 
 
 class Registered(unittest.TestCase):
-    def test_importing_cxlab_learn_and_gymnasium_is_enough(self):
-        code = "import gymnasium, cxlab.learn; env = gymnasium.make('cxlab/RCLLDispatch-v0', until=30.0); env.close()"
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
+    def test_importing_cxlab_learn_is_enough_before_and_after_gymnasium_or_by_the_name(self):
+        for modules, module in (("gymnasium, cxlab.learn", ""), ("cxlab.learn, gymnasium", ""), ("gymnasium", "cxlab.learn:")):
+            with self.subTest(modules):
+                code = f"import {modules}; gymnasium.make('{module}cxlab/RCLLDispatch-v0', until=30.0).close()"
+                done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
 
 
 if __name__ == "__main__":

@@ -254,6 +254,13 @@ class Frames(WithGame):
             self.assertIsInstance(ask(run), pandas.DataFrame)
             self.assertEqual(frame.to_dicts(), arrow.to_pylist())
 
+    def test_slots_that_are_called_as_a_column_get_another_name(self):
+        with cxlab.Episode("turtlesim/goal") as episode:
+            episode.build("(deftemplate odd (slot fact) (slot template) (slot more))")
+            number = episode.assert_("(odd (fact 7) (template x) (more 8))")
+            row = episode.facts("odd", frames="arrow").to_pylist()
+        self.assertEqual(row, [{"fact": number, "template": "odd", "slot_fact": 7, "slot_template": "x", "more": 8}])
+
     def test_whole_numbers_stay_whole(self):
         orders = self.run_.points
         self.assertTrue(orders.order.isna().any())

@@ -22,13 +22,15 @@ class PythonTypes(unittest.TestCase):
         code, said = run("mypy", "--config-file", CONFIG, "--cache-dir", BUILD / "mypy", "-p", "cxlab", cwd=BUILD / "python")
         self.assertEqual(code, 0, said)
 
-    def test_mypy_knows_the_types_of_an_episode(self):
+    def test_mypy_knows_the_types_of_what_a_program_uses(self):
         program = BUILD / "python/wrong_program.py"
-        program.write_text('import cxlab\nnow: str = cxlab.Episode("rcll/game").step().now\n')
         self.addCleanup(program.unlink)
-        code, said = run("mypy", "--config-file", CONFIG, "--cache-dir", BUILD / "mypy", program.name, cwd=BUILD / "python")
-        self.assertEqual(code, 1, said)
-        self.assertIn('"float"', said)
+        for expression, kind in (('cxlab.Episode("rcll/game").step().now', "float"), ("cxlab.learn.RCLLDispatchEnv()", "RCLLDispatchEnv")):
+            with self.subTest(expression):
+                program.write_text(f"import cxlab.learn\nwrong: str = {expression}\n")
+                code, said = run("mypy", "--config-file", CONFIG, "--cache-dir", BUILD / "mypy", program.name, cwd=BUILD / "python")
+                self.assertEqual(code, 1, said)
+                self.assertIn(f'"{kind}"', said)
 
     def test_ruff_finds_nothing(self):
         code, said = run("ruff", "check", "--no-cache", "--config", CONFIG, SOURCE / "python/cxlab", cwd=SOURCE)

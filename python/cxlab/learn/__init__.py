@@ -11,10 +11,16 @@ The environments need the extra `cxlab[learn]` (Gymnasium, PettingZoo): `gymnasi
 
 from __future__ import annotations
 
-from typing import Any
+import contextlib
+from typing import TYPE_CHECKING, Any
 
 from cxlab.learn.choices import Choice, ChoiceGame
 from cxlab.learn.policy import LinearPolicy, play, play_all, shipped_policy
+
+if TYPE_CHECKING:
+    from cxlab.learn.dispatch import RCLLDispatchEnv
+    from cxlab.learn.robots import RCLLRobotsEnv, RCLLRobotsParallelEnv
+    from cxlab.learn.turtle import TurtlesimEnv
 
 __all__ = [
     "Choice",
@@ -45,14 +51,17 @@ def __getattr__(name: str) -> Any:
     return getattr(importlib.import_module(f"cxlab.learn.{_LAZY[name]}"), name)
 
 
-def _register_when_gymnasium_is_there() -> None:
-    """Installed, Gymnasium finds the entry point by itself; from a build folder the import of this module registers."""
-    import sys
+def __dir__() -> list[str]:
+    return __all__
 
-    if "gymnasium" in sys.modules:
+
+def _register_where_gymnasium_is() -> None:
+    """Gymnasium 1.4 looks for no entry points any more, so whoever imports this module finds the environments, before or after
+    Gymnasium."""
+    with contextlib.suppress(ImportError):
         from cxlab.learn.registration import register
 
         register()
 
 
-_register_when_gymnasium_is_there()
+_register_where_gymnasium_is()

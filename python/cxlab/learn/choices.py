@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import warnings
 from collections.abc import Callable, Mapping
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cxlab import _cxlab
+from cxlab._time import Time, seconds_of
 from cxlab._yaml import assignments_of
 from cxlab.errors import CxlabError, UsageError
 
@@ -61,14 +63,14 @@ class ChoiceGame:
         set: Mapping[str, Any] | None = None,
         out: str | os.PathLike[str] | None = None,
         force: bool = False,
-        until: float | None = None,
+        until: Time | None = None,
         journal: str = "none",
         topic: str = "/choices",
     ) -> None:
         self._core = _cxlab.ChoiceEpisode(
             scenario=os.fspath(scenario),
             assignments=assignments_of(set, seed=seed, tier=tier),
-            until=until,
+            until=seconds_of(until, "until"),
             journal=journal,
             out="" if out is None else os.fspath(out),
             force=force,
@@ -94,12 +96,15 @@ class ChoiceGame:
 
     def what_if(self, go_on: Callable[[], T]) -> T:
         """What `go_on` returns when it plays this game on, from the open choice, in a copy of the process (`os.fork`). This game stays
-        where it is. What `go_on` returns or raises must be of a kind that pickle takes.
+        where it is. What `go_on` returns or raises must be of a kind that pickle takes. The copy has none of the other threads, so
+        `go_on` must not wait for one; the warning of Python 3.12 and newer about that is silenced.
         """
         if self._writes:
             raise UsageError("what_if: this game writes to a folder, where a second one would write as well; play it without `out`")
         reading, writing = os.pipe()
-        child = os.fork()
+        with warnings.catch_warnings():  # NumPy's own threads are enough to be warned
+            warnings.filterwarnings("ignore", "This process .* is multi-threaded", DeprecationWarning)
+            child = os.fork()
         if child == 0:
             try:
                 os.close(reading)

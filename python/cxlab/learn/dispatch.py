@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, mask_of, observation_of
+from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, Settings, mask_of, observation_of
 
 
 class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     """The whole team is one agent: each step answers one choice of the rules.
 
-    Observation: float32, shape (346,), between -1 and 1 (docs/reference/learning.md). Action: one of 16 options; `action_masks()` and
+    Observation: float32, shape (347,), between -1 and 1 (docs/reference/learning.md). Action: one of 16 options; `action_masks()` and
     `info["action_mask"]` say which may be chosen. An action that the mask forbids takes the rules' option, and `info["invalid"]`
     is True. Reward: the points that the team
     got since the last step, or since the game began; their sum is what the game ends with. The episode terminates with the game; it is truncated at
     `until` (s), if that is given.
 
     Args:
-        scenario: one whose rules ask for orders and jobs.
-        tier: "timed" or "physics".
-        team: whose points count.
-        ahead: a thread makes the next game ready while one is played.
-        until: end of an episode, s; None: the game's.
-        set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
+        scenario: one whose rules ask for orders and jobs, or for steps.
+        settings: those of `cxlab.learn.games.Settings`.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012  Gymnasium's name and type
@@ -35,18 +31,13 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
         self,
         scenario: str = "rcll/external",
         *,
-        tier: str = "timed",
-        team: str = "CYAN",
-        ahead: bool = True,
-        until: float | None = None,
         render_mode: str | None = None,
-        **more: Any,
+        **settings: Unpack[Settings],
     ) -> None:
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SIZE,), np.float32)
         self.action_space = gymnasium.spaces.Discrete(OPTIONS)
         self.render_mode = render_mode
-        self._until = until
-        self._games = Games(scenario, team=team, ahead=ahead, tier=tier, until=until, **more)
+        self._games = Games(scenario, **settings)
         self._following: int | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:

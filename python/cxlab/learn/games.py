@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cxlab.errors import InputError, UsageError
 from cxlab.learn.choices import Choice, ChoiceGame
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 
 OPTIONS = 16
 WIDTH = max(len(names) for names in OPTION.values())
-SIZE = len(KINDS) + len(SITUATION) + OPTIONS * WIDTH
+HEAD = len(KINDS) + max(len(names) for names in SITUATION.values())
+SIZE = HEAD + OPTIONS * WIDTH
 
 SEEDS = 2**31 - 1
 
@@ -42,26 +45,49 @@ def mask_of(choice: Choice | None) -> NDArray[np.bool_]:
 
 
 def observation_of(choice: Choice | None) -> NDArray[np.float32]:
-    """Shape (346,), each between -1 and 1: the kind of choice (2), the situation (8), then 16 options with 21 features each."""
+    """Shape (347,), each between -1 and 1: the kind of choice (3), the situation (8), then 16 options with 21 features each."""
     out = np.zeros(SIZE, dtype=np.float32)
     if choice is None:
         return out
     if choice.kind not in KINDS:
         raise ValueError(f"found a choice of kind {choice.kind!r}, expected one of {', '.join(KINDS)}")
     out[KINDS.index(choice.kind)] = 1.0
-    out[len(KINDS) : len(KINDS) + len(SITUATION)] = choice.situation
+    out[len(KINDS) : len(KINDS) + len(choice.situation)] = choice.situation
     features = choice.features[shown_options(choice)]
-    options = out[len(KINDS) + len(SITUATION) :].reshape(OPTIONS, WIDTH)
+    options = out[HEAD:].reshape(OPTIONS, WIDTH)
     options[: features.shape[0], : features.shape[1]] = features
     return out
+
+
+class Settings(TypedDict, total=False):
+    """What each environment of games takes, by keyword.
+
+    Attributes:
+        tier: "timed" (the default) or "physics".
+        team: whose points count ("CYAN").
+        ahead: a thread makes the next game ready while one is played (True).
+        until: end of an episode, s; None: the game's.
+        set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
+    """
+
+    tier: str
+    team: str
+    ahead: bool
+    until: float | None
+    set: Mapping[str, Any]
+    out: str | os.PathLike[str] | None
+    journal: str
 
 
 class Games:
     """Games one after the other. While one is played, a thread makes the next one ready up to its first choice, if its seed is
     known; which game is played never depends on that."""
 
-    def __init__(self, scenario: str, *, team: str, ahead: bool, **more: Any) -> None:
+    def __init__(
+        self, scenario: str, *, tier: str = "timed", team: str = "CYAN", ahead: bool = True, **more: Any
+    ) -> None:
         self.team = team
+        more["tier"] = tier
         if more.get("out") is not None:  # one folder, for one game at a time
             more["force"], ahead = True, False
         self._scenario, self._more = scenario, more
@@ -85,9 +111,19 @@ class Games:
             if ready is not None:
                 ready[1].add_done_callback(_drop)
             self.game, self.choice = self._load(seed)
+        self._check()
         self._points = 0
         if self._pool is not None and following is not None:
             self._next = (following, self._pool.submit(self._load, following))
+
+    def _check(self) -> None:
+        """Rules that ask nothing leave nothing to learn, and a team that does not play never gets a point."""
+        assert self.game is not None
+        if self.choice is None:
+            raise InputError("the game ended before its rules asked for a choice, expected rules that ask, as those of rcll/external", "scenario")
+        teams = self.game.result_at("teams") or {}
+        if self.team not in teams:
+            raise UsageError(f"found '{self.team}', expected one of {', '.join(teams) or 'a world with teams'}", "team")
 
     def answer(self, action: int) -> bool:
         """Answer the choice, and play on to the next one. False: the mask forbids the action, and the rules' option was taken."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from importlib import resources
 from multiprocessing import get_context
@@ -24,30 +24,46 @@ def preferred(choice: Choice) -> int:
     return choice.preferred
 
 
-def term_values(choice: Choice, terms: Sequence[str]) -> NDArray[np.float64]:
-    """The terms of each option: float64, shape (options, terms).
+class Terms:
+    """Terms of a kind of choice.
 
     A term is a feature of the option ("worth"), or the product of one with another feature of the option or of the situation
     ("none*products"); of a name that both have, the option's counts.
     """
-    names = OPTION[choice.kind]
-    if choice.features.shape[1] != len(names):
-        raise ValueError(f"found {choice.features.shape[1]} features of {choice.kind!r}, expected {len(names)}: {', '.join(names)}")
-    columns = []
-    for term in terms:
-        factor, _, other = term.partition("*")
-        column = choice.features[:, names.index(factor)]
-        if other in names:
-            column = column * choice.features[:, names.index(other)]
-        elif other:
-            column = column * choice.situation[SITUATION.index(other)]
-        columns.append(column)
-    values: NDArray[np.float64] = np.array(columns).reshape(len(terms), len(choice.options)).T
-    return values
+
+    def __init__(self, kind: str, terms: Iterable[str]) -> None:
+        if kind not in OPTION:
+            raise ValueError(f"kind of choice {kind!r}: expected one of {', '.join(OPTION)}")
+        self._names = OPTION[kind]
+        factors = (*self._names, *SITUATION[kind], "")  # "" is 1
+        pairs = []
+        for term in terms:
+            factor, product, other = term.partition("*")
+            if factor not in self._names:
+                raise ValueError(f"weights of {kind!r}: no feature {factor!r}; expected {', '.join(self._names)}")
+            if product and other not in factors[:-1]:
+                raise ValueError(f"weights of {kind!r}: no feature {other!r} after the *; expected {', '.join(factors[:-1])}")
+            pairs.append((factors.index(factor), factors.index(other)))
+        self._pairs = np.array(pairs, dtype=np.intp).reshape(-1, 2)
+
+    def values(self, choice: Choice) -> NDArray[np.float64]:
+        """The terms of each option: float64, shape (options, terms)."""
+        options, width = choice.features.shape
+        if width != len(self._names):
+            raise ValueError(f"found {width} features of {choice.kind!r}, expected {len(self._names)}: {', '.join(self._names)}")
+        rest = np.append(choice.situation, 1.0)
+        factors = np.vstack([choice.features.T, np.broadcast_to(rest[:, None], (len(rest), options))])
+        values: NDArray[np.float64] = (factors[self._pairs[:, 0]] * factors[self._pairs[:, 1]]).T
+        return values
+
+
+def term_values(choice: Choice, terms: Iterable[str]) -> NDArray[np.float64]:
+    """The terms of each option, for once: float64, shape (options, terms)."""
+    return Terms(choice.kind, terms).values(choice)
 
 
 class LinearPolicy:
-    """Takes the option with the largest weighted sum of its terms (`term_values`).
+    """Takes the option with the largest weighted sum of its terms (`Terms`).
 
     Args:
         weights: for each kind of choice, the weight of each term; what is missing weighs 0. Of a kind without weights the rules'
@@ -56,26 +72,14 @@ class LinearPolicy:
 
     def __init__(self, weights: Mapping[str, Mapping[str, float]]) -> None:
         self.weights = {kind: dict(by_term) for kind, by_term in weights.items()}
-        for kind, by_term in self.weights.items():
-            if kind not in OPTION:
-                raise ValueError(f"kind of choice {kind!r}: expected one of {', '.join(OPTION)}")
-            for term in by_term:
-                factor, product, other = term.partition("*")
-                if factor not in OPTION[kind]:
-                    raise ValueError(f"weights of {kind!r}: no feature {factor!r}; expected {', '.join(OPTION[kind])}")
-                if product and other not in (*OPTION[kind], *SITUATION):
-                    raise ValueError(
-                        f"weights of {kind!r}: no feature {other!r} after the *; expected {', '.join((*OPTION[kind], *SITUATION))}"
-                    )
+        self._sums = {kind: (Terms(kind, by_term), np.array(list(by_term.values()))) for kind, by_term in self.weights.items()}
 
     def scores(self, choice: Choice) -> NDArray[np.float64]:
         """The weighted sum of each option: shape (options,)."""
-        by_term = self.weights.get(choice.kind)
-        sums: NDArray[np.float64]
-        if by_term is None:
-            sums = np.eye(len(choice.options))[choice.preferred]
-        else:
-            sums = term_values(choice, list(by_term)) @ np.array(list(by_term.values()))
+        if choice.kind not in self._sums:
+            return np.eye(len(choice.options))[choice.preferred]
+        terms, weights = self._sums[choice.kind]
+        sums: NDArray[np.float64] = terms.values(choice) @ weights
         return sums
 
     def __call__(self, choice: Choice) -> int:

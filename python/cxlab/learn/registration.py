@@ -1,10 +1,10 @@
-"""Registers the environments with Gymnasium (entry point `gymnasium.envs`)."""
+"""Registers the environments with Gymnasium."""
 
 from __future__ import annotations
 
 
 def register() -> None:
-    """Called by Gymnasium when it is imported."""
+    """Called by `cxlab.learn`; by Gymnasium itself (entry point `gymnasium.envs`) before 1.4."""
     from gymnasium.envs.registration import register as add
     from gymnasium.envs.registration import registry
 

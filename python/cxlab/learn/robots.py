@@ -3,33 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import seeding
 from pettingzoo import AECEnv, ParallelEnv
 
-from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, mask_of, observation_of
+from cxlab.learn.games import OPTIONS, SEEDS, SIZE, Games, Settings, mask_of, observation_of
 
 ORDERS = "orders"
 
 
 class _Team:
-    """What both forms share. Observation: {"observation": float32 (346,), "action_mask": int8 (16,)}; who does not choose now sees
-    zeros, and its mask allows action 0 alone, which changes nothing. All agents get the team's points as reward."""
+    """What both forms share. Observation: {"observation": float32 (347,), "action_mask": int8 (16,)}; who does not choose now sees
+    zeros, and its mask allows action 0 alone, which changes nothing. All agents get the team's points as reward. `settings` are those of
+    `cxlab.learn.games.Settings`."""
 
     def __init__(
         self,
         scenario: str = "rcll/external",
         *,
         robots: int = 3,
-        tier: str = "timed",
-        team: str = "CYAN",
-        ahead: bool = True,
-        until: float | None = None,
         render_mode: str | None = None,
-        **more: Any,
+        **settings: Unpack[Settings],
     ) -> None:
         self.possible_agents = [ORDERS, *(f"robot{number + 1}" for number in range(robots))]
         self.render_mode = render_mode
@@ -41,8 +38,8 @@ class _Team:
         )
         self.observation_spaces = dict.fromkeys(self.possible_agents, see)
         self.action_spaces = {agent: spaces.Discrete(OPTIONS) for agent in self.possible_agents}
-        settings = {"world.robots": robots, **more.pop("set", {})}
-        self._games = Games(scenario, team=team, ahead=ahead, tier=tier, until=until, set=settings, **more)
+        settings["set"] = {"world.robots": robots, **settings.get("set", {})}
+        self._games = Games(scenario, **settings)
         self._random: np.random.Generator | None = None
         self._following: int | None = None
 
