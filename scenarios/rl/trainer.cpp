@@ -381,7 +381,13 @@ void Trainer::begin_episode() {
 
 void Trainer::observe() {
   searching_ = true;
-  observations_.push_back(++search_);
+  ++search_;
+  robot_.clear();
+  ask_for_observations();
+}
+
+void Trainer::ask_for_observations() {
+  observations_.push_back(search_);
   wait_for("the service get_current_observations");
   bus_.call(clients_->observations.endpoint, std::make_shared<bus::Message>(*clients_->observations.type->request));
 }
@@ -391,7 +397,8 @@ void Trainer::observed(bus::MessageView response) {
   std::sort(truths_.begin(), truths_.end());
   state_ = joined(truths_);
   if (end_after_observation_) return end_episode("end");
-  ask_for_robot();
+  if (robot_.empty()) return ask_for_robot();
+  ask_for_actions();
 }
 
 void Trainer::ask_for_robot() {
@@ -404,15 +411,17 @@ void Trainer::robot_found(const bus::Delivery& result) {
   if (result.goal != robot_goal_) return;
   robot_goal_.reset();
   const bus::MessageView found = *result.message;
-  if (found.integer("success") != 0) return ask_for_actions(found.text("robot"));
+  if (found.integer("success") != 0) {
+    robot_ = found.text("robot");
+    return at_work_.empty() ? ask_for_actions() : ask_for_observations();
+  }
   searching_ = false;
   ask_for_end();  // none is free any more: the game may be over
 }
 
-void Trainer::ask_for_actions(const std::string& robot) {
-  robot_ = robot;
+void Trainer::ask_for_actions() {
   auto request = std::make_shared<bus::Message>(*clients_->actions.type->request);
-  request->view().set("robot", robot);
+  request->view().set("robot", robot_);
   wait_for("the service get_action_list_executable_for_robot");
   lists_.push_back(search_);
   bus_.call(clients_->actions.endpoint, std::move(request));

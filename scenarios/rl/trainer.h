@@ -95,13 +95,15 @@ class Trainer final : public Server {
   void make_spaces();
 
   // What it waits for; each answer leads to the next. The search for a robot that can do something goes from
-  // observe() to choose(); an answer to a search that was given up is ignored.
+  // observe() to choose(); an answer to a search that was given up is ignored. While others are at work, the world
+  // changes until a robot is found, so it is observed once more.
   void begin_episode();
   void observe();
+  void ask_for_observations();
   void observed(bus::MessageView response);
   void ask_for_robot();
   void robot_found(const bus::Delivery& result);
-  void ask_for_actions(const std::string& robot);
+  void ask_for_actions();
   void choose(bus::MessageView response);
   void decide(std::vector<Action> actions);
   void decided(bus::MessageView made);
@@ -150,7 +152,7 @@ class Trainer final : public Server {
   double untold_ = 0;                                      // reward that no decision has told of
   std::string state_;                                      // that was observed last
   std::vector<std::string> truths_;                        // the same, one by one
-  std::string robot_;                                      // that can do something
+  std::string robot_;                                      // that can do something; empty: none was found yet
   bool searching_ = false;                                 // for a robot that can
   std::uint64_t search_ = 0;                               // counts searches and episodes
   std::deque<std::uint64_t> observations_, lists_, ends_;  // asked for, by search or episode

@@ -290,6 +290,14 @@ TEST_F(TeamTest, SomebodyElseChooses) {
   EXPECT_EQ(told_.back(), "r1 11 010 0");
 }
 
+TEST_F(TeamTest, AnObservationIsOfTheTimeWhenTheRobotIsFree) {
+  options_.external = true;
+  options_.robots = 3;
+  begin();
+  run_to(3, {1, 2});
+  EXPECT_THAT(told_, ElementsAre("r1 11 010 0", "r2 01 101 0", "r1 10 110 1"));
+}
+
 TEST_F(TeamTest, ARobotMayBeLeftIdleWhileAnotherWorks) {
   options_.external = true;
   options_.robots = 2;
