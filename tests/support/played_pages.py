@@ -168,10 +168,8 @@ class Pages(unittest.TestCase):
         for made in (self.work, self.tmp, self.folder / "home"):
             made.mkdir()
         for file in SOURCE.iterdir():
-            if file.is_file():
-                shutil.copy(file, self.work)
-            elif file.name not in ("runs", "dist"):
-                (self.work / file.name).symlink_to(file)
+            if file.name not in ("runs", "dist", ".git"):
+                shutil.copy(file, self.work) if file.is_file() else (self.work / file.name).symlink_to(file)
         (self.work / "dev").write_text(f'#!/bin/sh\nexec {SOURCE}/dev "$@"\n')  # it works in its own folder
         (self.work / "dev").chmod(0o755)
         self.state.write_text(f"cd {self.work}\n")
@@ -213,7 +211,7 @@ class Pages(unittest.TestCase):
         """In the one process of the page."""
         if not self.notebook:
             if subprocess.run([self.python, "-c", "import cxlab, numpy"], env=self.environment, stderr=subprocess.DEVNULL).returncode:
-                self.skipTest("needs the package of Python, and NumPy")
+                (self.fail if self.by else self.skipTest)("needs the package of Python, and NumPy")
             self.notebook = subprocess.Popen([self.python, "-c", NOTEBOOK], cwd=self.work, env=self.environment, text=True,
                                              stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
             self.addCleanup(lambda: (self.notebook.stdin.close(), self.notebook.wait(30), self.notebook.stdout.close()))
