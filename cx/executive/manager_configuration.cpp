@@ -89,8 +89,9 @@ Status EnvironmentManager::add_packaged_plugins() {
     for (PluginType& type : *types) {
       for (const PluginType& other : options_.plugin_types)
         if (other.name == type.name)
-          return manifest_error(type, "found the plugin class '" + type.name + "', which " + place_of(other) +
-                                          " has too; expected a name of its own");
+          return manifest_error(
+              type, found_expected("the plugin class '" + type.name + "', which " + place_of(other) + " has too",
+                                   "a name of its own"));
       options_.plugin_types.push_back(std::move(type));
     }
   }

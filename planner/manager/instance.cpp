@@ -89,7 +89,8 @@ Expected<Found> Instance::look_up(const char* what, const ById<Item>& items, con
   if (id < 0) return unknown_name(what, name, names_of(items));
   const std::vector<Variable>& parameters = items[id].parameters;
   if (arguments.size() != parameters.size())
-    return input_error(message("'", name, "': found ", arguments.size(), " arguments, expected ", parameters.size()));
+    return input_error(
+        message("'", name, "': ", found_expected(message(arguments.size(), " arguments"), message(parameters.size()))));
   Found found{id, {}};
   auto& [_, objects] = found;
   for (const Variable& parameter : parameters) {

@@ -363,7 +363,7 @@ class DomainParser {
         resolver_.fail_unsupported(key, "found ", key, ": not supported");
       const auto part = parts.find(key.word);
       if (part == parts.end())
-        resolver_.fail(key, "found ", key, ", expected :parameters, ",
+        resolver_.fail(key, found_expected(message(key), ":parameters, "),
                        durative ? ":duration, :condition or :effect of a durative action"
                                 : ":precondition or :effect of an action");
       if (part->second) resolver_.fail(key, "found ", key.word, " a second time");

@@ -12,7 +12,7 @@
 namespace cxlab::planner {
 namespace {
 
-constexpr std::string_view kForm = "expected TIME: (ACTION OBJECT...) [DURATION]";
+constexpr std::string_view kForm = "TIME: (ACTION OBJECT...) [DURATION]";
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r\f\v";
@@ -153,14 +153,14 @@ class PlanReader {
   void step(std::string_view line) {
     const std::size_t open = line.find('('), close = line.find(')');
     if (open == std::string_view::npos || close == std::string_view::npos || close < open)
-      fail("found '", line.substr(0, 60), "', ", kForm);
+      fail(found_text(line.substr(0, 60), kForm));
     PlanStep& step = plan_.emplace_back();
     step.line = line_;
     const std::string_view time = trimmed(line.substr(0, open));
     if (time.empty())
       step.start = static_cast<double>(plan_.size() - 1);
     else if (!time.ends_with(':') || !to_number(trimmed(time.substr(0, time.size() - 1)), step.start))
-      fail("found '", time.substr(0, 60), "' for the time, ", kForm);
+      fail(found_expected(message("'", time.substr(0, 60), "' for the time"), kForm));
     action(line.substr(open + 1, close - open - 1), step);
     duration(trimmed(line.substr(close + 1)), step);
   }
@@ -179,14 +179,16 @@ class PlanReader {
       names.emplace_back(words.substr(0, end));
       words.remove_prefix(end);
     }
-    if (names.empty()) fail("found an empty action, ", kForm);
+    if (names.empty()) fail(found_expected("an empty action", kForm));
     step.action = find(domain_.action_names, names[0]);
     if (step.action < 0) fail(found_text(names[0], "an action of "), domain_.file, hint(names[0], domain_.actions));
     const Action& action = domain_.actions[step.action];
     const std::string declared = message("; declared at ", domain_.file, ":", action.source.line);
     if (names.size() - 1 != action.parameters.size())
-      fail("found ", names.size() - 1, names.size() == 2 ? " argument of " : " arguments of ", action.name,
-           ", expected ", action.parameters.size(), declared);
+      fail(
+          found_expected(message(names.size() - 1, names.size() == 2 ? " argument of " : " arguments of ", action.name),
+                         message(action.parameters.size())),
+          declared);
     for (const Variable& parameter : action.parameters) {
       const std::string& name = names[step.arguments.size() + 1];
       const ObjectId object = step.arguments.emplace_back(find(problem_.object_names, name));
@@ -201,7 +203,7 @@ class PlanReader {
   void duration(std::string_view text, PlanStep& step) {
     const Action& action = domain_.actions[step.action];
     if (text.empty()) {
-      if (action.durative) fail("found no duration of the durative action ", action.name, ", ", kForm);
+      if (action.durative) fail(found_expected(message("no duration of the durative action ", action.name), kForm));
       return;
     }
     if (!text.starts_with('[') || !text.ends_with(']'))

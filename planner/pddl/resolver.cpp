@@ -32,9 +32,11 @@ std::vector<ObjectId> objects_in(const std::vector<Term>& terms) {
 
 }  // namespace
 
-std::string Resolver::declared(const Source& source) const {
+std::string Resolver::declared(const Source& source, std::string_view name) const {
   if (source.line == 0) return {};
-  return message("; declared at ", source.file == Source::File::kDomain ? domain_.file : file_, ":", source.line);
+  const std::string subject = name.empty() ? "" : message("'", name, "' is ");
+  return message("; ", subject, "declared at ", source.file == Source::File::kDomain ? domain_.file : file_, ":",
+                 source.line);
 }
 
 std::string Resolver::type_names(const std::vector<TypeId>& types) const {
@@ -160,7 +162,7 @@ std::vector<Variable> Resolver::signature(std::span<const Node> items) {
   for (TypedName& entry : typed_list(items, "a variable")) {
     const std::string name(entry.name->word);
     if (name.size() < 2 || name[0] != '?')
-      fail(*entry.name, "found '", name, "', expected a variable such as ?", name == "?" ? "x" : name);
+      fail(*entry.name, found_text(name, "a variable such as ?"), name == "?" ? "x" : name);
     out.push_back({name, std::move(entry.types), slot++});
   }
   return out;
@@ -192,7 +194,7 @@ Term Resolver::term(const Node& node) {
   }
   const int id = find(object_names_, node.word);
   if (id < 0)
-    fail(node, "found '", node.word, "', expected a variable or ",
+    fail(node, found_text(node.word, "a variable or "),
          which_ == Source::File::kDomain ? "a constant of the domain" : "an object", hint(node.word, object_names_));
   return Term::object(id);
 }
@@ -208,9 +210,9 @@ std::vector<Term> Resolver::arguments(const Node& node, const Declaration& decla
     const Node& item = node.rest()[terms.size()];
     const Term& argument = terms.emplace_back(term(item));
     const auto reject = [&](const std::vector<TypeId>& types, const Source& its_source) {
-      fail(item, "found ", item.word, " of type ", type_names(types), declared(its_source), "; expected type ",
+      fail(item, found_expected(message(item.word, " of type ", type_names(types)), "type "),
            type_names(parameter.types), " for argument ", terms.size(), " of ", declaration.name,
-           declared(declaration.source));
+           declared(its_source, item.word), declared(declaration.source, declaration.name));
     };
     if (argument.is_variable) {
       const Variable& variable = *std::ranges::find(scope_, argument.index, &Variable::slot);
@@ -226,8 +228,9 @@ Resolver::Call Resolver::atom(const Node& node, Words words) {
   const std::string_view name = node.head();
   if (name.empty()) fail(node, found_expected(message(node), "(PREDICATE ARGUMENT...)"));
   if ((name == "at" || name == "over") && node.items.size() == 3 && node.items[2].is_list)
-    fail(node, "found ", node, " where ", in_durative_ ? "the time is already given" : "no time can be given",
-         ", expected (PREDICATE ARGUMENT...)");
+    fail(node,
+         found_expected(message(node, " where ", in_durative_ ? "the time is already given" : "no time can be given"),
+                        "(PREDICATE ARGUMENT...)"));
   const PredicateId predicate = find(domain_.predicate_names, name);
   if (predicate >= 0) return {predicate, arguments(node, domain_.predicates[predicate])};
   if (name == "preference" || std::ranges::find(kTrajectoryWords, name) != std::end(kTrajectoryWords))
@@ -298,7 +301,7 @@ Expression Resolver::expression(const Node& node, Place place) {
   out.kind = kind == Kind::kSubtract && operands == 1 ? Kind::kNegate : *kind;
   const bool many = kind == Kind::kAdd || kind == Kind::kMultiply;
   if (out.kind != Kind::kNegate && (many ? operands < 2 : operands != 2))
-    fail(node, "found ", count(operands, "operand"), " in ", node, ", expected ", many ? "at least 2" : "2");
+    fail(node, found_expected(message(count(operands, "operand"), " in ", node), many ? "at least 2" : "2"));
   for (const Node& operand : node.rest()) out.operands.push_back(expression(operand, place));
   return out;
 }
@@ -360,8 +363,8 @@ TimedCondition Resolver::conditions(const Node& node) {
 }
 
 void Resolver::timed_condition(const Node& node, TimedCondition& out) {
-  constexpr std::string_view kForms = ", expected (at start ...), (over all ...) or (at end ...)";
-  if (!node.is_list) fail(node, "found '", node.word, "'", kForms);
+  constexpr std::string_view kForms = "(at start ...), (over all ...) or (at end ...)";
+  if (!node.is_list) fail(node, found_text(node.word, kForms));
   if (node.items.empty()) return;
   const std::string_view head = node.head();
   if (head == "and") {
@@ -392,7 +395,7 @@ void Resolver::timed_condition(const Node& node, TimedCondition& out) {
   if (head == "at" && when == "start") into = &out.start;
   if (head == "at" && when == "end") into = &out.end;
   if (head == "over" && when == "all") into = &out.over_all;
-  if (into == nullptr) fail(node, "found ", node, kForms);
+  if (into == nullptr) fail(node, found_expected(message(node), kForms));
   conjoin(*into, condition(node.items[2]));
 }
 

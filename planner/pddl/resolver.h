@@ -88,8 +88,8 @@ class Resolver {
   }
 
   Source source(const Node& node) const { return {which_, node.line}; }
-  /// `; declared at file:line`, or empty.
-  std::string declared(const Source& source) const;
+  /// `; declared at file:line`, with a name `; 'NAME' is declared at file:line`; empty for what no line declares.
+  std::string declared(const Source& source, std::string_view name = {}) const;
 
  private:
   enum class Place { kCondition, kDuration, kEffect, kMetric };

@@ -162,8 +162,10 @@ Effect Resolver::literal_effect(const Node& node, Effect effect) {
                                                 "increase", "decrease", "scale-up", "scale-down"};
   std::tie(effect.predicate, effect.terms) = atom(literal, negative ? Words() : Words(kWords));
   if (const Predicate& predicate = domain_.predicates[effect.predicate]; predicate.derived)
-    fail(literal, "found an effect on '", predicate.name,
-         "', which is derived by a rule; expected a predicate without one", declared(predicate.source));
+    fail(literal,
+         found_expected(message("an effect on '", predicate.name, "', which is derived by a rule"),
+                        "a predicate without one"),
+         declared(predicate.source));
   return effect;
 }
 

@@ -27,9 +27,9 @@ class FormReader {
     skip_space();
     if (!at_end())
       fail(line_,
-           text_[position_] == ')'
-               ? "found a ')' that closes nothing; expected the end of the file"
-               : "found more text behind the closing ')' of (define ...); expected the end of the file",
+           found_expected(text_[position_] == ')' ? "a ')' that closes nothing"
+                                                  : "more text behind the closing ')' of (define ...)",
+                          "the end of the file"),
            last_section());
     return node;
   }
@@ -65,9 +65,9 @@ class FormReader {
   void begin_section(const Node& outer, int depth) {
     const std::string_view name = word_at(position_ + 1).substr(0, 60);
     if (depth > 0 && !stands_inside(outer.head(), name))
-      fail(section_line_ > 0 ? section_line_ : outer.line, "found (", name, " in line ", line_,
-           ", expected a ')' before it for ", section_line_ > 0 ? message("the section ", section_) : "the list",
-           " that begins here");
+      fail(section_line_ > 0 ? section_line_ : outer.line,
+           found_expected(message("(", name, " in line ", line_), "a ')' before it for "),
+           section_line_ > 0 ? message("the section ", section_) : "the list", " that begins here");
     if (depth > 0) return;
     section_ = name;
     section_line_ = line_;

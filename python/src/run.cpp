@@ -150,8 +150,8 @@ class RecordedRun {
     std::vector<std::string> known;
     for (int i = 0; i <= static_cast<int>(RecordKind::kError); ++i)
       known.emplace_back(to_string(static_cast<RecordKind>(i)));
-    return usage_error("kind: found '" + word + "'" + did_you_mean(word, known) + "; expected one of " +
-                       some_of(known, known.size()));
+    return usage_error("kind: " + found_text(word, "one of " + some_of(known, known.size())) +
+                       did_you_mean(word, known, "; "));
   }
 
   lab::Stretch stretch_of(const Seconds& start, const Seconds& end) const {

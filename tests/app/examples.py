@@ -47,8 +47,10 @@ def on_pages():
     commands = set()
     for page in [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]:
         text = page.read_text().replace("\\\n", " ")
-        for found in re.findall(r"(?:^|`|\./dev )(cxlab (?:env|run) [^`\n#]*)", text, re.MULTILINE):
-            words = shlex.split(found)
+        for found in re.findall(r"(?:^(?:\$ )?|`|\./dev )(cxlab (?:env|run) [^`\n#]*)", text, re.MULTILINE):
+            if re.search(r"--out|--video|[|&]", found):
+                continue
+            words = [word for word in shlex.split(found) if word != "--quiet"]
             if len(words) > 2 and not words[2].startswith("/") and (SOURCE / words[2]).is_file() and not re.search(NEEDS_MORE, found):
                 commands.add(shlex.join(words))
     return commands

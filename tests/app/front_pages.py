@@ -1,16 +1,24 @@
-"""The commands of the README and of the page for contributors, as tests/app/tutorials.py plays those of the tutorials."""
+"""The blocks of the README, and of the pages that explain and that are for builders (tests/support/played_pages.py)."""
 
 import unittest
 
-from tutorials import Pages
+from played_pages import Pages
 
 
-class FrontPages(Pages):
-    def test_readme(self):
-        self.play("../README.md", "/tmp/lab")
+class Readme(Pages, folder="README.md"):
+    pass
 
-    def test_first_change(self):
-        self.play("internals/first-change.md", "/tmp/change")
+
+class Benchmarks(Pages, folder="benchmarks"):
+    pass
+
+
+class Explanation(Pages, folder="explanation"):
+    pass
+
+
+class Internals(Pages, folder="internals"):
+    pass
 
 
 if __name__ == "__main__":

@@ -320,7 +320,7 @@ class HooksInOrder(Installed):
         self.assertIn(f"{manifest}:2: key 'plugins' is missing, did you mean it by 'plugin'?", self.broken("library: libx.so\nplugin: []\n", 3))
         self.assertIn(f"{manifest}:4: ", self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n    base: cx::ClipsPlugin\n", 3))
         twice = self.broken("library: libx.so\nplugins:\n  - class: test::Broken\n  - class: test::Broken\n", 3)
-        self.assertIn(f"{manifest}:4: found the plugin class 'test::Broken', which {manifest}:3 has too; expected a name of its own", twice)
+        self.assertIn(f"{manifest}:4: found the plugin class 'test::Broken', which {manifest}:3 has too, expected a name of its own", twice)
         ours = self.broken("library: libx.so\nplugins:\n  - class: cx::ConfigPlugin\n", 3)
         self.assertIn(f"{manifest}:3: found the plugin class 'cx::ConfigPlugin', which cxlab has too", ours)
 

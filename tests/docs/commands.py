@@ -1,39 +1,20 @@
-"""The commands on the pages: their options exist, and a test plays them or a mark says why not. python3 -m unittest commands
+"""The blocks and commands on the pages: their options exist, and each block is played, or says why it cannot be.
 
-tests/app/tutorials.py, guides.py, reference_pages.py and front_pages.py play blocks whose lines begin with `$` and compare what they print, and tests/app/examples.py plays the runs of shipped files.
-This test plays the other lines that begin with `cxlab`, in a folder with a game, a small sweep, and the files of docs/examples/planning; it
-fills in placeholders such as RUN. A comment above a block,
-`<!-- not played: WHY -->`, excepts it; `<!-- played in part: WHY -->` excepts the commands that the test cannot play.
+  tests/docs/commands.py      counts the blocks by how they are played, and lists those that are not
+
+tests/support/played_pages.py plays them, and describes the comments above a block.
 """
 
-import os
 import re
 import shlex
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
+from collections import Counter
 from functools import lru_cache
-from pathlib import Path
 
-from markdown_pages import FENCE, SOURCE, blank_code, markdown_files, words_of
+from markdown_pages import FENCE, SOURCE, blank_code
+from played_pages import ABOVE, Pages, blocks_of, blocks_on, pages
 
-CXLAB = os.environ.get("CXLAB", "")
-PROGRAMS = r"(?:cxlab|\./dev|\.ci/\w+|(?:tests|benchmarks)/[\w/]+\.(?:py|sh)|cmake|ctest|python3?|pip|ros2|colcon|docker|curl|git|tar|apt-get|apt|source|sh|cd|for|cat|export|alias|sqlite3|datasette|duckdb)"
-MARK = re.compile(r"<!-- (not played|played in part): \S.* -->\s*\Z")
-# They wait for a person, a server or another program, or take minutes.
-WAITS = {"view", "mutate", "completion"}
-# What the test puts in the place of a placeholder.
-PUT_IN = [(r"RUN RUN\b", "runs/before runs/after"), (r"\bRUN\b", "runs/game-1"), (r" \[(?:WHAT|RULE)\]", ""), (r"FACT\|PATTERN\|RULE|\bRULE\b", "order-begin"),
-          (r"FACT\|PATTERN", "'(order)'"), (r"--at T\b", "--at 5:12"), (r"\bF\.png\b", "picture.png")]
-SUITE = """scenarios: [scenarios/rcll/game.yaml]
-tier: timed
-seeds: "1..5"
-strategies: {three: ["world.production_s=60"], greedy: ["world.production_s=60", "world.robots=2"]}
-"""
-STORIES = re.compile(r"cxlab test (?:scenarios|docs)/[\w/.-]+$")  # the test `stories` plays them
-PLACEHOLDER = re.compile(r"(?:^|[\s'\"/=])[A-Z][A-Z_]+(?:$|[\s.'\"/=])|\[[A-Z-]|\.\.\.|<|\||\$|>|&|~")
+PROGRAMS = r"(?:cxlab|\./dev|\.ci/\w+|(?:tests|benchmarks)/[\w/]+\.(?:py|sh)|cmake|ctest|cpack|python3?|pip|ros2|colcon|docker|curl|git|tar|apt-get|apt|source|sh|cd|for|cat|export|alias|sqlite3|datasette|duckdb)"
 
 
 @lru_cache
@@ -69,92 +50,37 @@ def problem_of(command):
     return ""
 
 
-def blocks(text):
-    """(line, commands, mark or "") of each block with commands. `$ ` before a command stays."""
-    for fence in FENCE.finditer(text):
-        body = re.sub(r"\\\n\s*", "", fence.group(4))
-        body = re.sub(r" <<'?END'?\n.*?^\s*END$", "", body, flags=re.DOTALL | re.MULTILINE)
-        commands = [line.strip() for line in body.splitlines() if re.match(rf"\s*(?:\$ |{PROGRAMS} )", line)]
-        played = [line for line in commands if line.startswith("$ ")]
-        commands = played or commands  # what follows a command with `$` is what it prints
-        if commands and fence.group(3).strip() in ("", "bash", "sh", "console", "text") and not fence.group(3).strip() == "text":
-            yield text.count("\n", 0, fence.start()) + 1, commands, (MARK.search(text[:fence.start()]) or [""] * 2)[1]
-
-
 def spoken(text):
     """All commands of cxlab on a page, also those within a sentence."""
-    for _, commands, _ in blocks(text):
-        yield from (bare(command) for command in commands if bare(command).startswith("cxlab "))
+    for block in blocks_of(text):
+        for step in block.steps:
+            for line in step.command.splitlines()[:1]:
+                yield from re.findall(r"(?:^|[|;&] )(cxlab [^|;&]*)", line)
     for found in re.finditer(r"`(cxlab [a-z][^`]*)`", blank_code(text)):
         yield " ".join(found.group(1).split())
 
 
-def pages():
-    return [name for name in markdown_files() if name == "README.md" or name == "CONTRIBUTING.md" or
-            (name.startswith("docs/") and not name.startswith(("docs/templates/", "docs/examples/")) and name != "docs/reference/commands.md")]
+def without_prompt(text):
+    """The lines of blocks that begin with a command and have no `$ ` before it, so that nothing plays them."""
+    for fence in FENCE.finditer(text):
+        body, language = fence.group(4), fence.group(3).strip()
+        if language in ("bash", "sh", "console", "shell") or (not language and not re.search(r"^\$ ", body, re.MULTILINE)):
+            command = re.search(rf"^\s*(?:\$ )?{PROGRAMS} .*", body, re.MULTILINE)
+            if command:
+                yield text.count("\n", 0, fence.start(4) + command.start()) + 1, command.group(0).strip()
 
 
-@lru_cache
-def played_elsewhere():
-    """The pages whose blocks with `$` tests of tests/app play, and the commands that tests/app/examples.py plays."""
-    text = "".join(file.read_text() for file in (SOURCE / "tests/app").glob("*.py"))
-    tutorials = {os.path.normpath(f"docs/{page}") for page in re.findall(r'self\.play\("([^"]+\.md)"', text)}
-    sys.path.insert(0, str(SOURCE / "tests/app"))
-    import examples
-    return tutorials, {command for command in examples.on_pages() if not re.search("--snapshot|--set|game.yaml$", command)}
-
-
-def bare(command):
-    """A command without its comment and its way to be written."""
-    command = re.sub(r"\s+#\s.*$", "", command.removeprefix("$ "))
-    return re.sub(r"^\./dev run(?= |$)", "cxlab run", re.sub(r"^\./dev cxlab ", "cxlab ", command)).strip()
-
-
-def filled(command):
-    for placeholder, text in PUT_IN:
-        command = re.sub(placeholder, text, command)
-    return command
-
-
-def can_be_played(command):
-    if re.match(r"cxlab attach (?!.* -c )|cxlab bench (?!suite\.yaml|show|plot|page|compare)|.* --(?:video|physics) ?|.*--collect ", command):
-        return False
-    words = command.split()
-    return command.startswith("cxlab ") and len(words) > 1 and words[1] not in WAITS and words[1] in {name.split()[0] for name in declared()} and \
-        not PLACEHOLDER.search(command) and not re.search(r"--(?:break|control|realtime|sockets|bag|slurm|watch|trust-programs|with pddl_manager --param)\b", command)
-
-
-def is_there(command, folder):
-    """Whether the folder has all that the command reads; shipped scenarios have names such as rcll/game."""
-    reads = [word for word in shlex.split(command)[2:] if re.search(r"\.(?:yaml|pddl|plan|clp|mcap)$|^runs/|/", word) and "=" not in word and not word.startswith(("(", "'"))]
-    writes = re.search(r"(?:--out|-o|--svg|--html|--trace|--junit|--lcov|--coverage|--coverage-page|--video|--graph) (\S+)", command)
-    reads = [word for word in reads if not writes or word != writes.group(1)]
-    if words_of(command)[1:2] == ["new"]:
-        return all((folder / word).exists() for word in reads if word.startswith("runs/"))
-    return bool(reads) and all((folder / word).exists() or re.fullmatch(r"(?:rcll|turtlesim)/\w+", word) for word in reads)
-
-
-def left_over(page):
-    """(line, command, mark) of what no other test plays, without blocks that are not to be played."""
-    tutorials, examples_played = played_elsewhere()
-    rest = []
-    for line, commands, mark in blocks((SOURCE / page).read_text()):
-        for command in commands:
-            done = mark == "not played" or (command.startswith("$ ") and page in tutorials)
-            if not done:
-                try:
-                    done = shlex.join(shlex.split(bare(command))) in examples_played or bool(STORIES.match(bare(command)))
-                except ValueError:
-                    pass
-            if not done:
-                rest.append((line, bare(command), mark))
-    return rest
+def counted():
+    """Number of blocks by how they are played, and what plays them."""
+    return Counter((block.how(), "" if block.why_not else block.by or "the short tests") for page in pages() for block in blocks_on(page))
 
 
 class Commands(unittest.TestCase):
     def test_names_and_options_exist(self):
         count = 0
-        for page in [*pages(), "benchmarks/README.md"]:
+        for page in pages():
+            if page == "docs/reference/commands.md":
+                continue
             for command in spoken((SOURCE / page).read_text()):
                 count += 1
                 with self.subTest(f"{page}: {command}"):
@@ -168,54 +94,90 @@ class Commands(unittest.TestCase):
             self.assertEqual(problem_of(command), "", command)
 
     def test_blocks_are_read(self):
-        text = "```\ncxlab run a \\\n  --seed 1   # c\nno\n```\n\n<!-- not played: why -->\n```\n$ cxlab why\ncxlab says\n```\n"
-        self.assertEqual(list(blocks(text)), [(1, ["cxlab run a --seed 1   # c"], ""), (8, ["$ cxlab why"], "not played")])
-        self.assertEqual(bare("./dev cxlab why a   # b"), "cxlab why a")
+        text = ("```\n$ cxlab run a \\\n  --seed 1\nseed 1\n$ cat <<END\n$x\nEND\n```\n\n<!-- first: mkdir b -->\n<!-- with 5 instead of 600 -->\n<!-- played by app_x -->\n"
+                "```python\nf(600)\n```\n\n```\n600\n```\n\n<!-- not played: ROS -->\n```\n$ ros2\n```\n")
+        one, two, three = blocks_of(text)
+        self.assertEqual([(step.command, step.shown) for step in one.steps], [("cxlab run a --seed 1", ["seed 1"]), ("cat <<END\n$x\nEND\n", [])])
+        self.assertEqual((two.first, two.instead, two.by, two.steps[0].shown, two.how()), (["mkdir b"], {"600": "5"}, "app_x", ["600"], "compared"))
+        self.assertEqual((three.line, three.why_not, three.how()), (22, "ROS", "not played"))
+        self.assertEqual(list(without_prompt("```\ncxlab run a\n```\n```sh\n$ cmake .\n```\n```\n$ cxlab b\ncxlab c\n```\n```yaml\ncat a\n```\n")),
+                         [(2, "cxlab run a"), (5, "$ cmake .")])
 
-    def test_each_is_played_or_marked(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            for shipped in ("docs", "scenarios", "benchmarks"):
-                (folder / shipped).symlink_to(SOURCE / shipped)
-            for file in (SOURCE / "docs/examples/planning").iterdir():
-                shutil.copy(file, folder)
-            (folder / "suite.yaml").write_text(SUITE)
-            call = lambda *words: subprocess.run([CXLAB, *words], cwd=folder, text=True, timeout=120, stdin=subprocess.DEVNULL,
-                                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-            for command in ("run rcll/game --tier timed --quiet --out made/game-1", "run rcll/game --tier timed --quiet --seed 2 --out made/before",
-                            "bench suite.yaml --quiet --out made/strategies"):
-                made = call(*command.split())
-                self.assertEqual(made.returncode, 0, made.stderr)
-            played = 0
-            for page in pages():
-                rest = [(line, filled(command), mark) for line, command, mark in left_over(page)]
-                if any(can_be_played(command) for _, command, _ in rest):  # copies take longer than the commands
-                    shutil.rmtree(folder / "runs", ignore_errors=True)
-                    shutil.copytree(folder / "made", folder / "runs")
-                    sweep = "sweep" in page
-                    for before in ("before", "after"):
-                        shutil.copytree(folder / ("made/strategies" if sweep else "made/before"), folder / "runs" / before, dirs_exist_ok=True)
-                for line, command, mark in rest:
-                    if not (can_be_played(command) and is_there(command, folder)):
-                        with self.subTest(f"{page}:{line}: {command}"):
-                            self.assertTrue(mark, "no test plays it: write `$ ` and play the page in tests/app/tutorials.py, or <!-- not played: WHY --> above")
-                        continue
-                    words = shlex.split(command)[1:]
-                    if words[0] == "run":
-                        words += ["--quiet", "--force"] + ([] if {"--until", "--out"} & set(words) else ["--until", "200"]) + ([] if "--tier" in words or "turtlesim" in command or "docs/" in command else ["--tier", "timed"])
-                    done = call(*words)
-                    played += 1
-                    with self.subTest(f"{page}:{line}: {command}"):
-                        no = words[0] in ("validate", "why-not", "why", "diff", "test", "bench", "rerun")  # an answer, too
-                        self.assertIn(done.returncode, (0, 1, 6) if no else (0,), done.stdout[-2000:] + done.stderr)
-        self.assertGreater(played, 15)
+    def test_each_block_can_be_played(self):
+        for page in pages():
+            for line, command in without_prompt((SOURCE / page).read_text()):
+                with self.subTest(f"{page}:{line}: {command}"):
+                    self.fail("no test plays it: write ``` above the block and `$ ` before the command, then what it prints (tests/support/played_pages.py)")
+
+    def test_each_comment_above_a_block_is_understood(self):
+        for page in pages():
+            text = (SOURCE / page).read_text()
+            for mark in re.finditer(r"<!-- *(?:first|with|not played|played)\b.*", text):
+                with self.subTest(f"{page}:{text.count(chr(10), 0, mark.start()) + 1}: {mark.group(0)}"):
+                    self.assertTrue(ABOVE.fullmatch(mark.group(0)) and re.match(r".*\n(?: *<!--.*-->\n)*```", text[mark.start():]),
+                                    "write first:, with B instead of A, played by TEST, or not played: WHY, directly above the block")
+
+    def test_a_test_plays_each_block(self):
+        tests = "".join(file.read_text() for file in (SOURCE / "tests").glob("*/*.py"))
+        folders, names = (set(re.findall(rf'\(Pages.*{key}="([^"]+)"', tests)) for key in ("folder", "by"))
+        for page in pages():
+            for block in blocks_on(page):
+                with self.subTest(f"{page}:{block.line}"):
+                    if block.by:
+                        self.assertIn(block.by, names, "no test of that name plays pages")
+                    elif not block.why_not:
+                        self.assertTrue(page in folders or page.split("/")[-2 if page.count("/") == 1 else 1] in folders, "no test plays the pages of this folder")
+        print("blocks of pages:", ", ".join(f"{number} {how}" + (f" ({by})" if by else "") for (how, by), number in sorted(counted().items())))
+
+
+class Playing(Pages, folder="none of them"):
+    """Blocks are played as a reader plays them, and a page that shows something else fails."""
+
+    def setUp(self):
+        self.prepare()
+
+    def step(self, text, above=""):
+        block, = blocks_of(f"{above}```\n{text}```\n")
+        for step in block.steps:
+            self.play_step(step, block)
+
+    def test_what_a_page_shows_is_all_that_is_printed(self):
+        for shown in ("one  two\nthree\n", "one...\nthree\n", "...\n", "one two three\n"):
+            self.step(f"$ printf 'one two\\nthree\\n'\n{shown}")
+        for shown in ("", "one two\n", "three\n", "one two\nfour\n", "one two\nthree\nfour\n"):
+            with self.assertRaises(AssertionError, msg=shown):
+                self.step(f"$ printf 'one two\\nthree\\n'\n{shown}")
+        with self.assertRaises(AssertionError):
+            self.step("$ echo one; false\none\n")
+
+    def test_folder_and_variables_last(self):
+        self.step("$ mkdir -p /tmp/a && cd /tmp/a\n$ export B=5\n$ touch c\n")
+        self.step("$ ls && echo $B && pwd\nc\n5\n/tmp/a\n")
+
+    def test_a_person_enters_lines_and_ends_programs(self):
+        asks = "$ printf 'ask\ncxlab> '; while read line; do echo 2 $line; printf 'cxlab> '; done\n".replace("\n", "\\n", 1)
+        self.step(asks + "ask\ncxlab> a\n2 a\ncxlab> b\n2 b\n")
+        self.patience_s = 1
+        with self.assertRaises(AssertionError):
+            self.step(asks + "ask\ncxlab> a\n2 b\n")
+        self.step("$ echo begun; sleep 60\nbegun\n^C\n".replace("echo begun; sleep 60", "sh -c 'echo begun; sleep 60'"))
+        with self.assertRaises(AssertionError):
+            self.step("$ echo other\nbegun\n^C\n")
+        self.step("$ sh -c 'echo begun; sleep 60' &\nbegun\n$ echo on\non\n")
+
+    def test_another_text_stands_in(self):
+        self.step("$ echo 600\nit is 600\n".replace("echo 600", "echo it is 600"), "<!-- with 5 instead of 600 -->\n")
+        with self.assertRaises(AssertionError):
+            self.step("$ echo 700\n700\n", "<!-- with 5 instead of 600 -->\n")
 
 
 def main():
+    for (how, by), number in sorted(counted().items()):
+        print(f"{number:4} {how:12} {by}")
     for page in pages():
-        for line, command, mark in left_over(page):
-            if not mark and not can_be_played(filled(command)):
-                print(f"{page}:{line}: {command}")
+        for block in blocks_on(page):
+            if block.why_not:
+                print(f"{page}:{block.line}: {block.why_not}")
 
 
 if __name__ == "__main__":

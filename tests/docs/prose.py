@@ -141,6 +141,18 @@ def texts_of_python(text):
                 yield node.body[0].lineno, " ".join(" ".join(lines).split())
 
 
+def by_hand(text):
+    """The lines of C++ whose statement puts "found X, expected Y" together by itself, without the helpers of cx/base/expected.h."""
+    begin = 0
+    for statement in re.split(r"(?<=[;{}])\n", text):
+        literals = [found for found in TOKEN.finditer(statement) if found.group(0).startswith('"')]
+        for n, first in enumerate(literals):
+            behind = [first.group(0).partition("found ")[2], *(one.group(0) for one in literals[n + 1:])]
+            if re.search(r"\bfound ", first.group(0)) and any(re.search(r"(?:^\"|[,;] )expected ", one) for one in behind):
+                yield text.count("\n", 0, begin + first.start()) + 1
+        begin += len(statement) + 1
+
+
 def texts_of(name, text):
     if name.endswith(".py"):
         return texts_of_python(text)
@@ -161,6 +173,9 @@ def findings(name):
         texts = texts_of(name, text)
         spoken = ((line, sentence) for line, spoken_text in texts if len(words_of(spoken_text)) > 3
                   for sentence in re.split(r"(?<=[.!?])\s+(?=[A-Z`'])|;\s", plain(spoken_text)) if sentence)
+    if name.endswith((".cpp", ".h")) and not name.startswith(("tests/", "cx/base/expected.")):
+        for line in by_hand(text):
+            yield line, "found-expected", "call found_expected or found_text of cx/base/expected.h"
     for line, sentence in spoken:
         for rule, what in check_sentence(sentence):
             yield line, rule, what
@@ -193,6 +208,12 @@ class Prose(unittest.TestCase):
             self.assertIn(rule, [found for found, _ in check_sentence(sentence)], sentence)
         for sentence in ("The rules fire once.", "What is a tick?", "`anew` is a name.", "word " * 30):
             self.assertEqual(list(check_sentence(sentence)), [], sentence)
+
+    def test_messages_put_together_by_hand_are_found(self):
+        for source in ('f("found a, expected b");', 'f("found " + a +\n  "; expected b");', 'f("found ", a, b ? "; expected c" : "");'):
+            self.assertEqual(list(by_hand("int a;\n" + source + "\n")), [2], source)
+        for source in ('f(found_expected(a, "b"));', 'f("found nothing");\ng(", expected b");', '// "found a, expected b"', 'f("has a; expected b");'):
+            self.assertEqual(list(by_hand(source + "\n")), [], source)
 
     def test_texts_are_found(self):
         source = '/// Runs it\n/// again.\nint a;  // later\nauto b = "it is "\n    "drawn";\n// One\n/// Two\n"Do. Examples: cxlab"'

@@ -9,8 +9,10 @@ import subprocess
 import sys
 import time
 import unittest
+from unittest import mock
 
 from lab import CONFIG, CXLAB, Lab
+from played_pages import Pages
 from ray.cluster_utils import Cluster
 
 SOURCE = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"])
@@ -35,6 +37,17 @@ def started(start):
         except Exception as error:  # Ray raises nothing more special
             reason = error
     raise reason
+
+
+class Guide(Pages, folder="how-to", by="readers_ray_cluster"):
+    @classmethod
+    def setUpClass(cls):
+        os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+        cluster = started(lambda: Cluster(initialize_head=True, head_node_args={"num_cpus": 2, "include_dashboard": False, "object_store_memory": 100_000_000}))
+        cls.addClassCleanup(cluster.shutdown)
+        address = mock.patch.dict(os.environ, {"RAY_ADDRESS": cluster.address})
+        address.start()
+        cls.addClassCleanup(address.stop)
 
 
 class OnRay(Lab):

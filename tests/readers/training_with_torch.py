@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from cxlab.learn import RCLLDispatchEnv
 from ray.rllib.env.single_agent_episode import SingleAgentEpisode
+from played_pages import Pages
 from ray.rllib.utils.metrics.metrics_logger import MetricsLogger
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "python/examples"
@@ -29,6 +30,10 @@ def said(name, *arguments):
     if done.returncode != 0:
         raise AssertionError(done.stdout + done.stderr)
     return done.stdout
+
+
+class OnPages(Pages, folder="reference", by="readers_training_with_torch"):
+    pass
 
 
 class WithRLlib(unittest.TestCase):

@@ -45,17 +45,18 @@ struct Config {
 Status validate(const Config& config) {
   for (std::size_t row = 0; row < config.map.size(); ++row) {
     const std::string& cells = config.map[row];
-    const std::string here = "map[" + std::to_string(row) + "]: found ";
+    const std::string here = "map[" + std::to_string(row) + "]: ";
     if (cells.empty() || cells.size() != config.map.front().size())
-      return input_error(here + std::to_string(cells.size()) + " cells, expected " +
-                         (row == 0 ? "some" : std::to_string(config.columns()) + " as in the first row"));
+      return input_error(here +
+                         found_expected(std::to_string(cells.size()) + " cells",
+                                        row == 0 ? "some" : std::to_string(config.columns()) + " as in the first row"));
     if (const std::size_t wrong = cells.find_first_not_of("#.SG"); wrong != std::string::npos)
-      return input_error(here + "'" + cells[wrong] + "', expected # (wall), . (free), S (start) or G (goal)");
+      return input_error(here + found_text(cells.substr(wrong, 1), "# (wall), . (free), S (start) or G (goal)"));
   }
   if (config.map.empty()) return input_error("map: expected at least one row");
   const auto goals = config.cells('G').size(), starts = config.cells('S').size();
-  if (goals != 1) return input_error("map: found " + std::to_string(goals) + " goals (G), expected one");
-  if (starts > 1) return input_error("map: found " + std::to_string(starts) + " starts (S), expected at most one");
+  if (goals != 1) return input_error("map: " + found_expected(std::to_string(goals) + " goals (G)", "one"));
+  if (starts > 1) return input_error("map: " + found_expected(std::to_string(starts) + " starts (S)", "at most one"));
   if (starts + config.cells('.').size() == 0) return input_error("map: expected a cell to start from, S or .");
   return config.step_s > 0 ? Status() : Status(input_error("step_s: expected more than 0"));
 }
@@ -98,7 +99,7 @@ class Robot final : public Server, public Referee {
       data_.begin().field("event", moved ? "step" : "bump").field("to", wanted).field("begin_s", to_seconds(begun_));
       sink_.write(stream_, now, RecordKind::kReferee, data_);
     } else {
-      answer->set("error", "direction: found '" + wanted + "', expected north, east, south, west or stay");
+      answer->set("error", "direction: " + found_text(wanted, "north, east, south, west or stay"));
     }
     answer->set("row", at_.row).set("column", at_.column).set("at_goal", over());
     bus_.respond(request.endpoint, request, std::make_shared<const bus::Message>(std::move(answer)));
@@ -150,7 +151,7 @@ class GridView final : public View {
   GridView(const Robot& robot, int width, int height)
       : robot_(robot), side_(std::max(1, std::min(width / robot.config().columns(), height / robot.config().rows()))) {}
   Expected<const sim::Picture*> draw(std::string_view camera) override {
-    if (camera != "grid") return input_error("found camera '" + std::string(camera) + "', expected grid");
+    if (camera != "grid") return input_error("camera: " + found_text(camera, "grid"));
     picture_ = {robot_.config().columns() * side_, robot_.config().rows() * side_, {}};
     for (int y = 0; y < picture_.height; ++y)
       for (int x = 0; x < picture_.width; ++x)

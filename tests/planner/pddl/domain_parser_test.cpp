@@ -162,8 +162,8 @@ TEST(DomainParser, ErrorsNameWhereSymbolsWereDeclared) {
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot)\n :effect (at ?r))")),
             "d.pddl:7: found 1 argument in (at ?r), expected 2; declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at base base))")),
-            "d.pddl:6: found base of type depot; declared at d.pddl:3; expected type robot for argument 1 of at; "
-            "declared at d.pddl:4");
+            "d.pddl:6: found base of type depot, expected type robot for argument 1 of at; 'base' is declared at "
+            "d.pddl:3; 'at' is declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (at ?p base))")),
             "d.pddl:6: found variable ?p, which is not declared here; did you mean '?r'?");
   EXPECT_EQ(error_of(with_world("(:action a :parameters (?r - robot) :effect (opn base))")),
@@ -291,7 +291,7 @@ TEST(DomainParser, DerivedPredicatesAreStratified) {
             "d.pddl:6: derived predicate 'done' depends on its own negation, expected rules without such a cycle; "
             "declared at d.pddl:4");
   EXPECT_EQ(error_of(with_world("(:derived (done) (and))\n(:action a :effect (done))")),
-            "d.pddl:7: found an effect on 'done', which is derived by a rule; expected a predicate without one; "
+            "d.pddl:7: found an effect on 'done', which is derived by a rule, expected a predicate without one; "
             "declared at d.pddl:4");
 }
 

@@ -69,8 +69,8 @@ TEST(ProblemParser, ObjectDeclaredTwiceBelongsToBothTypes) {
 
 TEST(ProblemParser, ErrorsNameBothFiles) {
   EXPECT_EQ(error_of("(:init (at hall r1))"),
-            "p.pddl:2: found hall of type place; declared at p.pddl:1; expected type robot for argument 1 of at; "
-            "declared at d.pddl:3");
+            "p.pddl:2: found hall of type place, expected type robot for argument 1 of at; 'hall' is declared at "
+            "p.pddl:1; 'at' is declared at d.pddl:3");
   EXPECT_EQ(error_of("(:init (at r3 base))"),
             "p.pddl:2: found 'r3', expected a variable or an object; did you mean 'r1'?");
   EXPECT_EQ(error_of("(:init (= (battery r1) 1)\n (= (battery r1) 2))"),

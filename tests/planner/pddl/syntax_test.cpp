@@ -22,9 +22,9 @@ std::string error_of(std::string_view text) {
 TEST(Syntax, AListWithoutEndIsReportedWhereItBegins) {
   EXPECT_EQ(error_of("(define\n  (domain\n  foo)\n"),
             "a.pddl:1: found the end of the file, expected a ')' for the list that begins here");
-  EXPECT_EQ(error_of("(define)\n)"), "a.pddl:2: found a ')' that closes nothing; expected the end of the file");
+  EXPECT_EQ(error_of("(define)\n)"), "a.pddl:2: found a ')' that closes nothing, expected the end of the file");
   EXPECT_EQ(error_of("(define)\n(define)"),
-            "a.pddl:2: found more text behind the closing ')' of (define ...); expected the end of the file");
+            "a.pddl:2: found more text behind the closing ')' of (define ...), expected the end of the file");
   EXPECT_EQ(error_of(" \n"), "a.pddl:2: the file is empty; expected (define ...)");
   EXPECT_EQ(error_of("domain"), "a.pddl:1: found 'domain', expected (define ...)");
 }
@@ -41,7 +41,7 @@ TEST(Syntax, SectionInsideAnotherNamesTheOneThatWasNotClosed) {
   EXPECT_EQ(error_of("(define (domain d\n(:types t)\n(:action b))"),
             "a.pddl:1: found (:types in line 2, expected a ')' before it for the list that begins here");
   EXPECT_EQ(error_of("(define (domain d)\n(:types t))\n(:action b))"),
-            "a.pddl:3: found more text behind the closing ')' of (define ...); expected the end of the file; the last "
+            "a.pddl:3: found more text behind the closing ')' of (define ...), expected the end of the file; the last "
             "section before it, :types, begins in line 2");
   EXPECT_EQ(error_of("(define (domain d)\n(:types t)\n"),
             "a.pddl:1: found the end of the file, expected a ')' for the list that begins here; the last section "

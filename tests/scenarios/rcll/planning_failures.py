@@ -43,7 +43,7 @@ def problems(done, out):
     result = json.loads((out / "result.json").read_text())
     log = (out / "logs" / "agent.log").read_text()
     bad = [] if any(order["correct"] for order in result["orders"]) else ["no delivery"]
-    bad += [line for line in log.splitlines() if "nothing is under way" in line or "nothing has ended" in line]
+    bad += [line for line in log.splitlines() if "no step is running" in line or "nothing has ended" in line]
     return bad + list(booked_twice((out / "journal.jsonl").read_text()))
 
 

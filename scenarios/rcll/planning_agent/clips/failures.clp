@@ -465,8 +465,8 @@
     (bind ?waiting (list-text ?waiting (str-cat ?j:robot " for " (step-text ?s))))
     (modify ?j (step GIVEN-UP)))
   (if (not (any-factp ((?a allowed)) TRUE)) then (bind ?waiting (list-text ?waiting "the strategy allows none of them")))
-  (printout warn "nothing is under way, these wait: " ?waiting crlf)
-  (assert (replan (reason (str-cat "nothing is under way, these wait: " ?waiting)))))
+  (printout warn "no step is running, these wait: " ?waiting crlf)
+  (assert (replan (reason (str-cat "no step is running, these wait: " ?waiting)))))
 
 ; --- A running step does not end
 
