@@ -64,7 +64,7 @@ class Answer(Mapping[str, Any]):
 class Explanation:
     """Why something happened, or did not.
 
-    `print` shows it as text, `table` has its parts as a data frame, and `json` is what the program says with `--json`.
+    `text` is for people, `table` has its parts as a data frame, and `json` is what the program says with `--json`.
     """
 
     def __init__(self, parts: list[dict[str, Any]], lines: list[str], make_table: Callable[[], Any]) -> None:
@@ -76,15 +76,19 @@ class Explanation:
     def table(self) -> Any:
         return self._make_table()
 
-    def __str__(self) -> str:
+    @property
+    def text(self) -> str:
         return "\n".join(self._lines)
+
+    def __str__(self) -> str:
+        return self.text
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         from cxlab import jupyter
 
-        return jupyter.text_html(str(self))
+        return jupyter.text_html(self.text)
 
 
 class View:

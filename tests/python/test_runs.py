@@ -145,6 +145,8 @@ class Questions(WithGame):
             not_yet = self.run_.why_not(what, at=100)
             wanted = self.answer("why-not", self.folder, what, "--at", 100)
             parts = wanted.get("environments") or [{"explanations": wanted["explanations"]}]
+            self.assertEqual(not_yet.text, str(not_yet))
+            self.assertTrue(not_yet.text)
             for found, part in zip(not_yet.json, parts, strict=True):
                 for key in part:
                     if key == "explanations":
