@@ -32,9 +32,6 @@ namespace {
 /// Time of the last tick (s), ticks played, whether the run is over.
 using StepTuple = std::tuple<double, std::int64_t, bool>;
 
-/// How long a step keeps the interpreter's lock away, at most: then it looks for Ctrl-C.
-constexpr auto kStretch = std::chrono::milliseconds(50);
-
 /// Lines of the log wait here until Python can take them, in its logging.
 class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
  public:
