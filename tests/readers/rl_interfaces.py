@@ -154,7 +154,7 @@ class Interfaces(Lab):
             env.step(env.actions.index("move(c#b)")) if env.reset() else None
 
 
-SHORT = {"world.exploration": False, "world.down": False, "world.production_s": 200, "world.overtime_s": 0}
+SHORT = {"world.exploration": False, "world.down": False, "world.production_s": 300, "world.overtime_s": 0}
 
 
 class Factory(Lab):
@@ -165,9 +165,9 @@ class Factory(Lab):
         self.addCleanup(env.close)
         return env
 
-    def game(self, env, seed, **options):
-        """Random allowed actions to the end of a game: all that was seen."""
-        chance = np.random.default_rng(seed)
+    def game(self, env, actions, **options):
+        """A game with random allowed actions, by their seed: all that was seen."""
+        chance = np.random.default_rng(actions)
         observation, info = env.reset(**options)
         seen, over = [observation.tobytes()], False
         while not over:
@@ -217,6 +217,7 @@ class Factory(Lab):
         _, info = env.reset()
         self.assertEqual(info["outcome"], "")
         self.assertEqual(info["decision"], 1)  # of another run
+        env.step(int(env.action_masks().nonzero()[0][0]))
 
 
 if __name__ == "__main__":

@@ -153,12 +153,12 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         elif self._begun and not self._over:
             self._choose(_GIVE_UP)
             self._next()
-        self._begun = True
         if self._over:
             self._choose(0)
             decision = self._played_on() or self._begin(int(self._seeds.integers(_SEEDS)))
             if self._over:  # an agent that has nothing to do at the beginning
                 raise RunError(f"the episode ended before the first choice: {decision.outcome}")
+        self._begun = True
         return self._observation(), self._info()
 
     def step(self, action: int) -> tuple[Bits, float, bool, bool, dict[str, Any]]:
