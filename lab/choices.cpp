@@ -30,7 +30,7 @@ Choice read_choice(const bus::MessageView& message) {
 }  // namespace
 
 /// Keeps the choices that are open, and sends the answers.
-class ChoiceEpisode::Chooser final : public Agent {
+class ChoiceEpisode::Chooser final : public QuietAgent {
  public:
   Chooser(SeatBus& bus, const ChoiceTopic& topic) : bus_(bus), made_(topic.name + "/made") {
     reads_ = bus_.read(topic.name, "cxlab_msgs/msg/Choice",
@@ -38,9 +38,6 @@ class ChoiceEpisode::Chooser final : public Agent {
   }
 
   Status perceive() override { return reads_; }
-  Status decide(SimTime) override { return {}; }
-  Status act() override { return {}; }
-  SimTime next_due() const override { return kNever; }
 
   const Choice* first() const { return open_.empty() ? nullptr : &open_.front(); }
 

@@ -68,6 +68,15 @@ class SeatBus {
   virtual Status cancel(SeatGoal goal) = 0;
 };
 
+/// An agent that hears, and speaks between ticks: its turn does nothing.
+class QuietAgent : public Agent {
+ public:
+  Status perceive() override { return {}; }
+  Status decide(SimTime) override { return {}; }
+  Status act() override { return {}; }
+  SimTime next_due() const override { return kNever; }
+};
+
 /// `make` is called when the episode is loaded. The bus outlives the agent. In each tick the agent perceives, decides
 /// and acts once, after the environments; before it perceives, its readers are called. What it returns as an error ends
 /// the run.

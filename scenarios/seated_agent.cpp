@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include <variant>
 
 #include "cx/base/byte_codec.h"
+#include "cx/bus/names.h"
 #include "cx/journal/input_log.h"
 
 namespace cxlab {
@@ -219,8 +221,33 @@ class SeatedAgent final : public Agent, private SeatBus {
       }
       item.message->serialize(act.content);
     }
+    if (Status s = check_first_use(act); !s) return wrong(s.error());
     waiting_.push_back(std::move(item));
     return {};
+  }
+
+  /// What speaks against an endpoint of this name and type, as the bus would say when the turn comes.
+  Status check_first_use(const SeatAct& act) const {
+    if (endpoints_.contains(std::tuple(act.verb, act.name, act.type))) return {};
+    const bus::NameKind kind = name_kind_of(act.verb);
+    if (const std::string fault = bus::name_fault(act.name); !fault.empty()) return usage_error("the name " + fault);
+    const auto resolved = [&](const std::string& name) { return bus::NodeName{name_, "/", {}}.resolve(name, kind); };
+    const std::string name = resolved(act.name);
+    std::set<std::string> types;
+    for (const bus::Bus::Info& info : kind == bus::NameKind::kTopic     ? bus_.topics()
+                                      : kind == bus::NameKind::kService ? bus_.services()
+                                                                        : bus_.actions())
+      if (info.name == name) types.insert(info.type);
+    for (const Waiting& other : waiting_)
+      if (other.act.verb != Verb::kCancel && name_kind_of(other.act.verb) == kind && resolved(other.act.name) == name)
+        types.insert(other.act.type);
+    if (types.size() != 1 || types.contains(act.type)) return {};  // servers may speak several types under one name
+    return usage_error(found_expected("the type " + act.type, *types.begin() + ", which is on the bus"));
+  }
+  static bus::NameKind name_kind_of(Verb verb) {
+    return verb == Verb::kCall   ? bus::NameKind::kService
+           : verb == Verb::kGoal ? bus::NameKind::kAction
+                                 : bus::NameKind::kTopic;
   }
 
   // --- Its turn

@@ -508,8 +508,11 @@ class Run:
 
     def _asked(self, name: str, t: float | None, **fields: Any) -> dict[str, Any]:
         question = {"ask": name, **fields}
-        if t is None and self._recorded.finished:
-            t = self._recorded.end_s
+        if self._recorded.finished:
+            end = self._recorded.end_s
+            if t is not None and t > end:
+                raise UsageError(f"the run ends at {end:g} s", "at")
+            t = end if t is None else t
         if t is None and not (self.folder / "control.sock").exists():  # else it is being played: now
             t = _AFTER_EACH_END_S
         if t is not None:

@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <string>
@@ -105,6 +106,26 @@ class InUse {
  private:
   Play& play_;
 };
+
+/// How long Python waits for the lock of the interpreter, at most, and for a look at Ctrl-C.
+constexpr auto kStretch = std::chrono::milliseconds(50);
+
+/// Calls `play(pause)` without the lock of the interpreter until it ends by itself, not because `pause` said so;
+/// between two calls it looks for Ctrl-C. Raises the error of `play`.
+template <class F>
+auto in_stretches(F play) {
+  using Clock = std::chrono::steady_clock;
+  while (true) {
+    bool paused = false;
+    auto played = [&] {
+      const nb::gil_scoped_release others_may_run;
+      return play([&paused, until = Clock::now() + kStretch] { return paused = Clock::now() >= until; });
+    }();
+    auto value = value_or_raise(std::move(played));
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!paused) return value;
+  }
+}
 
 /// The seat of an object with the methods of cxlab.Seat; it gets its bus as attribute `bus`.
 Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play);

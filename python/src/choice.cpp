@@ -1,6 +1,5 @@
 // Episodes that stop where rules leave a choice to Python (lab/choices.h).
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -51,22 +50,10 @@ class ChoicesAtPlay {
 
   /// Plays on to the next choice; whether there is one.
   bool next() {
-    using Clock = std::chrono::steady_clock;
     const InUse in_use(play_);
     lab::ChoiceEpisode& episode = played();
     choice_ = nullptr;
-    bool paused = true;
-    while (paused && !choice_) {
-      Expected<const lab::Choice*> open = usage_error("");
-      {
-        const nb::gil_scoped_release others_may_run;
-        paused = false;
-        const auto until = Clock::now() + kStretch;
-        open = episode.next_choice([&] { return paused = Clock::now() >= until; });
-      }
-      choice_ = value_or_raise(std::move(open));
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    }
+    choice_ = in_stretches([&](const auto& pause) { return episode.next_choice(pause); });
     return choice_ != nullptr;
   }
 
@@ -117,9 +104,6 @@ class ChoicesAtPlay {
     if (!episode_) raise(usage_error("the episode is closed"));
     return *episode_;
   }
-
-  /// How long `next` keeps the interpreter's lock away, at most: then it looks for Ctrl-C.
-  static constexpr auto kStretch = std::chrono::milliseconds(50);
 
   Play play_;
   std::unique_ptr<lab::ChoiceEpisode> episode_;  // none: closed

@@ -32,9 +32,6 @@ namespace {
 /// Time of the last tick (s), ticks played, whether the run is over.
 using StepTuple = std::tuple<double, std::int64_t, bool>;
 
-/// How long a step keeps the interpreter's lock away, at most: then it looks for Ctrl-C.
-constexpr auto kStretch = std::chrono::milliseconds(50);
-
 /// Lines of the log wait here until Python can take them, in its logging.
 class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
  public:
@@ -311,11 +308,20 @@ class PlayedEpisode {
 
   cx::Environment& environment_of(const std::optional<std::string>& name) {
     const std::vector<cx::Environment*> all = episode().environments();
-    std::vector<std::string> names;
+    std::vector<std::string> names, meant;
+    cx::Environment* found = nullptr;
     for (cx::Environment* one : all) {
       names.push_back(one->unique_name());
-      if (name && (one->unique_name() == *name || one->name() == *name)) return *one;
+      if (!name) continue;
+      if (one->unique_name() == *name) return *one;
+      if (one->name() != *name) continue;
+      meant.push_back(one->unique_name());
+      found = one;
     }
+    if (meant.size() == 1) return *found;
+    if (meant.size() > 1)
+      raise(
+          usage_error(found_text(*name, "one of " + some_of(meant, meant.size()) + ", which share that name"), "env"));
     if (!name && all.size() == 1) return *all.front();
     if (names.empty()) raise(usage_error("the episode has no environment of rules", "env"));
     const std::string known = "of " + some_of(names, names.size());

@@ -4,15 +4,6 @@ namespace cxlab::python {
 
 namespace {
 
-/// Does nothing of its own: what it sends was given to its bus before.
-class WaitingAgent final : public Agent {
- public:
-  Status perceive() override { return {}; }
-  Status decide(SimTime) override { return {}; }
-  Status act() override { return {}; }
-  SimTime next_due() const override { return kNever; }
-};
-
 nb::object or_none(const std::optional<bool>& value) { return value ? nb::object(nb::bool_(*value)) : nb::none(); }
 
 }  // namespace
@@ -21,7 +12,7 @@ Seat Outside::seat() {
   return {kName,
           [this](SeatBus& bus) -> Expected<std::unique_ptr<Agent>> {
             bus_ = &bus;
-            return std::unique_ptr<Agent>(std::make_unique<WaitingAgent>());
+            return std::unique_ptr<Agent>(std::make_unique<QuietAgent>());
           },
           {}};
 }

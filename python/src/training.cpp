@@ -49,7 +49,7 @@ std::vector<std::string> texts_in(const bus::MessageView& message, std::string_v
 }
 
 /// Keeps the decisions that are open, and sends the answers.
-class TrainerSeat final : public Agent {
+class TrainerSeat final : public QuietAgent {
  public:
   TrainerSeat(SeatBus& bus, const std::string& node) : bus_(bus), made_(node + "/decisions/made") {
     reads_ = bus_.read(node + "/spaces", "cxlab_msgs/msg/RlSpaces", [this](const bus::MessageView& message) {
@@ -63,9 +63,6 @@ class TrainerSeat final : public Agent {
   }
 
   Status perceive() override { return reads_; }
-  Status decide(SimTime) override { return {}; }
-  Status act() override { return {}; }
-  SimTime next_due() const override { return kNever; }
 
   const RlDecision* last() const { return open_.empty() ? nullptr : &open_.back(); }
   const std::pair<std::vector<std::string>, std::vector<std::string>>& spaces() const { return spaces_; }
@@ -126,17 +123,8 @@ class TrainingAtPlay {
   /// Plays on to the next decision; none: the run is over.
   std::optional<DecisionTuple> next() {
     const InUse in_use(play_);
-    Expected<StepReport> report = usage_error("");
-    while (!seat().last()) {
-      {
-        const nb::gil_scoped_release others_may_run;
-        std::int64_t played = 0;
-        report = session_->step(kNever, [&] { return seat_->last() || ++played % kTicksUntilSignals == 0; });
-      }
-      const StepReport done = value_or_raise(std::move(report));
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (done.over) break;
-    }
+    if (!seat().last())
+      in_stretches([&](const auto& pause) { return session_->step(kNever, [&] { return seat_->last() || pause(); }); });
     const RlDecision* open = seat().last();
     if (!open) return std::nullopt;
     const auto bytes = [](const std::string& text) { return nb::bytes(text.data(), text.size()); };
@@ -177,8 +165,6 @@ class TrainingAtPlay {
   bool closed() const { return !session_; }
 
  private:
-  static constexpr std::int64_t kTicksUntilSignals = 1000;
-
   static constexpr double kLong = 1e8;  ///< s: a training ends with its episodes
 
   TrainerSeat& seat() {

@@ -274,7 +274,7 @@ constinit const WorldKind kWorld{
         [](Scenario& scenario) {
           const WorldConfig& config = scenario.world.get<WorldConfig>();
           const double overtimes = choices_of(named<Rules>(config.rules).value_or(Rules{})).sudden_death ? 2 : 1;
-          double seconds = config.setup_s + config.production_s + overtimes * config.overtime_s;
+          double seconds = config.setup_s + config.production_s + overtimes * config.overtime_s + config.post_game_s;
           for (const PauseConfig& pause : config.pauses) seconds += pause.seconds;
           scenario.duration = from_seconds(seconds);
         },

@@ -19,6 +19,8 @@ MORE = (
     "cxlab env scenarios/rcll/planning_agent/params/agent.yaml --with rcll --with pddl_manager --param rcll.production_s=60 --until 200",
     "cxlab run scenarios/rcll/external.yaml --tier timed",
     "cxlab env scenarios/rcll/agent/params/external.yaml --with rcll --param rcll.production_s=60 --until 200",
+    "cxlab run scenarios/rcll/rl.yaml --tier timed",
+    "cxlab env scenarios/rcll/agent/params/trainer.yaml --with rcll --param rcll.production_s=60 --until 200",
     "cxlab run scenarios/turtlesim/goal.yaml",
     "cxlab run scenarios/turtlesim/hypotheses.yaml",
     "cxlab env scenarios/turtlesim/agents/params/figures.yaml --with turtlesim",
@@ -34,6 +36,7 @@ MORE = (
 OVERRIDES = "overrides.clp:2: deftemplate 'pddl-action' is defined already in "
 UNANSWERED = "on the topic choices/made: the rules choose by themselves"
 SHOWN = {"scenarios/rcll/external.yaml": UNANSWERED, "scenarios/rcll/agent/params/external.yaml": UNANSWERED,
+         "scenarios/rcll/rl.yaml": "nobody answer", "scenarios/rcll/agent/params/trainer.yaml": UNANSWERED,
          "scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
          "docs/examples/blocksworld/params/helpers.yaml": OVERRIDES, "docs/examples/blocksworld/helpers.yaml": OVERRIDES}
 # Another planner's program has to be installed.

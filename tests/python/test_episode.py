@@ -195,6 +195,9 @@ class Acts(EpisodeTest):
             self.assertEqual(episode.fact_list("hint", env="magenta/agent"), [{"x": 3}])
             with self.assertRaisesRegex(cxlab.InputError, "no template 'hint'"):
                 episode.fact_list("hint", env="cyan/agent")
+            with self.assertRaises(cxlab.UsageError) as caught:
+                episode.eval("1", env="agent")
+            self.assertIn("'agent', expected one of cyan/agent, magenta/agent, which share that name", str(caught.exception))
             with self.assertRaisesRegex(cxlab.UsageError, "found none, expected one of cyan/agent, magenta/agent"):
                 episode.fact_list("hint")
 
@@ -225,6 +228,13 @@ class Acts(EpisodeTest):
             (lambda e: e.publish("/game_stat", None, {}), cxlab.UsageError, "did you mean '/game_state'?"),
             (lambda e: e.publish("/x", "std_msgs/msg/String", {"dat": "x"}), cxlab.CxlabError, "dat"),
             (lambda e: e.publish("/x", "std_msgs/msg/String", {"data": object()}), cxlab.UsageError, "type object"),
+            (lambda e: e.publish("/game_state", "std_msgs/msg/String", {}), cxlab.UsageError, "rcll_interfaces/msg/GameState, which is on the bus"),
+            (lambda e: e.publish("/game_state", "rcll_interfaces/msg/GameStat", {}), cxlab.CxlabError, "nearest is 'rcll_interfaces/msg/GameState'"),
+            (lambda e: e.read("/game_state", "std_msgs/msg/String"), cxlab.UsageError, "rcll_interfaces/msg/GameState, which is on the bus"),
+            (lambda e: e.publish("/game state", "std_msgs/msg/String", {}), cxlab.UsageError, "the name "),
+            (lambda e: e.call("/clips_manager/create_env", "std_srvs/srv/Empty", {}), cxlab.UsageError, "which is on the bus"),
+            (lambda e: e.send_goal("/robot1/drive_to", "example_interfaces/action/Fibonacci", {}), cxlab.UsageError, "which is on the bus"),
+            (lambda e: (e.publish("/new", "std_msgs/msg/String", {}), e.publish("/new", "std_msgs/msg/Bool", {})), cxlab.UsageError, "std_msgs/msg/String"),
             (lambda e: e.step(until=float("nan")), cxlab.UsageError, "nan"),
             (lambda e: e.step(until="soon"), cxlab.UsageError, "5:12.4"),
             (lambda e: e.facts("machine", frames="numpy"), cxlab.UsageError, "expected one of pandas"),

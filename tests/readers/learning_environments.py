@@ -8,6 +8,7 @@ import warnings
 import gymnasium
 import numpy as np
 from cxlab.learn import RCLLDispatchEnv, RCLLRobotsEnv, RCLLRobotsParallelEnv, play
+from cxlab.learn.games import HEAD
 from cxlab.learn.policy import preferred
 from cxlab.learn.registration import register
 from gymnasium.utils.env_checker import check_env
@@ -149,7 +150,7 @@ class Robots(unittest.TestCase):
             for other in env.agents:
                 if other != agent and not terminated:
                     self.assertFalse(env.observe(other)["observation"].any())
-            env.step(None if terminated or truncated else int(np.argmax(seen["observation"][10:].reshape(16, -1)[:, 0])))
+            env.step(None if terminated or truncated else int(np.argmax(seen["observation"][HEAD:].reshape(16, -1)[:, 0])))
         env.close()
         self.assertEqual(set(total.values()), {float(play(preferred, 1)["teams"]["CYAN"]["points"])})
 
@@ -158,7 +159,7 @@ class Robots(unittest.TestCase):
         seen, _ = env.reset(seed=1)
         total = 0.0
         while env.agents:
-            actions = {agent: int(np.argmax(one["observation"][10:].reshape(16, -1)[:, 0])) for agent, one in seen.items()}
+            actions = {agent: int(np.argmax(one["observation"][HEAD:].reshape(16, -1)[:, 0])) for agent, one in seen.items()}
             seen, rewards, *_ = env.step(actions)
             total += rewards["robot1"]
         env.close()

@@ -1,5 +1,6 @@
 """cxlab.rl.CXEnv: the agent of docs/examples/rl, in rules, is trained with Gymnasium. ./dev readers"""
 
+import json
 import subprocess
 import sys
 import unittest
@@ -151,6 +152,72 @@ class Interfaces(Lab):
         env = CXEnv(EXAMPLE / "example.yaml", packages={"example": self.folder / "example"})
         with self.assertRaisesRegex(RunError, "the run ended in the middle of an episode"):
             env.step(env.actions.index("move(c#b)")) if env.reset() else None
+
+
+SHORT = {"world.exploration": False, "world.down": False, "world.production_s": 300, "world.overtime_s": 0}
+
+
+class Factory(Lab):
+    """A game of the Logistics League over the same interfaces: the rules of rcll/rl serve their choices."""
+
+    def env(self, **options):
+        env = CXEnv("rcll/rl", set={"tier": "timed", **SHORT, **options.pop("set", {})}, **options)
+        self.addCleanup(env.close)
+        return env
+
+    def game(self, env, actions, **options):
+        """A game with random allowed actions, by their seed: all that was seen."""
+        chance = np.random.default_rng(actions)
+        observation, info = env.reset(**options)
+        seen, over = [observation.tobytes()], False
+        while not over:
+            action = any_allowed(env, chance)
+            observation, reward, terminated, truncated, info = env.step(action)
+            seen.append((observation.tobytes(), action, reward, info["robot"], info["outcome"], info["time"]))
+            over = terminated or truncated
+        self.assertEqual((terminated, info["outcome"]), (True, "end"))
+        return seen
+
+    def test_gymnasium_finds_no_fault(self):
+        env = self.env()
+        env.action_space.sample = lambda mask=None, probability=None: any_allowed(env, np.random.default_rng(0))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", message=".*not within the .* spec.*|.*render.*|.*spec is None.*")
+            check_env(env, skip_render_check=True)
+
+    def test_the_spaces_are_those_of_the_choices(self):
+        env = self.env()
+        self.assertEqual(len(env.observables), 2 + 8 * 8 + 16 * 21 * 8)
+        self.assertEqual(sorted(env.actions), sorted(["no-op", *(f"choose({number + 1})" for number in range(16))]))
+
+    def test_a_whole_game_gives_its_points(self):
+        for robots, no_op in ((1, False), (4, True)):
+            with self.subTest(robots=robots):
+                env = self.env(set={"servers[0].robots": robots, "servers[0].no_op": no_op}, out=self.folder / str(robots))
+                seen = self.game(env, 3, seed=3)
+                self.assertEqual({robot for _, _, _, robot, _, _ in seen[1:-1]}, {"team", "robot1", "robot2", "robot3"})
+                env.close()
+                result = json.loads((self.folder / f"{robots}-2" / "result.json").read_text())
+                self.assertEqual(sum(reward for _, _, reward, _, _, _ in seen[1:]), result["teams"]["CYAN"]["points"])
+                replayed = subprocess.run([CXLAB, "replay", self.folder / f"{robots}-2"], capture_output=True, text=True)
+                self.assertEqual(replayed.returncode, 0, replayed.stderr)
+
+    def test_seeds_hold_to_the_byte_and_games_follow_from_them(self):
+        env = self.env()
+        first = [self.game(env, 1, seed=5), self.game(env, 2), self.game(env, 3)]
+        again = self.env()
+        self.assertEqual([self.game(again, 1, seed=5), self.game(again, 2), self.game(again, 3)], first)
+        self.assertNotEqual(self.game(again, 1), first[0])
+
+    def test_a_game_may_be_given_up_for_the_next_one(self):
+        env = self.env()
+        env.reset(seed=1)
+        env.step(int(env.action_masks().nonzero()[0][0]))
+        _, info = env.reset()
+        self.assertEqual(info["outcome"], "")
+        self.assertEqual(info["decision"], 1)  # of another run
+        env.step(int(env.action_masks().nonzero()[0][0]))
 
 
 if __name__ == "__main__":

@@ -142,6 +142,7 @@ TEST(Scenario, AnEmptyOneHasTheDefaults) {
 
 TEST(Scenario, AWorldSetsItsDefaults) {
   EXPECT_EQ(parsed("world: {kind: rcll, setup_s: 10, production_s: 90, overtime_s: 7}\n").duration, from_seconds(107));
+  EXPECT_EQ(parsed("world: {kind: rcll, overtime_s: 0, post_game_s: 2.5}\n").duration, from_seconds(1202.5));
   EXPECT_EQ(parsed("world: {kind: rcll, rules: rulebook}\n").duration, from_seconds(1800)) << "with sudden death";
   EXPECT_EQ(parsed("world: {kind: rcll, setup_s: 10}\nduration_s: 7\n").duration, from_seconds(7));
   const Scenario turtles = parsed("world: {kind: turtlesim}\n");

@@ -114,6 +114,7 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         self._journal = journal
         self._runs = 0
         self._shape = (0, 0)
+        self._seeds = np.random.default_rng(seed)
         self._training: Any = None
         self._decision: _Decision | None = None
         self._begun = False
@@ -138,21 +139,26 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         return np.frombuffer(self._decision.mask, dtype=np.uint8).astype(np.bool_)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Bits, dict[str, Any]]:
-        """Begin an episode. With a seed a new training begins: the same seed and choices give the same bytes."""
+        """Begin an episode. With a seed a new training begins: the same seed and choices give the same bytes.
+
+        An agent that cannot restart its world ends the run instead. Then the next run begins, with a seed that follows from
+        the last one that was given.
+        """
         super().reset(seed=seed)
         if seed is not None:
+            self._seeds = np.random.default_rng(seed)
             self._begin(seed % _SEEDS)
         elif self._training is None:
             raise UsageError("the training has ended; reset(seed=...) begins another one")
         elif self._begun and not self._over:
             self._choose(_GIVE_UP)
             self._next()
-        self._begun = True
         if self._over:
             self._choose(0)
-            decision = self._next()
+            decision = self._played_on() or self._begin(int(self._seeds.integers(_SEEDS)))
             if self._over:  # an agent that has nothing to do at the beginning
                 raise RunError(f"the episode ended before the first choice: {decision.outcome}")
+        self._begun = True
         return self._observation(), self._info()
 
     def step(self, action: int) -> tuple[Bits, float, bool, bool, dict[str, Any]]:
@@ -175,7 +181,7 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         if training is not None and not training.closed:
             training.close()
 
-    def _begin(self, seed: int) -> None:
+    def _begin(self, seed: int) -> _Decision:
         with contextlib.suppress(CxlabError):  # the failure of the training before has been raised already
             self.close()
         self._runs += 1
@@ -194,7 +200,7 @@ class CXEnv(gymnasium.Env[Bits, Any]):
             node=self._node,
         )
         self._begun = False
-        self._next()
+        decision = self._next()
         self._observables, self._actions = self._training.spaces()
         if not self._observables or len(self._actions) < 2:
             self.close()
@@ -210,21 +216,27 @@ class CXEnv(gymnasium.Env[Bits, Any]):
                 gymnasium.spaces.MultiBinary(shape[0]),
                 gymnasium.spaces.Discrete(shape[1]),
             )
+        return decision
 
     @property
     def _over(self) -> bool:
         """Whether the episode has ended."""
         return self._decision is not None and not self._decision.robot
 
-    def _next(self) -> _Decision:
+    def _played_on(self) -> _Decision | None:
+        """The next decision; None: the run is over."""
         found = self._training.next()
-        if found is None:
+        self._decision = None if found is None else _Decision(*found)
+        return self._decision
+
+    def _next(self) -> _Decision:
+        decision = self._played_on()
+        if decision is None:
             result = self._training.close()
-            self._training = self._decision = None
+            self._training = None
             why = result.get("reason") or "rules asked for it, or until was reached"
             raise RunError(f"the run ended in the middle of an episode: {result['status']}; {why}")
-        self._decision = _Decision(*found)
-        return self._decision
+        return decision
 
     def _choose(self, place: int) -> None:
         self._training.choose(place)

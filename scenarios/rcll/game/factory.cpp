@@ -52,6 +52,7 @@ Expected<std::unique_ptr<Factory>> Factory::make(const WorldConfig& config, cons
 Factory::Factory(const WorldConfig& config, const Game& game, std::uint64_t seed, sim::World& world, bus::Bus& bus,
                  RecordSink& sink)
     : information_(*named<Information>(config.information)),
+      post_game_(from_seconds(config.post_game_s)),
       world_(world),
       bus_(bus),
       sink_(sink),

@@ -81,7 +81,9 @@ class Factory final : public Server, public Referee {
   std::string request_state(std::string_view state, std::string by, std::span<const RecordRef> causes = {}) {
     return pauses_.request(state, std::move(by), causes);
   }
-  bool over() const override { return referee_.phase() == Phase::kPostGame; }
+  bool over() const override {
+    return referee_.phase() == Phase::kPostGame && world_.floor_time() >= referee_.clock().production_end + post_game_;
+  }
 
  private:
   Factory(const WorldConfig& config, const Game& game, std::uint64_t seed, sim::World& world, bus::Bus& bus,
@@ -97,6 +99,7 @@ class Factory final : public Server, public Referee {
   void publish_robots();
 
   Information information_;
+  SimTime post_game_;
   sim::World& world_;
   bus::Bus& bus_;
   RecordSink& sink_;

@@ -158,6 +158,7 @@ Status validate(const WorldConfig& config) {
   if (Status s = check_range("world.setup_s", config.setup_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.production_s", config.production_s, 1, 1e6); !s) return s;
   if (Status s = check_range("world.overtime_s", config.overtime_s, 0, 1e6); !s) return s;
+  if (Status s = check_range("world.post_game_s", config.post_game_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.shelf_refill_s", config.shelf_refill_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.repair_s", config.repair_s, 0, 1e6); !s) return s;
   if (Status s = check_range("world.refbox.port_shift", config.refbox.port_shift, -1000, 60000); !s) return s;

@@ -71,6 +71,7 @@ TEST(WorldConfig, EachSettingHasItsLimits) {
            {"production_s", [](WorldConfig& c) { c.production_s = 1.1e6; }},
            {"overtime_s", [](WorldConfig& c) { c.overtime_s = -1; }},
            {"overtime_s", [](WorldConfig& c) { c.overtime_s = 1.1e6; }},
+           {"post_game_s", [](WorldConfig& c) { c.post_game_s = -1; }},
            {"shelf_refill_s", [](WorldConfig& c) { c.shelf_refill_s = -0.1; }},
            {"repair_s", [](WorldConfig& c) { c.repair_s = -0.1; }},
            {"complexities",
@@ -123,7 +124,7 @@ TEST(WorldConfig, LimitsThemselvesAreAccepted) {
   OrderConfig& order = config.orders[0];
   for (const bool most : {false, true}) {
     config.robots = most ? 3 : 0;
-    config.setup_s = config.shelf_refill_s = config.repair_s = most ? 1e6 : 0;
+    config.setup_s = config.post_game_s = config.shelf_refill_s = config.repair_s = most ? 1e6 : 0;
     config.production_s = most ? 1e6 : 1;
     order.activate_at = order.delivery_begin = most ? 1e6 - 1 : 0;
     order.delivery_end = order.delivery_begin + 1;
@@ -132,8 +133,8 @@ TEST(WorldConfig, LimitsThemselvesAreAccepted) {
     const Status status = validate(config);
     EXPECT_TRUE(status) << status.error().message;
   }
-  for (double* value : {&config.setup_s, &config.shelf_refill_s, &config.repair_s, &config.production_s,
-                        &order.activate_at, &order.delivery_begin}) {
+  for (double* value : {&config.setup_s, &config.post_game_s, &config.shelf_refill_s, &config.repair_s,
+                        &config.production_s, &order.activate_at, &order.delivery_begin}) {
     const double kept = std::exchange(*value, 1e6 + 1);
     EXPECT_FALSE(validate(config));
     *value = kept;

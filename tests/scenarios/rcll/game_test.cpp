@@ -855,6 +855,19 @@ TEST(Game, BeforeProductionMachinesTakeNoInstructionsAndAfterItIsOver) {
   EXPECT_TRUE(story.factory().over());
 }
 
+TEST(Game, TheRunMayGoOnAfterTheGame) {
+  WorldConfig config = GameStory::quiet_game();
+  config.production_s = 20;
+  config.overtime_s = 0;
+  config.post_game_s = 3;
+  GameStory story(config);
+  story.run_until(22.9);
+  EXPECT_EQ(story.factory().referee().phase(), Phase::kPostGame);
+  EXPECT_FALSE(story.factory().over());
+  story.run_until(23.1);
+  EXPECT_TRUE(story.factory().over());
+}
+
 TEST(Game, TheSameSeedAndDeedsGiveTheSameRecords) {
   const auto play = [] {
     GameStory story;

@@ -3,7 +3,8 @@
 ; retract the choice. Without an answer the choice falls on the option that the rules prefer.
 
 (defglobal
-  ?*PATIENCE-FOR-CHOICE* = 1.0  ; s for an answer; 0 while nobody answers
+  ?*PATIENCE-FOR-CHOICE* = 1.0  ; s for an answer
+  ?*ANSWERED* = TRUE            ; FALSE: nobody answers, so the rules choose at once
   ?*last-choice* = 0)
 
 (deftemplate choice
@@ -76,6 +77,7 @@
 
 (deffunction take-answer (?id ?option)
   "Take an answer. Refuse an option that may not be chosen, and ignore an answer to a withdrawn choice."
+  (bind ?*ANSWERED* TRUE)
   (do-for-fact ((?c choice)) (= ?c:id ?id)
     (if (and (<= 1 ?option (length$ ?c:allowed)) (nth$ ?option ?c:allowed))
      then (assert (choice-made (choice ?id) (option ?option)))
@@ -84,7 +86,6 @@
 (defrule choices-answered
   ?message <- (ros-msgs-message (topic "choices/made") (msg-ptr ?m))
   =>
-  (bind ?*PATIENCE-FOR-CHOICE* 1.0)
   (take-answer (ros-msgs-get-field ?m "id") (+ 1 (ros-msgs-get-field ?m "option")))
   (ros-msgs-destroy-message ?m)
   (retract ?message))
@@ -93,11 +94,11 @@
   "Nobody answers in time: the agent does what its rules prefer. From now on it does not wait, until somebody answers."
   (choice (id ?id) (kind ?kind) (preferred ?option) (since ?since))
   (not (choice-made (choice ?id)))
-  (time ?now&:(>= ?now (+ ?since ?*PATIENCE-FOR-CHOICE*)))
+  (time ?now&:(>= ?now (+ ?since (if ?*ANSWERED* then ?*PATIENCE-FOR-CHOICE* else 0.0))))
   =>
-  (if (> ?*PATIENCE-FOR-CHOICE* 0.0)
+  (if ?*ANSWERED*
    then (printout warn "nobody answers choice " ?id " (" ?kind ") on the topic choices/made: the rules choose by themselves" crlf))
-  (bind ?*PATIENCE-FOR-CHOICE* 0.0)
+  (bind ?*ANSWERED* FALSE)
   (assert (choice-made (choice ?id) (option ?option))))
 
 (defrule choices-over
