@@ -90,6 +90,11 @@ Status Moment::play(SimTime end) {
 
 SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
 
+std::string no_environment(const std::string& name, const std::vector<std::string>& known) {
+  return "the run has no environment '" + name + "'" + did_you_mean(name, known) + "; it has " +
+         some_of(known, known.size());
+}
+
 inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines) {
   return {environment.unique_name(), environment.engine(),
           timelines.of(episode.journal().stream_name(environment.engine().stream())),
@@ -107,10 +112,7 @@ Expected<std::vector<cx::Environment*>> Moment::environments(const std::string& 
   }
   if (!out.empty()) return out;
   if (known.empty()) return input_error("the run has no environment at that time", run_.folder.string());
-  std::string list;
-  for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
-  return input_error("the run has no environment '" + name + "'" + did_you_mean(name, known) + "; it has " + list,
-                     run_.folder.string());
+  return input_error(no_environment(name, known), run_.folder.string());
 }
 
 Expected<std::vector<inspect::Inspector>> Moment::inspectors(const std::string& name) {

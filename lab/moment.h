@@ -24,6 +24,9 @@ namespace cxlab::lab {
 /// Answers about an environment of an episode whose journal these timelines observe.
 inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines);
 
+/// The message for a name that no environment of a run has: it lists those that the run has.
+std::string no_environment(const std::string& name, const std::vector<std::string>& known);
+
 class Moment {
  public:
   struct Options {

@@ -11,6 +11,7 @@
 #include "cx/inspect/users.h"
 #include "lab/answers.h"
 #include "lab/control/debugger.h"
+#include "lab/moment.h"
 
 namespace cxlab::lab {
 
@@ -359,7 +360,7 @@ Expected<cx::Environment*> Debugger::environment_in(const Json& request) const {
     if (name == environment->unique_name() || name == environment->name_in_log() || name == environment->name())
       return environment;
   }
-  return input_error("the run has no environment '" + name + "'" + did_you_mean(name, known));
+  return input_error(no_environment(name, known));
 }
 
 /// The conditions of a rule now; null where a look would change the run.

@@ -154,7 +154,8 @@ class PythonAgent final : public Agent {
 Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play) {
   std::string name;
   if (const nb::object given = nb::getattr(object, "name", nb::none()); !nb::try_cast(given, name))
-    raise(usage_error("found a seat whose name is no text", "seats"));
+    raise(usage_error(found_expected("a seat without a name", "one whose __init__ calls super().__init__(name)"),
+                      "seats"));
   for (const char* method : {"perceive", "decide", "act", "next_due"})
     if (!nb::hasattr(object, method))
       raise(usage_error(found_expected("a seat without the method " + std::string(method), "one of class cxlab.Seat"),

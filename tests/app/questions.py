@@ -236,9 +236,10 @@ class LinesOfAProgram(Lab):
             self.assertEqual(one["answer"]["facts"], self.answer("facts", run, "job", "--at", t)["facts"])
 
     def test_a_question_that_is_wrong_does_not_end_the_others(self):
-        said = self.lines(self.agent(), "no JSON", "", '{"ask": "facst"}', {"ask": "why", "what": "begn"}, {"ask": "envs", "t": 7}, {"ask": "envs"})
-        self.assertEqual([one.get("status") for one in said], [400, 400, 400, 400, 400, None])
-        for one, part in zip(said, ("expected", "expected", "there is no question 'facst'", "begn", "ends at 6 s"), strict=False):
+        said = self.lines(self.agent(), "no JSON", "", '{"ask": "facst"}', {"ask": "why", "what": "begn"}, {"ask": "envs", "t": 7},
+                          {"ask": "agenda", "env": "mian"}, {"ask": "envs"})
+        self.assertEqual([one.get("status") for one in said], [400, 400, 400, 400, 400, 400, None])
+        for one, part in zip(said, ("expected", "expected", "there is no question 'facst'", "begn", "ends at 6 s", "did you mean 'main'?; it has main"), strict=False):
             self.assertIn(part, one["error"])
         self.assertEqual(said[-1]["answer"]["environments"][0]["environment"], "main")
 
