@@ -50,7 +50,7 @@ class SkillServer {
   void take(SimTime now);
   /// The robot is off the field, from now on or no more: what it does is aborted, and every goal until it is back.
   void set_off_field(bool off, SimTime now);
-  /// Posts the phase if it has changed. A robot that waits now for another one leaves a record alone.
+  /// Posts the phase if it has changed. If only the robot has changed for which this one waits, it is recorded.
   void report_phase(SimTime now);
 
   bus::ParticipantId node() const { return node_; }

@@ -729,8 +729,8 @@ TEST(WhoWaits, IsToldOfNobodyWhereItIsHaltedItself) {
 }
 
 TEST(WhoWaits, IsToldOfTheFirstInARow) {
-  // A corridor as wide as one robot and a bit: 3 behind 2 behind 1.
-  FloorPlan plan = open_floor({{4.5, 0.5, 0}, {5.5, 0.5, 0}, {6.5, 0.5, 0}});
+  // A corridor as wide as one robot and a bit: 3 behind 2 behind 1. 2 stands less in the middle.
+  FloorPlan plan = open_floor({{4.5, 0.5, 0}, {5.5, 0.65, 0}, {6.5, 0.5, 0}});
   plan.walls = {{{5, 1}, {7, 1}}, {{4, 0}, {4, 1}}};
   for (const bool second_is_halted : {false, true}) {
     Drivers floor(plan);
@@ -744,6 +744,16 @@ TEST(WhoWaits, IsToldOfTheFirstInARow) {
                                                     : "robot2 waits for robot1; robot3 waits for robot1")
         << "who could make room is not in the way";
   }
+}
+
+TEST(WhoWaits, IsToldOfOneThatHasNoPlaceToGo) {
+  FloorPlan plan = open_floor({{5.5, 0.5, 0}, {4.5, 0.5, 0}, {0, 4, 0}});
+  plan.walls = {{{4, 1}, {7, 1}}, {{4, 0}, {4, 1}}, {{6, 0}, {6, 1}}};
+  Drivers floor(plan);
+  floor.until([&] { return floor.now > from_seconds(2); });
+  floor.traffic.request(kRobot2, {5.5, 0.5, 0}, {}, floor.now);
+  floor.tick();
+  EXPECT_EQ(who_waits(floor, 3), "robot2 waits for robot1");
 }
 
 TEST(WhoWaits, IsToldOfTheOneForWhichItSteppedAside) {
