@@ -96,7 +96,7 @@ class Trainer final : public Server {
 
   // What it waits for; each answer leads to the next. The search for a robot that can do something goes from
   // observe() to choose(); an answer to a search that was given up is ignored. While others are at work, the world
-  // changes until a robot is found, so it is observed once more.
+  // changes until a robot is found, so it is observed once again.
   void begin_episode();
   void observe();
   void ask_for_observations();

@@ -190,7 +190,7 @@ struct WorldConfig {
   double setup_s = 0;                     ///< s, set-up phase before production
   double production_s = 1200;             ///< s, length of the production phase
   double overtime_s = 300;                ///< s more when the teams are even, with one more order; 0 = none
-  double post_game_s = 0;                 ///< s that the run goes on after the game, for agents that tell of its end
+  double post_game_s = 0;                 ///< s that the run goes on after the game, for agents that report its end
   bool down = true;                       ///< machines are out of order: as drawn or as the file of the game says
   std::vector<PauseConfig> pauses;        ///< when the game is paused, and how long
   bool foresight = false;                 ///< /foresight tells what the game will be
