@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "folder.h"
+#include "lab/run.h"
+#include "lab/versions.h"
 
 namespace cxlab::lab {
 namespace {
@@ -12,6 +14,20 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using Json = nlohmann::json;
+
+TEST(Surroundings, OfARunHaveChangedWhereTheyAreOthersNowOrWereNotKnown) {
+  const auto now = versions();
+  ASSERT_GE(now.size(), 2u);
+  lab::Run run;
+  for (const auto& [name, value] : machine()) run.manifest.machine[name] = value;
+  for (const auto& [name, value] : now) run.manifest.versions[name] = value;
+  EXPECT_THAT(run.changed_surroundings(), testing::IsEmpty());
+  run.manifest.versions[now[0].first] = "another one";
+  run.manifest.versions.erase(now[1].first);
+  EXPECT_THAT(run.changed_surroundings(),
+              testing::UnorderedElementsAre(now[0].first + ": another one, now " + now[0].second,
+                                            now[1].first + ": not known, now " + now[1].second));
+}
 
 // --- Every field has a key, and each key its own value
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/table_text.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
@@ -180,6 +181,32 @@ TEST(TableText, NamesTheFirstOfManyErrors) {
   for (char c = 'a'; c < 'h'; ++c) bad.errors.emplace_back(1, c);
   EXPECT_THAT(to_text(table_of({bad})),
               HasSubstr("game, bad, 1 of 1 episodes: e\ngame, bad: 2 more, in rows/*.json\n"));
+}
+
+TEST(LinesOfATable, UseTheWholeWidthButNoMore) {
+  using Kind = Column::Kind;
+  std::string words = "a";  // they can be broken behind each second character
+  for (int i = 0; i < 300; ++i) words += " a";
+  const Column number{.key = "n", .title = "n", .kind = Kind::kNumber},
+      why{.key = "why", .title = "why", .kind = Kind::kText},
+      other{.key = "other", .title = "other", .kind = Kind::kText};
+  const Table two{"", "", {number, why}, {{TableCell(12345), TableCell(words)}}};
+  const Table three{"", "", {number, other, why}, {{TableCell(12345), TableCell(words), TableCell(words)}}};
+  const auto longest_line = [](const std::string& text) {
+    std::size_t most = 0;
+    for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
+      most = std::max(most, end - begin);
+    return most;
+  };
+  constexpr std::size_t kBefore = 5 + 2;  // the number and the blanks behind it
+  for (std::size_t width = kBefore + 37; width < 120; ++width) {
+    const std::size_t rest = width - kBefore;
+    EXPECT_EQ(longest_line(table_text(two, width)), kBefore + rest - (rest % 2 == 0 ? 1U : 0U)) << width;
+  }
+  for (std::size_t width = 64; width < 120; ++width) {
+    EXPECT_LE(longest_line(table_text(three, width)), width);
+    EXPECT_GE(longest_line(table_text(three, width)), width - 1);
+  }
 }
 
 TEST(TableJson, WritesAMissingIntervalAsNull) {

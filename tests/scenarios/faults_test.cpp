@@ -203,6 +203,18 @@ TEST_P(Faults, APieceIsTakenOffTheShelf) {
   EXPECT_EQ(to_seconds(struck[0].t), 11);
 }
 
+TEST_P(Faults, APieceLiesForASecondBeforeItIsTakenAlsoAfterAnotherOne) {
+  auto episode = load(floor("again", "  - {at: 9, publish: /tick, type: std_msgs/msg/Empty}\n",
+                            "  - {kind: piece_taken, mean_s: 0.1, machine: C-CS1}\n", GetParam()),
+                      {}, "run");
+  begin(*episode);
+  play(*episode, 10);
+  (void)episode->close(RunStatus::kCompleted);
+  const std::vector<double> taken = strikes("run", 0);
+  ASSERT_EQ(taken.size(), 3u) << "as many as lie on the shelf";
+  for (std::size_t i = 1; i < taken.size(); ++i) EXPECT_GE(taken[i] - taken[i - 1], 1);
+}
+
 TEST_P(Faults, APieceThatComesIsTakenWhenItsMachineHasSeenIt) {
   (void)whole(floor("seen",
                     "  - {at: 2, send_goal: /factory/instruct_machine, type: rcll_interfaces/action/InstructMachine, "

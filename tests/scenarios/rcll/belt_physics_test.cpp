@@ -54,7 +54,7 @@ class BeltPhysics : public testing::Test {
   std::vector<std::unique_ptr<Machine>> machines_;
 };
 
-TEST_F(BeltPhysics, WhereAllPiecesAreInPlayAMachineSaysSoOnce) {
+TEST_F(BeltPhysics, WhereAllPiecesAreInPlayAMachineSaysSoOnceAShortage) {
   make(13);  // twelve of them lie on shelves
   const auto shortages = [&] {
     return std::ranges::count(context_.events, MachineEvent::Kind::kNoSpare, &MachineEvent::kind);
@@ -66,8 +66,14 @@ TEST_F(BeltPhysics, WhereAllPiecesAreInPlayAMachineSaysSoOnce) {
   EXPECT_EQ(shortages(), 1);
   world_->retire(at("C-BS-OUTPUT")->id, sim::Holder::kFloor);
   for (int i = 0; i < 300; ++i) tick();
-  EXPECT_NE(at("M-BS-OUTPUT"), nullptr);
+  ASSERT_NE(at("M-BS-OUTPUT"), nullptr);
   EXPECT_EQ(shortages(), 1);
+  world_->retire(at("M-BS-OUTPUT")->id, sim::Holder::kFloor);
+  carry_out(machine("C-BS"), {.side = "OUTPUT", .base_color = "BASE_RED"});
+  for (int i = 0; i < 300; ++i) tick();
+  machine("M-BS").instruct({.side = "OUTPUT", .base_color = "BASE_RED"}, world_->now(), *world_);
+  for (int i = 0; i < 200; ++i) tick();
+  EXPECT_EQ(shortages(), 2) << "after M-BS had dispensed again";
 }
 
 TEST_F(BeltPhysics, ABaseRidesToTheSideThatWasAskedFor) {
