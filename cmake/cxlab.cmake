@@ -81,7 +81,7 @@ function(cxlab_library target)
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
     target_compile_options(${target} PRIVATE
       "$<$<COMPILE_LANGUAGE:CXX>:${CXLAB_WARNINGS}>" "$<$<COMPILE_LANGUAGE:C>:${CXLAB_C_WARNINGS}>")
-    # A precompiled header costs its users what they do not use of it: GCC makes its templates anew in each. JSON is most of that, and
+    # A precompiled header costs each of its users time: GCC makes again the templates that it leaves open. Most of that is JSON, and
     # what is not cold has little of it.
     set(precompiled precompiled_for_libraries)
     if(arg_COLD)
