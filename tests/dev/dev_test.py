@@ -32,8 +32,8 @@ def dev_on_a_bare_machine(*arguments):
 
 
 def dev_with_a_compiler(build, *arguments, free=0, **environment):
-    """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code,
-    ctest prints where tests write, and a file system has that many GB free."""
+    """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code.
+    There ctest prints where tests write, and a file system has that many GB free."""
     text, code = build
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
