@@ -81,7 +81,7 @@ function(cxlab_library target)
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS})
     target_compile_options(${target} PRIVATE
       "$<$<COMPILE_LANGUAGE:CXX>:${CXLAB_WARNINGS}>" "$<$<COMPILE_LANGUAGE:C>:${CXLAB_C_WARNINGS}>")
-    # A precompiled header costs its users what they do not use of it: GCC makes its templates anew in each. JSON is most of that, and
+    # A precompiled header costs each of its users time: GCC makes again the templates that it leaves open. Most of that is JSON, and
     # what is not cold has little of it.
     set(precompiled precompiled_for_libraries)
     if(arg_COLD)
@@ -156,6 +156,9 @@ function(cxlab_test name)
   cxlab_executable(${name} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
   target_link_libraries(${name} PRIVATE test_main)
   target_compile_options(${name} PRIVATE -O0)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it collects its garbage at 128 MB by default, again and again
+    target_compile_options(${name} PRIVATE "SHELL:--param ggc-min-heapsize=500000")
+  endif()
   cxlab_compile_together(${name} ${arg_ALONE})
   cxlab_precompiled(precompiled_for_tests ${name} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
   add_test(NAME ${name} COMMAND ${name})

@@ -20,7 +20,7 @@ endfunction()
 
 # Files that include headers, compiled without making code. Beside the installed headers they may include Eigen's, which
 # find_package(cxlab) finds; a header of another Debian package is an error. In a whole build one file includes all of them;
-# installed_headers_alone, and the long test of its name, compiles each header by itself, which takes sixty times as long.
+# installed_headers_alone, and the long test of its name, compiles each header by itself, which takes minutes.
 function(cxlab_check_installed_headers)
   set(check "${PROJECT_BINARY_DIR}/installed/check")
   get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)

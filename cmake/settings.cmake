@@ -17,11 +17,6 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2")
 set(CMAKE_C_FLAGS_DEBUG "-Og -g")
 set(CMAKE_CXX_FLAGS_DEBUG "-Og -g")
 
-# GCC collects its garbage at 128 MB by default, again and again for our files and their precompiled headers.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:SHELL:--param ggc-min-heapsize=1000000>")
-endif()
-
 # The same sums on every machine: no fused multiply-add that the source does not name.
 add_compile_options(-ffp-contract=off)
 

@@ -31,8 +31,9 @@ def dev_on_a_bare_machine(*arguments):
         return dev(*arguments, root=root, PATH=str(programs), CXLAB_DOWNLOADS=str(root / "downloads"))
 
 
-def dev_with_a_compiler(build, *arguments):
-    """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code."""
+def dev_with_a_compiler(build, *arguments, free=0, **environment):
+    """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code.
+    There ctest prints where tests write, and a file system has that many GB free."""
     text, code = build
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
@@ -43,17 +44,28 @@ def dev_with_a_compiler(build, *arguments):
         (root / "text").write_text(text)
         programs = root / "bin"
         programs.mkdir()
-        for name, script in {"cmake": f"cat {root}/text; exit {code}", "rustc": "exit 0", "cargo": "echo cargo 1.90.0",
+        for name, script in {"cmake": f"cat {root}/text; exit {code}", "ctest": 'test -d "$TMPDIR" && echo "$TMPDIR"',
+                             "df": f"echo Avail; echo {free}", "rustc": "exit 0", "cargo": "echo cargo 1.90.0",
                              "dpkg-query": 'for p in "$@"; do echo "installed $p"; done'}.items():
             (programs / name).write_text(f"#!{shutil.which('bash')}\n{script}\n")
             (programs / name).chmod(0o755)
         program = root / "build/release/cxlab"
         program.write_text(f"#!{shutil.which('bash')}\necho played \"$@\"\n")
         program.chmod(0o755)
-        return dev(*arguments, root=root, PATH=f"{programs}:{os.environ['PATH']}")
+        return dev(*arguments, root=root, PATH=f"{programs}:{os.environ['PATH']}", **environment)
 
 
 class Dev(unittest.TestCase):
+    def test_tests_write_to_memory_if_there_is_room(self):
+        def written_to(free, own=""):
+            return dev_with_a_compiler(("", 0), "test", free=free, TMPDIR=own).stdout.strip()
+        self.assertEqual(written_to(3), "")
+        self.assertEqual(written_to(4, "/"), "/")
+        if os.access("/dev/shm", os.W_OK):
+            used = written_to(4)
+            self.assertRegex(used, "^/dev/shm/cxlab-test-")
+            self.assertFalse(os.path.exists(used), "it is left behind")
+
     def test_build_that_works_is_silent(self):
         done = dev_with_a_compiler(("[1/2] Building a.o\n[2/2] Linking cxlab\n", 0), "cxlab", "list")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "played list\n", ""))
