@@ -42,12 +42,12 @@ def started(start):
 class Guide(Pages, folder="how-to", by="readers_ray_cluster"):
     @classmethod
     def setUpClass(cls):
-        os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+        changed = mock.patch.dict(os.environ, {"RAY_USAGE_STATS_ENABLED": "0", "PATH": f"{pathlib.Path(CXLAB).parent}:{os.environ['PATH']}"})  # also of the workers
+        changed.start()
+        cls.addClassCleanup(changed.stop)
         cluster = started(lambda: Cluster(initialize_head=True, head_node_args={"num_cpus": 2, "include_dashboard": False, "object_store_memory": 100_000_000}))
         cls.addClassCleanup(cluster.shutdown)
-        address = mock.patch.dict(os.environ, {"RAY_ADDRESS": cluster.address})
-        address.start()
-        cls.addClassCleanup(address.stop)
+        os.environ["RAY_ADDRESS"] = cluster.address
 
 
 class OnRay(Lab):
