@@ -917,6 +917,40 @@ TEST_F(OutsideLeague, AnInstructionThatNoMachineTakesEndsAfterTenSeconds) {
   EXPECT_EQ(down->code, 209) << "a machine that was down has done nothing";
 }
 
+TEST_F(OutsideLeague, ThatAPieceIsDescribedAnewIsSaidOnceAndDoneAtOnce) {
+  story_.run_for(0.1);
+  story_.say(box_, "MachineInfo", "team_color: CYAN machines { name: 'C-SS' state: 'IDLE' }");
+  story_.run_for(0.1);
+  const auto goal = story_.send_goal("/outside/factory/instruct_machine", kInstruct,
+                                     "{machine: C-SS, operation: CHANGE_INFO, shelf: 2, slot: 3, description: red}");
+  story_.run_for(0.1);
+  EXPECT_EQ(goal->status, bus::GoalStatus::kSucceeded);
+  EXPECT_EQ(goal->code, 0);
+  story_.run_for(5);
+  EXPECT_THAT(box_.times("PrepareMachine"), SizeIs(1));
+  EXPECT_THAT(box_.last_text("PrepareMachine"), HasSubstr("wp_description: \"red\""));
+}
+
+TEST_F(OutsideLeague, AnInstructionTellsWhenItWasSentWhichARepetitionDoesNotChange) {
+  const auto sent_at = [&] {
+    const std::string text = box_.last_text("PrepareMachine");
+    const std::size_t at = text.find("sent_at: ");
+    EXPECT_NE(at, std::string::npos) << text;
+    return at == std::string::npos ? 0 : std::stoll(text.substr(at + 9));
+  };
+  story_.run_for(0.5);
+  machine_is("IDLE");
+  (void)instruct();
+  story_.run_for(0.1);
+  const long long first = sent_at();
+  story_.run_for(5);
+  EXPECT_EQ(sent_at(), first);
+  story_.run_for(15);
+  (void)instruct();
+  story_.run_for(0.1);
+  EXPECT_NEAR(static_cast<double>(sent_at() - first), 20, 1);
+}
+
 TEST_F(OutsideLeague, ATaskIsSaidEachSecondUntilItsAnswer) {
   story_.run_for(0.5);
   const auto goal = drive("{target: C_Z52}");
