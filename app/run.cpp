@@ -69,7 +69,7 @@ int run(RunOptions options) {
     std::fputs(played.result.score_board.c_str(), stdout);
     const std::size_t warnings = played.result.all_warnings().size();
     if (warnings > 0 || !played.result.rule_errors.empty())
-      std::printf("%zu warnings, %zu errors of rules\n", warnings, played.result.rule_errors.size());
+      std::printf("warnings: %zu, errors of rules: %zu\n", warnings, played.result.rule_errors.size());
   }
   if (!options.quiet && played.result.status == RunStatus::kCompleted && until > duration &&
       to_seconds(played.result.sim_time) >= duration)

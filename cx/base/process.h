@@ -40,7 +40,7 @@ class Process {
   /// Runs a program. kResource if it cannot be run.
   static Expected<Process> start(const ProcessOptions& options);
   /// Runs `work` in a copy of this process, which must have one thread only. `argv` and `environment` have no meaning.
-  /// Of the descriptors of this process the copy has the standard streams and `kept` only: rules that escape in it
+  /// The copy has the standard streams and `kept`, and no other descriptor of this process. So rules that escape in it
   /// reach no other copy.
   static Expected<Process> fork(const ProcessOptions& options, const std::function<int()>& work, int kept = -1);
 
