@@ -62,8 +62,9 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   const std::string sorted = with_sorted_words(word);
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
-    const std::size_t distance =
-        std::min(edit_distance(word, candidate), 1 + edit_distance(sorted, with_sorted_words(candidate)));
+    std::size_t distance = edit_distance(word, candidate);
+    if (const std::string in_order = with_sorted_words(candidate); sorted != word || in_order != candidate)
+      distance = std::min(distance, 1 + edit_distance(sorted, in_order));
     const std::size_t longer = std::max(word.size(), candidate.size());
     if (distance >= longer || (distance > 1 && 2 * distance >= longer)) continue;  // too little in common
     const bool as_near = distance == best_distance && !best.empty();

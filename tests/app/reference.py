@@ -82,7 +82,7 @@ class Doc(unittest.TestCase):
 
     def test_scripts_that_pages_run_are_executable(self):
         pages = [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", SOURCE / "benchmarks/README.md", *(SOURCE / "docs").rglob("*.md")]
-        scripts = {script for page in pages for script in re.findall(r"(?:^|`)((?:tests|benchmarks)/[\w/]+\.py) ", page.read_text(), re.M)}
+        scripts = {script for page in pages for script in re.findall(r"(?:^|^\$ |`)((?:tests|benchmarks)/[\w/]+\.py) ", page.read_text(), re.M)}
         self.assertGreater(len(scripts), 8)
         self.assertEqual([script for script in sorted(scripts) if not os.access(SOURCE / script, os.X_OK)], [])
 

@@ -388,7 +388,7 @@ class Sweeps(Lab):
 
     def test_four_commands_lead_from_a_suite_to_a_figure(self):
         section = (SOURCE / "docs/reference/sweep-statistics.md").read_text().split("### From a suite to a figure for a paper\n")[1]
-        commands = section.split("```")[1].strip().splitlines()
+        commands = [line.removeprefix("$ ") for line in section.split("```")[1].splitlines() if line.startswith("$ ")]
         self.assertEqual(len(commands), 4)
         self.write("bin/cxlab", f'#!/bin/sh\nexec "{CXLAB}" "$@"\n').chmod(0o755)
         self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..12"'))
