@@ -57,11 +57,14 @@ static bool is_shortened(const std::string& word, const std::string& text) {
   return at == word.size();
 }
 
+constexpr std::size_t kLongestName = 200;  // longer names are nobody's slip, and take long to compare
+
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;
   const std::string sorted = with_sorted_words(word);
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
+    if (std::max(word.size(), candidate.size()) > kLongestName) continue;
     std::size_t distance = edit_distance(word, candidate);
     if (const std::string in_order = with_sorted_words(candidate); sorted != word || in_order != candidate)
       distance = std::min(distance, 1 + edit_distance(sorted, in_order));

@@ -71,6 +71,9 @@ TEST(NearestWord, FindsWordsInAnotherOrder) {
   EXPECT_EQ(nearest_word("begin-order", {"order-late", "order-begin"}), "order-begin");
   EXPECT_EQ(nearest_word("begin_order", {"order-begin"}), "order-begin");
   EXPECT_EQ(nearest_word("state-of-machine-lost", {"lost-machine-of-state"}), "lost-machine-of-state");
+  const std::string longest(200, 'x');
+  EXPECT_EQ(nearest_word(longest, {longest.substr(1)}), longest.substr(1));
+  EXPECT_EQ(nearest_word(longest + "x", {longest}), "") << "too long to compare";
   EXPECT_EQ(nearest_word("begin-odrer", {"order-late", "order-begin"}), "order-begin") << "and a slip";
   EXPECT_EQ(nearest_word("begin-order", {"order-begin", "begin-orders"}), "begin-orders") << "a letter left out";
   EXPECT_EQ(nearest_word("begin-order", {"order-end"}), "") << "only some of the words";
