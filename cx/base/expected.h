@@ -100,7 +100,8 @@ class [[nodiscard]] Status {
 std::string found_expected(std::string_view found, std::string_view expected);
 /// The same with what was found in quotes: "found 'X', expected Y".
 std::string found_text(std::string_view text, std::string_view expected);
-/// The candidate nearest to `word` by edit distance, or empty if none is near; for "did you mean".
+/// The candidate nearest to `word` by edit distance, also with its words in another order, or empty if none is near;
+/// for "did you mean". Names of more than 200 letters are not compared.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 /// ", did you mean 'X'?" with the nearest candidate, or nothing; for the end of a message.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates,
