@@ -94,7 +94,10 @@ export class Ask {
 
   // --- The server
 
-  /** Where a question is asked: a time, or where the server stands; after it has opened the run again, at the time of that. */
+  /**
+   * Where a question is asked: a time, or where the server stands; after it has opened the run again, at the time of that.
+   * @returns {{t?: number, stood?: number}}
+   */
   when(/** @type {number} */ t) {
     if (this.live) return {};
     return t === this.stood ? { stood: t } : { t };
