@@ -122,10 +122,11 @@ export class Live {
     const t = news.t ?? this.page.clock.end;
     this.show(t);
     const due = performance.now() - (this.filled || 0) > REFILL_MS;
-    if (stopped || this.ended || due) await this.grow(t);
+    if (!this.ended && (stopped || due)) await this.grow(t);
     if (this.ended) {
       this.ask.wentOver();
       await showEnd();
+      this.show(await this.grow(t)); // the last news may be older than the end
       await this.ask.question('where', {});
     }
     if (this.ask.tab === this.log) this.log?.load();
@@ -139,7 +140,10 @@ export class Live {
     if (t > clock.end) span.grow(t);
     if (this.follow.checked && !clock.playing && t >= 0) clock.seek(t);
   }
-  /** What the run has recorded meanwhile. */
+  /**
+   * What the run has recorded meanwhile.
+   * @returns {Promise<number>} up to when
+   */
   async grow(/** @type {number} */ t) {
     this.filled = performance.now();
     const { page } = this, { scene } = page;
@@ -150,5 +154,6 @@ export class Live {
     page.fill(run, true);
     if (!had && page.field) await page.field.toggle(true);
     if (this.follow.checked && !page.clock.playing) page.clock.seek(t);
+    return run.end;
   }
 }
