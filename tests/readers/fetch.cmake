@@ -66,6 +66,9 @@ endfunction()
 # Makes the virtual environment <folder>/<name> with the packages that `list` pins.
 function(fetch_python_packages name list size)
   find_program(PYTHON3 python3 REQUIRED)
+  # The one behind an active environment, which could be the one that is made.
+  execute_process(COMMAND "${PYTHON3}" -c "import os, sys; print(os.path.realpath(sys._base_executable))"
+                  OUTPUT_VARIABLE PYTHON3 OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   file(SHA256 "${CMAKE_CURRENT_LIST_DIR}/${list}" requirements)
   execute_process(COMMAND "${PYTHON3}" --version OUTPUT_VARIABLE version OUTPUT_STRIP_TRAILING_WHITESPACE)
   set(stamp "${PYTHON3} ${version} ${requirements}")
