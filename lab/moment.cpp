@@ -91,8 +91,8 @@ Status Moment::play(SimTime end) {
 SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
 
 std::string no_environment(const std::string& name, const std::vector<std::string>& known) {
-  return "the run has no environment '" + name + "'" + did_you_mean(name, known) + "; it has " +
-         some_of(known, known.size());
+  return "the run has no environment '" + name + "'; it has " + some_of(known, known.size()) +
+         did_you_mean(name, known, "; ");
 }
 
 inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines) {

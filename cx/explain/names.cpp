@@ -54,7 +54,7 @@ Status check_value(const std::string& name, const Term& slot, const Value& value
         (value.is(ValueType::kString) && facet.head() == "allowed-strings") ||
         ((value.is(ValueType::kSymbol) || value.is(ValueType::kString)) && facet.head() == "allowed-lexemes");
     if (about_it && std::ranges::count(words, value.print()) == 0)
-      return input_error(found + did_you_mean(value.print(), words) + "; it holds " + some_of(words, 12));
+      return input_error(found + "; it holds " + some_of(words, 12) + did_you_mean(value.print(), words, "; "));
   }
   return {};
 }

@@ -310,8 +310,8 @@ std::optional<Expected<Json>> Debugger::ask(const std::string& name, const Json&
   if (question == questions().end()) {
     std::vector<std::string> names;
     for (const Question& one : questions()) names.emplace_back(one.name);
-    return input_error("there is no question '" + name + "'" + did_you_mean(name, names) + "; it is one of " +
-                       some_of(names, names.size()));
+    return input_error("there is no question '" + name + "'; it is one of " + some_of(names, names.size()) +
+                       did_you_mean(name, names, "; "));
   }
   using Of = Question::Of;
   if (shown_ && question->of != Of::kPlace) return std::nullopt;

@@ -165,13 +165,13 @@ Status check_names(const Requirement& requirement, const std::vector<std::string
   };
   const std::string& of = requirement.strategy;
   if (!of.empty() && std::ranges::find(strategies, of) == strategies.end())
-    return wrong("there is no strategy '" + of + "'" + did_you_mean(of, strategies) + "; there are " +
-                 some_of(strategies, 8));
+    return wrong("there is no strategy '" + of + "'; there are " + some_of(strategies, 8) +
+                 did_you_mean(of, strategies, "; "));
   if (requirement.kind != Requirement::Kind::kNotWorse) return {};
   if (std::ranges::find(names, requirement.than) == names.end())
-    return wrong("there is no strategy and no earlier sweep '" + requirement.than + "'" +
-                 did_you_mean(requirement.than, names) + "; there are " + some_of(names, 8) +
-                 ". A sweep gets a name by 'earlier: {NAME: FOLDER}'");
+    return wrong("there is no strategy and no earlier sweep '" + requirement.than + "'; there are " +
+                 some_of(names, 8) + " (a sweep gets a name by 'earlier: {NAME: FOLDER}')" +
+                 did_you_mean(requirement.than, names, "; "));
   if (requirement.than == of || strategies == std::vector{requirement.than})
     return wrong("no other strategy is compared with '" + requirement.than + "'");
   return {};
@@ -336,8 +336,8 @@ Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, c
   for (const Contestant& contestant : sorted.order)
     if (std::ranges::find(names, contestant.second) == names.end()) names.push_back(contestant.second);
   if (!against.empty() && std::ranges::find(names, against) == names.end())
-    return input_error("there is no strategy '" + against + "'" + did_you_mean(against, names) + "; there are " +
-                       some_of(names, 8));
+    return input_error("there is no strategy '" + against + "'; there are " + some_of(names, 8) +
+                       did_you_mean(against, names, "; "));
   for (const Contestant& contestant : sorted.order) {
     const auto& [scenario, strategy] = contestant;
     const std::string first = against.empty() ? sorted.strategies_in(scenario).front() : against;

@@ -96,8 +96,8 @@ class RecordedRun {
     if (run_->finished && !stream.empty() && !run_->stream_hashes.contains(stream)) {
       std::vector<std::string> known;
       for (const auto& [name, hash] : run_->stream_hashes) known.push_back(name);
-      raise(input_error("the run has no stream '" + stream + "'" + did_you_mean(stream, known) + "; it has " +
-                        some_of(known, 10)));
+      raise(input_error("the run has no stream '" + stream + "'; it has " + some_of(known, 10) +
+                        did_you_mean(stream, known, "; ")));
     }
     const lab::Stretch stretch = stretch_of(start, end);
     filter.from = stretch.from;

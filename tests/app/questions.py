@@ -200,7 +200,7 @@ class Questions(Lab):
                                 (["facts", run, "(job"], "error:"),
                                 (["firings", run, "bigin"], "there is no rule 'bigin', did you mean 'begin'"),
                                 (["why", run, "bigin"], "there is neither a rule nor a template 'bigin', did you mean 'begin'"),
-                                (["agenda", run, "--env", "mian"], "has no environment 'mian', did you mean 'main'?; it has main"),
+                                (["agenda", run, "--env", "mian"], "has no environment 'mian'; it has main; did you mean 'main'?"),
                                 (["facts", self.folder / "nowhere"], "there is no folder of a run")):
             self.assertIn(said, self.cxlab(*arguments, expect=3).stderr)
         for arguments, said in ((["facts", run, "--at", 7], "--at: the run ends at 6 s"),
@@ -239,7 +239,7 @@ class LinesOfAProgram(Lab):
         said = self.lines(self.agent(), "no JSON", "", '{"ask": "facst"}', {"ask": "why", "what": "begn"}, {"ask": "envs", "t": 7},
                           {"ask": "agenda", "env": "mian"}, {"ask": "envs"})
         self.assertEqual([one.get("status") for one in said], [400, 400, 400, 400, 400, 400, None])
-        for one, part in zip(said, ("expected", "expected", "there is no question 'facst'", "begn", "ends at 6 s", "did you mean 'main'?; it has main"), strict=False):
+        for one, part in zip(said, ("expected", "expected", "there is no question 'facst'", "begn", "ends at 6 s", "it has main; did you mean 'main'?"), strict=False):
             self.assertIn(part, one["error"])
         self.assertEqual(said[-1]["answer"]["environments"][0]["environment"], "main")
 

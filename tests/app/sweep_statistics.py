@@ -194,7 +194,7 @@ class SweepStatistics(Lab):
                 ("short.csv:2: found 2 fields, expected 9", 3, "bench", "show", "short.csv"),
                 ("nothing.csv: found no row", 3, "bench", "show", "nothing.csv"),
                 ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
-                ("no row has a metric 'point', did you mean 'points'?; there are points, late_s", 3, "bench", "show", "s", "--metric", "point"),
+                ("no row has a metric 'point'; there are points, late_s; did you mean 'points'?", 3, "bench", "show", "s", "--metric", "point"),
                 ("there is no strategy 'c'", 3, "bench", "show", "s", "--against", "c"),
                 ("expected --table with one of: scores, differences, profile, overview, shares", 2, "bench", "show", "s", "--format", "csv"),
                 ("expected one of", 2, "bench", "show", "s", "--format", "html"),

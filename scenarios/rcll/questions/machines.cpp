@@ -128,8 +128,8 @@ Expected<WorldAnswer> answer_machines(const AskedRun& run) {
   if (!run.about.empty() && !story->machine(run.about)) {
     std::vector<std::string> known;
     for (const MachineStory& machine : story->machines) known.push_back(machine.name);
-    return usage_error("there is no machine '" + std::string(run.about) + "' of a team that plays" +
-                       did_you_mean(std::string(run.about), known) + "; there are " + some_of(known, known.size()));
+    return usage_error("there is no machine '" + std::string(run.about) + "' of a team that plays; there are " +
+                       some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
   }
   Table table{"machines", "", {{"machine", "machine"}}, {}};
   for (const auto& [state, title] : kShares) {

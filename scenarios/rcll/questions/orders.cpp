@@ -283,8 +283,8 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
     std::vector<std::string> known;
     for (const Order& order : story->orders()) known.push_back(std::to_string(order.id));
     if (std::ranges::find(known, run.about) == known.end())
-      return usage_error("there is no order '" + std::string(run.about) + "' in this game" +
-                         did_you_mean(std::string(run.about), known) + "; it has " + some_of(known, known.size()));
+      return usage_error("there is no order '" + std::string(run.about) + "' in this game; it has " +
+                         some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
   }
   const bool two_teams = story->teams.size() > 1;
   Table orders{"orders",

@@ -96,8 +96,8 @@ Expected<WorldAnswer> answer_pieces(const AskedRun& run) {
     for (const PieceStory& piece : story->pieces) known.push_back(std::to_string(piece.number));
     if (std::ranges::find(known, run.about) == known.end())
       return usage_error("there is no workpiece '" + std::string(run.about) + "' up to that time" +
-                         did_you_mean(std::string(run.about), known) +
-                         (known.empty() ? "" : "; they are numbered from " + known.front() + " to " + known.back()));
+                         (known.empty() ? "" : "; they are numbered from " + known.front() + " to " + known.back()) +
+                         did_you_mean(std::string(run.about), known, "; "));
   }
   const std::vector<OrderWork> works = work_for_orders(*story);
   Table pieces{"pieces",

@@ -46,8 +46,8 @@ Expected<WorldAnswer> answer_waits(const AskedRun& run) {
   if (!run.about.empty() && !story->robot(run.about)) {
     std::vector<std::string> known;
     for (const RobotStory& robot : story->robots) known.push_back(robot.name);
-    return usage_error("there is no robot '" + std::string(run.about) + "' in this game" +
-                       did_you_mean(std::string(run.about), known) + "; it has " + some_of(known, known.size()));
+    return usage_error("there is no robot '" + std::string(run.about) + "' in this game; it has " +
+                       some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
   }
   Table waits{"waits",
               "",

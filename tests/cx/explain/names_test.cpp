@@ -79,7 +79,7 @@ TEST(Names, ValueThatNoFactCanHaveIsAgainstItsTypeItsAllowedValuesOrItsQuotes) {
   EXPECT_THAT(found("(order (id three))"),
               HasSubstr("slot 'id' of template 'order' cannot be three; its type is INTEGER"));
   EXPECT_THAT(found("(order (state OPENED))"),
-              HasSubstr("cannot be OPENED, did you mean 'OPEN'?; it holds OPEN, DONE"));
+              HasSubstr("cannot be OPENED; it holds OPEN, DONE; did you mean 'OPEN'?"));
   EXPECT_THAT(found("(order (state \"OPEN\"))"), HasSubstr("its type is SYMBOL"));
   EXPECT_THAT(found("(order (both b))"), HasSubstr("it holds a"));
   EXPECT_THAT(found("(order (part x))"), HasSubstr("write \"x\""));
