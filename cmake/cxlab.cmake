@@ -3,7 +3,7 @@
 #   cxlab_library(<target> FOLDER <folder>... [SOURCES a.cpp...] [ALONE a.cpp...] [DEPS targets...] [PRIVATE_DEPS targets...]
 #                 [COLD])
 #   cxlab_executable(<target> SOURCES a.cpp... [DEPS targets...])
-#   cxlab_test(<name> SOURCES a.cpp... [ALONE a.cpp...] [DEPS targets...] [LONG])
+#   cxlab_test(<name> [IN <program>] SOURCES a.cpp... [ALONE a.cpp...] [DEPS targets...] [LONG])
 #
 # FOLDER is counted from the root of the project. Its headers (not those of folders below it) are included as "<folder>/name.h".
 # Only targets that have this one in their DEPS, directly or through the DEPS of another, can include them: the root itself is on
@@ -61,7 +61,7 @@ endfunction()
 function(cxlab_compile_together target)
   if(CXLAB_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
-    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     # A class of a source file is then a class of an included file, which may not have members of anonymous types. A local
     # name may also appear in another file.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow -Wshadow=local)
@@ -146,22 +146,54 @@ function(cxlab_core_test name target)
   endif()
 endfunction()
 
-# One GoogleTest program, one entry of ctest, label short or long, with the headers of tests/support. It finds data
-# under $CXLAB_SOURCE_DIR, by default the sources that it was made from.
+# One entry of ctest, label short or long: the tests in these sources, with the headers of tests/support. The target <name> makes its
+# program, build/<preset>/tests/<program>. Tests IN one program are compiled together, so that the templates of GoogleTest, JSON and the
+# standard library are made once for all of them. They find data under $CXLAB_SOURCE_DIR, by default the sources that they were made
+# from. <name>_command is set to what runs the test.
 function(cxlab_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;ALONE;DEPS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "IN" "SOURCES;ALONE;DEPS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_SOURCES)
     message(FATAL_ERROR "cxlab_test(${name}): needs SOURCES; not understood: ${arg_UNPARSED_ARGUMENTS}")
   endif()
-  cxlab_executable(${name} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
-  target_link_libraries(${name} PRIVATE test_main)
-  target_compile_options(${name} PRIVATE -O0)
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it collects its garbage at 128 MB by default, again and again
-    target_compile_options(${name} PRIVATE "SHELL:--param ggc-min-heapsize=500000")
+  foreach(list IN ITEMS arg_SOURCES arg_ALONE)
+    list(TRANSFORM ${list} PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/" REGEX "^[^/$]")
+  endforeach()
+  set(program ${name})
+  if(arg_IN)
+    set(program ${arg_IN})
+    add_custom_target(${name})
+    add_dependencies(${name} ${program})
   endif()
-  cxlab_compile_together(${name} ${arg_ALONE})
-  cxlab_precompiled(precompiled_for_tests ${name} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
-  add_test(NAME ${name} COMMAND ${name})
+  if(TARGET ${program})
+    _cxlab_note_dependencies(${program} ${arg_DEPS})
+    target_sources(${program} PRIVATE ${arg_SOURCES} ${arg_ALONE})
+    target_link_libraries(${program} PRIVATE ${arg_DEPS})
+  else()
+    cxlab_executable(${program} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
+    set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+    target_link_libraries(${program} PRIVATE test_main)
+    target_compile_options(${program} PRIVATE -O0)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it collects its garbage at 128 MB by default, again and again
+      target_compile_options(${program} PRIVATE "SHELL:--param ggc-min-heapsize=500000")
+    endif()
+    cxlab_compile_together(${program})
+    cxlab_precompiled(precompiled_for_tests ${program} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
+  endif()
+  if(arg_ALONE)
+    set_source_files_properties(${arg_ALONE} TARGET_DIRECTORY ${program} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+  set(command ${program})
+  if(arg_IN)
+    list(TRANSFORM arg_SOURCES REPLACE "^${CMAKE_SOURCE_DIR}/" "")
+    list(TRANSFORM arg_ALONE REPLACE "^${CMAKE_SOURCE_DIR}/" "")
+    list(JOIN arg_SOURCES "," files)
+    foreach(file IN LISTS arg_ALONE)
+      string(APPEND files ",${file}")
+    endforeach()
+    list(APPEND command --files=${files})
+  endif()
+  set(${name}_command ${command} PARENT_SCOPE)
+  add_test(NAME ${name} COMMAND ${command})
   set(label short)
   set(timeout 120)
   if(CXLAB_SANITIZE)  # several times slower
@@ -173,5 +205,5 @@ function(cxlab_test name)
   endif()
   set_tests_properties(${name} PROPERTIES
     LABELS ${label} TIMEOUT ${timeout} ENVIRONMENT "CXLAB_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
-  cxlab_core_test(${name} ${name})
+  cxlab_core_test(${name} ${program})
 endfunction()

@@ -6,7 +6,7 @@
 
 #include "tests/support/busy_floor.h"
 
-namespace cxlab::sim {
+namespace cxlab::sim::fleet_physics_test {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
@@ -146,4 +146,4 @@ TEST(FleetInPhysics, TheSameSeedGivesTheSameRecordsAndTheSamePhysics) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::fleet_physics_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/busy_floor.h"
 
-namespace cxlab::sim {
+namespace cxlab::sim::fleet_timed_test {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
@@ -180,4 +180,4 @@ TEST(TimedSkillsConfig, WrongNumbersAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::fleet_timed_test

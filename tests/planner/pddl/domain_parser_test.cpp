@@ -3,7 +3,7 @@
 
 #include "planner/pddl/parser.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::domain_parser_test {
 namespace {
 
 Domain parsed(const std::string& sections) {
@@ -296,4 +296,4 @@ TEST(DomainParser, DerivedPredicatesAreStratified) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::domain_parser_test

@@ -4,7 +4,7 @@
 
 #include "planner/pddl/parser.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::plan_test {
 namespace {
 
 constexpr const char* kDomain =
@@ -173,4 +173,4 @@ TEST_F(PlanFormat, ErrorsNameLineAndDeclaration) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::plan_test

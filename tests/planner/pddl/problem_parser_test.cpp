@@ -7,7 +7,7 @@
 
 #include "planner/pddl/parser.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::problem_parser_test {
 namespace {
 
 constexpr const char* kDomain =
@@ -193,4 +193,4 @@ TEST(LoadTask, MissingFileIsAnError) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::problem_parser_test

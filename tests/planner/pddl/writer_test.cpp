@@ -3,7 +3,7 @@
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::writer_test {
 namespace {
 
 constexpr const char* kDomain = R"((define (domain d) (:requirements :typing :adl)
@@ -55,4 +55,4 @@ TEST(Writer, NumbersAndTimesAreShortAndExact) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::writer_test

@@ -5,7 +5,7 @@
 
 #include "answers.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::clock_test {
 namespace {
 
 TEST(Clock, ADurationIsChosenSoThatTheGoalIsMetExactly) {
@@ -129,4 +129,4 @@ TEST(Clock, SameBudgetSamePlan) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::clock_test

@@ -6,7 +6,7 @@
 
 #include "answers.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::exact_test {
 namespace {
 
 /// The names of the steps; or how it ended.
@@ -215,4 +215,4 @@ TEST(Grounding, AnActionOfTooManyCombinationsEndsWithinTheBudget) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::exact_test

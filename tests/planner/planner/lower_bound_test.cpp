@@ -6,7 +6,7 @@
 #include "planner/pddl/parser.h"
 #include "planner/validator/validator.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::lower_bound_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST(LowerBound, AShortSliceGivesTheCriticalPath) {
   EXPECT_EQ(seconds(bound), 15);
 }
 
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::lower_bound_test

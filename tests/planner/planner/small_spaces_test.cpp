@@ -8,7 +8,7 @@
 #include "answers.h"
 #include "planner/validator/validator.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::small_spaces_test {
 namespace {
 
 struct Row {
@@ -206,4 +206,4 @@ TEST(SmallSpaces, MetricsOfProductsAndRatiosGetAsGoodAsTheyCan) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::small_spaces_test

@@ -7,7 +7,7 @@
 #include "planner/pddl/parser.h"
 #include "tests/planner/random/timed_oracle.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::bounds_test {
 
 namespace {
 
@@ -59,4 +59,4 @@ TEST(BoundsOfRandomProblems, NoPlanOfAShopIsShorter) {
   EXPECT_GT(tally.shorter, 0) << "of " << tally.assumed << " bounds that assume an order";
 }
 
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::bounds_test

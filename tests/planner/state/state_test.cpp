@@ -4,7 +4,7 @@
 
 #include "planner/pddl/parser.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::state_test {
 namespace {
 
 constexpr const char* kDomain = R"((define (domain d) (:types place)
@@ -116,4 +116,4 @@ TEST_F(StateTest, ComparisonForgivesRounding) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::state_test

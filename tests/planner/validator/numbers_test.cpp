@@ -2,7 +2,7 @@
 
 #include "checker.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::numbers_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -270,4 +270,4 @@ TEST(ValidatorTimes, EventsNeedNoDistanceFromEachOther) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::numbers_test

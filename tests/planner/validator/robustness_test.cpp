@@ -2,7 +2,7 @@
 
 #include "checker.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::robustness_test {
 namespace {
 
 const char* kWorld = R"((:predicates (light) (seen))
@@ -50,4 +50,4 @@ TEST(Robustness, IsTheSameEachTime) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::robustness_test

@@ -17,7 +17,7 @@
 #include "tests/planner/random/random_problem.h"
 #include "tests/support/files.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::work_test {
 namespace {
 
 constexpr std::int64_t kBudget = 30'000;
@@ -411,4 +411,4 @@ TEST(PlannersWork, IsThatOfTheList) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::work_test

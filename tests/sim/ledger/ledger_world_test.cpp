@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cxlab::sim {
+namespace cxlab::sim::ledger_world_test {
 namespace {
 
 constexpr StationId kBase{0}, kCap{1}, kRing{2};
@@ -332,4 +332,4 @@ TEST(LedgerWorld, RobotsStandInAHaltAndGoOnAfterIt) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::ledger_world_test

@@ -6,7 +6,7 @@
 #include "test_floor.h"
 #include "test_rig.h"
 
-namespace cxlab::sim {
+namespace cxlab::sim::grasp_test {
 namespace {
 
 constexpr Stack kBase{1, {}, 0};
@@ -154,4 +154,4 @@ INSTANTIATE_TEST_SUITE_P(Step, Grasp, testing::Values(0.005, 0.01),
                          [](const auto& test) { return std::to_string(static_cast<int>(test.param * 1000)) + "ms"; });
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::grasp_test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cxlab::sim {
+namespace cxlab::sim::faulty_skills_test {
 namespace {
 
 constexpr SimTime kTick{500'000'000};
@@ -802,4 +802,4 @@ INSTANTIATE_TEST_SUITE_P(Table, FaultsOfSkills, testing::ValuesIn(cases()),
                          [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::faulty_skills_test

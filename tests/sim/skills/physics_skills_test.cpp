@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cxlab::sim {
+namespace cxlab::sim::physics_skills_test {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
@@ -651,4 +651,4 @@ INSTANTIATE_TEST_SUITE_P(Table, SkillOfBodies, testing::ValuesIn(cases()),
                          [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::physics_skills_test

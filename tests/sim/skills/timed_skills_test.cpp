@@ -14,7 +14,7 @@
 
 #include "sim/ledger/ledger_world.h"
 
-namespace cxlab::sim {
+namespace cxlab::sim::timed_skills_test {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
@@ -434,4 +434,4 @@ TEST(DriveTimes, AreAtLeastTwoFifthsOfWhatIsPlanned) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::timed_skills_test

@@ -13,7 +13,7 @@
 
 #include "cx/base/random.h"
 
-namespace cxlab::sim {
+namespace cxlab::sim::traffic_test {
 namespace {
 
 constexpr SimTime kTick{20'000'000};
@@ -889,4 +889,4 @@ TEST(Traffic, JobsThatAreGivenUpOrReplacedTakeAsLongAsTheyDid) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::traffic_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cxlab::sim {
+namespace cxlab::sim::trajectory_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -79,4 +79,4 @@ TEST(Trajectory, BrakesOnItsWay) {
 }
 
 }  // namespace
-}  // namespace cxlab::sim
+}  // namespace cxlab::sim::trajectory_test
