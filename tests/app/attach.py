@@ -117,6 +117,9 @@ class Attach(Lab):
         self.assertIn("(order (id 2) (state done))", self.attach("facts order"))
         self.assertIn("break point 3: main at 3.200 s", self.attach("continue"))
         self.attach("delete all")
+        self.attach("break fact (order (id 2))", "break 3.5")
+        self.assertIn("main at 3.500 s", self.attach("continue"), "the fact was there already")
+        self.attach("delete all")
         self.assertEqual(self.attach("breaks"), "none\n")
         self.end()
 

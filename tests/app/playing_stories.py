@@ -252,12 +252,14 @@ class FromAMoment(Stories):
     def test_a_story_passes_and_bites(self):
         made = self.cxlab("new", "agent", "mine")
         self.assertEqual(made.returncode, 0, made.stderr)
-        self.write("mine/clips/agent.clp", (self.folder / "mine/clips/agent.clp").read_text() + "(deffacts sign (sign \"Ada's\"))\n")
+        self.write("mine/clips/agent.clp", (self.folder / "mine/clips/agent.clp").read_text() + """(deffacts sign (sign "Ada's") (bow 1) (bow 2))
+(defrule take-a-bow (time ?now&:(> ?now 2)) ?bow <- (bow ?) => (retract ?bow))
+""")
         self.assertEqual(self.cxlab("run", "mine/scenario.yaml", "--out", "run", "--quiet").returncode, 0)
         done = self.cxlab("new", "story", "run", "--at", "1.05", "--for", "2", "--out", "mine/stories/ada.story.yaml")
         self.assertEqual((done.returncode, done.stdout), (0, "mine/stories/ada.story.yaml\n"), done.stderr)
         text = (self.folder / "mine/stories/ada.story.yaml").read_text()
-        for part in ("begins_s: 1\n", "- '(door (state CLOSED))'", "publish: '/bell'", "published: '/door'", "fires: 'open-door'", "'(visitor \"Ada\")'", "'(sign \"Ada''s\")'"):
+        for part in ("begins_s: 1\n", "- '(door (state CLOSED))'", "publish: '/bell'", "published: '/door'", "fires: 'open-door'", "'(visitor \"Ada\")'", "'(sign \"Ada''s\")'", "{fires: 'take-a-bow', count: 2, "):
             self.assertIn(part, text)
         self.assertNotIn("rules and facts only", done.stderr)
         self.assertEqual(self.cxlab("test", "mine/stories/ada.story.yaml").returncode, 0)

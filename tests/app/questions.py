@@ -442,6 +442,7 @@ class TwoRuns(Lab):
             names = json.dumps([first["a"], first["b"]])
             self.assertIn(rule, names)
             self.assertIn(said, names)
+            self.assertNotIn("there is no rule", names)  # a fact is no rule
 
     def test_a_change_that_changes_nothing_is_named_and_no_difference(self):
         a, b = self.agent(), self.agent(AGENT.replace("(lost ?id)", "(gone ?id)"), out="other")

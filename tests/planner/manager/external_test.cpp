@@ -61,6 +61,22 @@ TEST(FindPlanWith, OtherPlannersNeedOnlyATenthOfAMillisecondBetweenSteps) {
   EXPECT_FALSE(found("0.00002"));
 }
 
+TEST(FindPlanWith, APlanOfAnotherPlannerHasTheMakespanAndTheMetricThatTheValidatorFinds) {
+  const Checker world(
+      "(:predicates (lit) (seen)) (:durative-action light :parameters () :duration (= ?duration 4) :condition () "
+      ":effect "
+      "(at end (lit))) (:action see :precondition (lit) :effect (seen))",
+      "(:init) (:goal (seen)) (:metric minimize (* 2 (total-time)))");
+  const auto answer = find_plan_with({"printf '7: (see)\\n2: (light) [4]\\n' > {plan}", false}, world.task(), 10);
+  ASSERT_TRUE(answer) << answer.error().text();
+  ASSERT_TRUE(answer->plan) << answer->reason;
+  EXPECT_NEAR(answer->plan->makespan_s, 7, 1e-9);
+  ASSERT_TRUE(answer->plan->metric);
+  EXPECT_NEAR(*answer->plan->metric, 14, 1e-9);
+  ASSERT_EQ(answer->plan->steps.size(), 2u);
+  EXPECT_EQ(answer->plan->steps[0].start, 2) << "steps are in the order of their beginnings";
+}
+
 TEST(FindPlanWith, EndsProcessesThatThePlannerLeavesRunning) {
   const Checker world("(:predicates (lit))", "(:init) (:goal (lit))");
   const auto is_gone = [](pid_t process) {

@@ -69,6 +69,30 @@ TEST(FindPlan, EndsWhenNoBetterPlanComesForAsLongAsItsPatience) {
   EXPECT_EQ(improve(std::numeric_limits<std::int64_t>::max()).first.units, without.units);
 }
 
+TEST(FindPlan, AListOfWholeActionsIsImprovedByAnActionWhileANumberChanges) {
+  // The search over orders of happenings leaves out problems of so many actions, and what fills the tank cannot be cut.
+  std::string cans = "(:objects", init = "(:init (chance) (idle) (= (level) 0)";
+  for (int i = 0; i < 50; ++i) {
+    const std::string can = " can" + std::to_string(i);
+    cans += can;
+    init += " (there" + can + ") (= (way" + can + ") " + std::to_string(20 + i) + ")";
+  }
+  const Task task = parse(R"((:predicates (full) (chance) (idle) (there ?can)) (:functions (level) (way ?can))
+    (:durative-action carry :parameters (?can) :duration (= ?duration (way ?can)) :condition (and (at start (chance)) (at start (there ?can)))
+     :effect (and (at start (not (chance))) (at end (full))))
+    (:durative-action fill :parameters () :duration (= ?duration 3) :condition (at start (idle))
+     :effect (and (at start (not (idle))) (at end (idle)) (increase (level) (* #t 1)) (at end (assign (level) 0))))
+    (:durative-action close :parameters () :duration (= ?duration 1) :condition (at start (>= (level) 1.5)) :effect (at end (full))))",
+                          cans + ") " + init + ") (:goal (full))");
+  std::vector<double> makespans;
+  PlanOptions options{.budget = 100'000, .anytime = true};
+  options.on_plan = [&](const TimedPlan& plan, std::int64_t) { makespans.push_back(plan.makespan_s); };
+  const PlanAnswer found = answer(task, options);
+  ASSERT_EQ(makespans.size(), 2u);
+  EXPECT_NEAR(makespans.front(), 20, 0.01) << "one can is carried";
+  EXPECT_NEAR(makespans.back(), 3, 0.01) << to_text(found.plan->steps, task.domain, task.problem);
+}
+
 TEST(FindPlan, PlansShiftedWithinThePartialOrderAreValid) {
   const Task task = parse(kJobs, kSixJobs);
   const PlanAnswer found = answer(task, {.budget = 200'000, .anytime = true});

@@ -156,6 +156,25 @@ TEST(ClockSearch, APlanEndsBeforeTheGivenTime) {
         << "the second action is at the separation: " << more;
 }
 
+TEST(Simulator, TheEndNeedsWhatTheBeginningDidOnlyIfASeparationIsBetween) {
+  Expected<Domain> domain = parse_domain(
+      R"((define (domain d) (:requirements :durative-actions :fluents) (:predicates (seen)) (:functions (lamps))
+    (:durative-action look :parameters () :duration (and (>= ?duration 0) (<= ?duration 9)) :condition (at end (>= (lamps) 1))
+     :effect (and (at start (increase (lamps) 1)) (at end (seen))))))",
+      "domain");
+  ASSERT_TRUE(domain) << domain.error().text();
+  Expected<Problem> problem =
+      parse_problem("(define (problem p) (:domain d) (:init (= (lamps) 0)) (:goal (seen)))", "problem", *domain);
+  ASSERT_TRUE(problem) << problem.error().text();
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  const Simulator simulator(*task);
+  for (const Micros more : {-1, 0, 1}) {
+    PackedState state = simulator.initial();
+    EXPECT_EQ(simulator.apply_with(0, state.data(), kSeparation + more), more >= 0) << more;
+  }
+}
+
 TEST(Numbers, ZeroHasOneForm) {
   for (const auto& [kind, by] : {std::pair{NumericEffect::Kind::kScale, -1.0},
                                  {NumericEffect::Kind::kDivide, -1.0},

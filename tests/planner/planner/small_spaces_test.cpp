@@ -49,6 +49,11 @@ constexpr const char* kGear = R"((:predicates (there) (low)) (:functions (speed)
   (:durative-action shift :parameters () :duration (= ?duration 2) :condition (at start (low))
    :effect (and (at start (not (low))) (at end (scale-up (speed) 3))))
   (:durative-action drive :parameters () :duration (= ?duration (/ (way) (speed))) :condition () :effect (at end (there))))";
+constexpr const char* kTuned = R"((:predicates (open) (begun) (done) (shown)) (:functions (pace))
+  (:durative-action work :parameters () :duration (= ?duration (pace)) :condition ()
+   :effect (and (at start (begun)) (at end (done))))
+  (:action tune :parameters () :precondition (begun) :effect (assign (pace) 1))
+  (:action show :parameters () :precondition (and (open) (done)) :effect (shown)))";
 constexpr const char* kOven = R"((:predicates (baked ?b) (open)) (:functions (used))
   (:durative-action bake :parameters (?b) :duration (= ?duration 4) :condition (and (over all (<= (used) 1)) (at end (open)))
    :effect (and (at start (increase (used) 1)) (at end (decrease (used) 1)) (at end (baked ?b)))))";
@@ -74,6 +79,8 @@ const Row kRows[] = {
     {"RelayOfTwoIsTooShort", kCandles, "(:objects x y) (:init (fresh x) (fresh y)) (:goal (read))", {}},
     {"NoMatchLastsLongEnough", kMatch, "(:objects m n f) (:init (unused m) (unused n)) (:goal (mended f))", {}},
     {"OverlappingCopies", kCoins, "(:init (= (coins) 0)) (:goal (bought))", 7.001},
+    {"ASecondCopyIsFasterThanTheOneThatRuns", kTuned,
+     "(:init (open) (= (pace) 20) (at 10 (not (open)))) (:goal (shown))", 20},
     {"AFasterGearFirst", kGear, "(:init (low) (= (speed) 1) (= (way) 12)) (:goal (there))", 6.001},
     {"ANumberOfItsOwn", kTimer, "(:init (idle)) (:goal (and (done) (= (watch) 12)))", 6},
     {"ANumberOfItsOwnThatGrowsTooFar", kTimer, "(:init (idle)) (:goal (and (done) (= (watch) 13)))", {}},

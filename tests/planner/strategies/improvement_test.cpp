@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cx/base/random.h"
+#include "planner/improve/local_search.h"
 #include "planner/strategies/improvement.h"
 #include "planner/strategies/sequence_search.h"
 #include "prepared.h"
@@ -143,6 +144,71 @@ TEST(Improvement, OfPartsStrikesOneMatchForBothFuses) {
   Improvement(*problem).of_parts(*cut.space(), problem->best_parts().list, 0, 500);
   EXPECT_LT(problem->best.plan().makespan_s, 5.01);
   EXPECT_EQ(problem->best_parts().cut, cut.space());
+}
+
+/// Each job is worked on by each machine, in an order of its own.
+struct JobShop {
+  explicit JobShop(std::uint64_t seed) {
+    constexpr int kJobs = 8, kMachines = 4;
+    RandomStream random(seed, "job shop");
+    const auto name = [](const char* what, int i) { return what + std::to_string(i); };
+    std::string jobs, machines, stages, init, goal;
+    int load[kMachines] = {};
+    for (int m = 0; m < kMachines; ++m) {
+      machines += ' ' + name("m", m);
+      init += " (free " + name("m", m) + ")";
+    }
+    for (int s = 0; s <= kMachines; ++s) stages += ' ' + name("s", s);
+    for (int s = 0; s < kMachines; ++s) init += " (next " + name("s", s) + ' ' + name("s", s + 1) + ")";
+    for (int j = 0; j < kJobs; ++j) {
+      jobs += ' ' + name("j", j);
+      init += " (at " + name("j", j) + " s0)";
+      goal += " (at " + name("j", j) + ' ' + name("s", kMachines) + ")";
+      std::vector<int> order{0, 1, 2, 3};
+      for (int s = 0; s < kMachines; ++s) {
+        std::swap(order[static_cast<std::size_t>(s)],
+                  order[static_cast<std::size_t>(random.between(s, kMachines - 1))]);
+        const int m = order[static_cast<std::size_t>(s)], time = static_cast<int>(random.between(1, 20));
+        load[m] += time;
+        init += " (visits " + name("j", j) + ' ' + name("s", s) + ' ' + name("m", m) + ") (= (time " + name("j", j) +
+                ' ' + name("m", m) + ") " + std::to_string(time) + ")";
+        steps.push_back("(work " + name("j", j) + ' ' + name("m", m) + ' ' + name("s", s) + ' ' + name("s", s + 1) +
+                        ")");
+      }
+    }
+    least = *std::ranges::max_element(load);
+    problem = "(:objects" + jobs + " - job" + machines + " - machine" + stages + " - stage) (:init" + init +
+              ") (:goal (and" + goal + "))";
+  }
+
+  static constexpr const char* kDomain = R"((:types job machine stage) (:functions (time ?j - job ?m - machine))
+    (:predicates (free ?m - machine) (at ?j - job ?s - stage) (next ?s ?t - stage) (visits ?j - job ?s - stage ?m - machine))
+    (:durative-action work :parameters (?j - job ?m - machine ?s ?t - stage) :duration (= ?duration (time ?j ?m))
+     :condition (and (at start (at ?j ?s)) (at start (visits ?j ?s ?m)) (at start (next ?s ?t)) (at start (free ?m)))
+     :effect (and (at start (not (free ?m))) (at end (free ?m)) (at start (not (at ?j ?s))) (at end (at ?j ?t)))))";
+  std::string problem;
+  std::vector<std::string> steps;  ///< one job after the other
+  int least = 0;                   ///< s that the busiest machine works
+};
+
+TEST(LocalSearch, TakesJobShopsCloseToTheWorkOfTheirBusiestMachine) {
+  double least = 0, began = 0, best = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const JobShop shop(seed);
+    Prepared problem(JobShop::kDomain, shop.problem);
+    Decoder decoder(problem->whole.split, problem->ground, problem->whole.space.simulator, problem->touches,
+                    problem->objective);
+    LocalSearch search(decoder, problem->whole.space.simulator, seed);
+    ASSERT_TRUE(search.start(problem.list(shop.steps)));
+    least += shop.least;
+    began += in_seconds(search.best().makespan);
+    Budget budget;
+    search.run(budget, 2000, [](const DecodedPlan&) {});
+    EXPECT_GE(in_seconds(search.best().makespan), shop.least) << seed;
+    best += in_seconds(search.best().makespan);
+  }
+  EXPECT_GT(began, 2 * least);
+  EXPECT_LT(best, 1.04 * least);
 }
 
 TEST(BetterMetricSearch, FindsPartsWithABetterMetric) {

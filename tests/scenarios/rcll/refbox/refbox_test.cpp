@@ -595,6 +595,22 @@ TEST(RefboxRobots, CarryOutTasks) {
   EXPECT_THAT(story.warnings(), IsEmpty());
 }
 
+TEST(RefboxRobots, WaitThirtySecondsForAPieceAtABelt) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  const std::string head = "team_color: CYAN robot_id: 1 ", output = "{ waypoint: 'C-BS' machine_point: 'OUTPUT' }";
+  story.say(robot, "AgentTask", head + "task_id: 1 move " + output);
+  story.run_for(60);
+  ASSERT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 1 robot_id: 1 move { waypoint: \"C-BS\" machine_point: "
+                                                      "\"OUTPUT\" } successful: true"));
+  story.say(robot, "AgentTask", head + "task_id: 2 retrieve { machine_id: 'C-BS' machine_point: 'OUTPUT' }");
+  story.run_for(29);
+  EXPECT_THAT(robot.last_text("BeaconSignal"), HasSubstr("task { team_color: CYAN task_id: 2"));
+  story.run_for(16);
+  EXPECT_THAT(robot.last_text("AgentTask"), AllOf(HasSubstr("task_id: 2"), HasSubstr("successful: false")));
+}
+
 TEST(RefboxRobots, OfBothTeamsHaveTheirNumbersAndPorts) {
   WorldConfig config = RefboxStory::game();
   config.team = "BOTH";
@@ -929,6 +945,25 @@ TEST_F(OutsideLeague, ThatAPieceIsDescribedAnewIsSaidOnceAndDoneAtOnce) {
   story_.run_for(5);
   EXPECT_THAT(box_.times("PrepareMachine"), SizeIs(1));
   EXPECT_THAT(box_.last_text("PrepareMachine"), HasSubstr("wp_description: \"red\""));
+}
+
+TEST_F(OutsideLeague, APieceThatIsStoredIsNotWaitedForAtTheOutput) {
+  const auto storage_is = [&](const std::string& state) {
+    story_.say(box_, "MachineInfo", "team_color: CYAN machines { name: 'C-SS' state: '" + state + "' }");
+    story_.run_for(0.1);
+  };
+  story_.run_for(0.1);
+  for (const auto& [operation, ends_at_output] : {std::pair{"STORE", false}, {"RETRIEVE", true}}) {
+    storage_is("IDLE");
+    const auto goal = story_.send_goal("/outside/factory/instruct_machine", kInstruct,
+                                       std::string("{machine: C-SS, operation: ") + operation + ", shelf: 2, slot: 3}");
+    story_.run_for(0.1);
+    storage_is("PROCESSING");
+    storage_is("READY-AT-OUTPUT");
+    EXPECT_EQ(goal->ended, ends_at_output) << operation;
+    storage_is("IDLE");
+    EXPECT_EQ(goal->status, bus::GoalStatus::kSucceeded) << operation;
+  }
 }
 
 TEST_F(OutsideLeague, AnInstructionTellsWhenItWasSentWhichARepetitionDoesNotChange) {
