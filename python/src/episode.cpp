@@ -175,23 +175,19 @@ class PlayedEpisode {
     return names;
   }
 
-  /// (index, template, {slot: value}) of the facts that match.
-  nb::list facts(const std::string& pattern, const std::optional<std::string>& env) {
+  /// [(index, template, {slot: value})] of the facts that match, and the names of the slots of the pattern's template.
+  nb::tuple facts(const std::string& pattern, const std::optional<std::string>& env) {
     const Use use(*this);
     const cx::Environment& environment = environment_of(env);
     std::optional<explain::Pattern> wanted;
     std::string name;
-    if (pattern.starts_with('(')) {
-      auto parsed = explain::Pattern::parse_plain(pattern, "pattern", 0);
+    if (!pattern.empty()) {
+      const bool is_name = !pattern.starts_with('(');
+      auto parsed = explain::Pattern::parse_plain(is_name ? '(' + pattern + ')' : pattern, "pattern", 0);
       if (!parsed) raise(parsed.error());
       check_pattern(*parsed, environment);
       name = parsed->template_name();
-      wanted = *std::move(parsed);
-    } else if (!pattern.empty()) {
-      auto parsed = explain::Pattern::parse_plain('(' + pattern + ')', "pattern", 0);
-      if (!parsed) raise(parsed.error());
-      check_pattern(*parsed, environment);
-      name = parsed->template_name();
+      if (!is_name) wanted = *std::move(parsed);
     }
     nb::list found;
     for (const FactCopy& fact : environment.engine().facts(name)) {
@@ -200,7 +196,10 @@ class PlayedEpisode {
       for (const auto& [slot, value] : fact.slots) slots[text(slot)] = to_python(value);
       found.append(nb::make_tuple(fact.index, text(fact.template_name), slots));
     }
-    return found;
+    nb::list names;
+    if (!name.empty())
+      for (const std::string& slot : environment.engine().slot_names(name)) names.append(text(slot));
+    return nb::make_tuple(found, names);
   }
 
   std::int64_t assert_fact(const std::string& fact, const std::optional<std::string>& env) {
