@@ -38,6 +38,26 @@ class Dispatch(unittest.TestCase):
             check_env(env)
         env.close()
 
+    def test_it_finds_nothing_wrong_with_a_fixed_interval_either(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", interval=1.0, **SHORT).unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        env.close()
+        for make, test in ((RCLLRobotsEnv, api_test), (RCLLRobotsParallelEnv, parallel_api_test)):
+            env = make(interval=1.0, **SHORT)
+            test(env, num_cycles=100)
+            env.close()
+
+    def test_at_a_fixed_interval_the_same_seed_and_actions_are_the_same_run(self):
+        env = RCLLDispatchEnv(interval=1.0, **SHORT)
+        one, two, three = (random_game(env, 5, actions) for actions in (1, 1, 2))
+        env.close()
+        self.assertEqual(one[1]["journal_hash"], two[1]["journal_hash"])
+        self.assertNotEqual(one[1]["journal_hash"], three[1]["journal_hash"])
+        for a, b in zip(one[0], two[0], strict=True):
+            np.testing.assert_array_equal(a, b)
+
     def test_the_same_seed_and_actions_are_the_same_run_and_others_another_one(self):
         env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)
         one, two, three = (random_game(env, 5, actions) for actions in (1, 1, 2))
