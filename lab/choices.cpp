@@ -71,10 +71,9 @@ Expected<std::unique_ptr<ChoiceEpisode>> ChoiceEpisode::load(PlayOptions options
 }
 
 Expected<const Choice*> ChoiceEpisode::next_choice(const std::function<bool()>& pause) {
-  while (!chooser_->first()) {
-    const auto step = session_->step(session_->episode().next_tick());
+  if (!chooser_->first()) {
+    const auto step = session_->step(kNever, [&] { return chooser_->first() || (pause && pause()); });
     if (!step) return step.error();
-    if (step->over || (pause && pause())) break;
   }
   return chooser_->first();
 }

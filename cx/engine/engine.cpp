@@ -6,6 +6,7 @@
 #include <cstring>
 #include <mutex>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "cx/base/remedy.h"
@@ -242,7 +243,9 @@ Expected<Value> RuleEngine::eval(const std::string& expression) {
   {
     HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
     CLIPSValue result;
+    const std::string_view outer = std::exchange(impl_->evaluated_text, expression);
     const EvalError error = Eval(environment_, expression.c_str(), &result);
+    impl_->evaluated_text = outer;
     if (error == EE_NO_ERROR) value = to_value(result);
     syntax = error == EE_PARSING_ERROR;
   }

@@ -219,6 +219,9 @@ class RuleEngine {
   std::vector<FactCopy> facts(std::string_view template_name = {}) const;
   Expected<FactCopy> fact(std::int64_t index) const;
   std::size_t fact_count() const;
+  /// The names of the slots of such facts, also while there is no fact: "implied" of an ordered one. Empty if there is
+  /// no such template.
+  std::vector<std::string> slot_names(const std::string& template_name) const;
 
   // --- Running ---------------------------------------------------------------------------------------------------
 

@@ -37,7 +37,7 @@ struct Message {
   int line = 0;  ///< being parsed when it began
   bool acting = false;
   std::vector<std::string> rules;
-  std::string asserted;  ///< the fact that `assert-string` was reading
+  std::string read;  ///< see MessageStart
   RuleEngine::Impl::CallPlace call;
 };
 
@@ -96,7 +96,7 @@ std::vector<Message> take_messages(RuleEngine::Impl& impl) {
     message.head = head_of(message.text);
     message.line = start.line;
     message.acting = start.acting;
-    message.asserted = start.asserted;
+    message.read = start.read;
     message.rules = start.rules;
     message.call = start.call;
     message.code = code_of(message.head);
@@ -336,7 +336,7 @@ std::string_view to_string(ErrorSide side) {
 
 Error RuleError::error() const {
   std::string what;
-  if (side != ErrorSide::kLoad) {
+  if (side != ErrorSide::kLoad && !(side == ErrorSide::kCallback && rule.empty())) {
     what = (side == ErrorSide::kCallback ? "" : "rule ") + rule + (rule.empty() ? "" : ", ") +
            std::string(to_string(side)) + ": ";
   }
@@ -351,16 +351,19 @@ bool RuleEngine::Impl::is_parsing() const {
          !command_line_data(env)->EvaluatingTopLevelCommand;
 }
 
+std::string RuleEngine::Impl::text_being_read() const {
+  if (!asserted_text.empty()) return "(assert " + std::string(asserted_text) + ')';
+  const bool loads = !contexts.empty() && contexts.back().form != nullptr;
+  return std::string(loads ? std::string_view() : evaluated_text);
+}
+
 void RuleEngine::Impl::capture(const char* text) {
   // CLIPS opens each of its messages with a "[" of its own; what rules print comes in larger pieces.
   if (text[0] == '[' && text[1] == '\0') {
     MessageStart& start = starts.emplace_back();
-    start = {captured.size(),
-             is_parsing() ? static_cast<int>(GetLineCount(env)) : 0,
-             rule_acting,
-             {},
-             std::string(asserted_text),
-             call_at_work()};
+    start = {captured.size(),   is_parsing() ? static_cast<int>(GetLineCount(env)) : 0,
+             rule_acting,       {},
+             text_being_read(), call_at_work()};
     if (const joinNode* join = engine_data(env)->GlobalJoin) add_rules_below(*join, start.rules);
   } else if (starts.empty()) {
     return;
@@ -429,9 +432,9 @@ void RuleEngine::Impl::make_errors() {
       if (context->form != nullptr && message.line >= context->line) error.line = message.line;
       if (error.file.empty()) set_place(error, acting_in(error), message.call);
     }
-    if (!message.asserted.empty()) {
+    if (!message.read.empty()) {
       Form form;
-      form.text = "(assert " + message.asserted + ')';
+      form.text = message.read;
       error.message = with_remedy(env, message.head, tree_of(form));
     } else if (context != nullptr && context->form != nullptr) {
       error.message = with_remedy(env, message.head, tree_of(*context->form));

@@ -122,7 +122,9 @@ Expected<std::int64_t> RuleEngine::Impl::assert_made(Fact* fact) {
 
 Expected<std::int64_t> RuleEngine::assert_string(const std::string& fact) {
   HostCall call(*impl_, {ErrorSide::kCallback, {}, {}, 0, nullptr});
+  impl_->asserted_text = fact;
   Fact* asserted = AssertString(environment_, fact.c_str());
+  impl_->asserted_text = {};
   if (asserted == nullptr) return input_error("not a fact that CLIPS can assert: " + fact);
   return asserted->factIndex;
 }
@@ -234,6 +236,16 @@ std::vector<FactCopy> RuleEngine::facts(std::string_view template_name) const {
     }
   }
   return copies;
+}
+
+std::vector<std::string> RuleEngine::slot_names(const std::string& template_name) const {
+  const Deftemplate* deftemplate = impl_->find_template(template_name);
+  if (deftemplate == nullptr) return {};
+  if (deftemplate->implied) return {"implied"};
+  std::vector<std::string> names;
+  for (const templateSlot* slot = deftemplate->slotList; slot != nullptr; slot = slot->next)
+    names.emplace_back(slot->slotName->contents);
+  return names;
 }
 
 Expected<FactCopy> RuleEngine::fact(std::int64_t index) const {

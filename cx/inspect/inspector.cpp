@@ -138,6 +138,11 @@ Expected<std::vector<FactCopy>> Inspector::present(const std::string& what) cons
   return found;
 }
 
+std::vector<std::string> Inspector::slot_names(const std::string& what) const {
+  const auto wanted = wanted_in(what);
+  return wanted ? engine_->slot_names(wanted->template_name) : std::vector<std::string>();
+}
+
 Expected<std::vector<FactHistory>> Inspector::facts(const std::string& what) const {
   const auto found = present(what);
   if (!found) return found.error();

@@ -119,6 +119,8 @@ class Inspector {
   Expected<std::vector<FactHistory>> facts(const std::string& what) const;
   /// The facts that existed at any time of this stretch.
   Expected<std::vector<FactHistory>> facts(const std::string& what, SimTime from, SimTime to) const;
+  /// The names of the slots of the facts that `what` means, also where there are none.
+  std::vector<std::string> slot_names(const std::string& what) const;
 
   /// The executive takes its time fact back after each run of the rules: asserts what the next run would find, where
   /// one has been there. Before conditions are looked at; facts and agenda are others afterwards. Whether it did so.

@@ -178,12 +178,14 @@ const std::vector<Debugger::Question>& Debugger::questions() {
       {"facts", Of::kFacts,
        [](D& d, const Json& request) {
          return ask_one(d, request, [&](inspect::Inspector& i) -> Expected<Json> {
-           auto found = i.facts(text_field(request, "what"));
+           const std::string what = text_field(request, "what");
+           auto found = i.facts(what);
            if (!found) return found.error();
            const std::size_t total = limit(*found, request, false);
            if (flag_field(request, "brief")) keep_ends(*found);
            Json json = facts_json(*found);
            json["total"] = total;
+           json["slots"] = i.slot_names(what);
            return json;
          });
        }},

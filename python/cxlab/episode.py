@@ -120,7 +120,7 @@ class Episode:
             ticks = 1
         if isinstance(until, str):
             until = seconds_of(until, "until")
-        return Step(*self._core.step(until, ticks))
+        return tuple.__new__(Step, self._core.step(until, ticks))  # a call of Step itself takes ten times as long
 
     def run(self) -> dict[str, Any]:
         """Play to the end, close, and return the result.
@@ -197,7 +197,8 @@ class Episode:
         return self._core.environments
 
     def facts(self, pattern: str | None = None, *, env: str | None = None, frames: Frames = "pandas") -> Any:
-        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact` for one called `fact`).
+        """The facts now, as a table: `fact` (index), `template`, and a column for each slot (`slot_fact` for one called `fact`),
+        also where no fact matches the pattern.
 
         Args:
             pattern: a template ("order") or a pattern: "(order (state OPEN) (id ?))". None: all facts.
@@ -208,19 +209,20 @@ class Episode:
 
         tables.check_frames(frames)
         own = ("fact", "template")
+        column = lambda slot: f"slot_{slot}" if slot in own else slot  # noqa: E731
+        found, slots_of_template = self._core.facts(pattern or "", env)
         rows = [
-            {"fact": index, "template": template}
-            | {f"slot_{name}" if name in own else name: value for name, value in slots.items()}
-            for index, template, slots in self._core.facts(pattern or "", env)
+            {"fact": index, "template": template} | {column(name): value for name, value in slots.items()}
+            for index, template, slots in found
         ]
-        return tables.frame(tables.from_rows(rows, own), frames)
+        return tables.frame(tables.from_rows(rows, (*own, *map(column, slots_of_template))), frames)
 
     def fact_list(self, pattern: str | None = None, *, env: str | None = None) -> list[dict[str, Any]]:
         """The same as a list of dicts of slots, without a table: for programs that look often.
 
         Values are int, float, str (symbols, strings) or lists; an ordered fact has the one slot "implied".
         """
-        return [slots for _, _, slots in self._core.facts(pattern or "", env)]
+        return [slots for _, _, slots in self._core.facts(pattern or "", env)[0]]
 
     def assert_(self, fact: str, *, env: str | None = None) -> int:
         """Assert a fact, "(order (id 3))", and return its index. Rules see it when they run next.

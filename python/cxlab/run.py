@@ -343,8 +343,10 @@ class Run:
         `what` is a template (`order`), a pattern (`(order (state OPEN))`) or a fact (`f-12`): then each slot is a
         column, in which strings have no quotes. Without `what` the column `text` has each fact as rules write it.
         """
-        rows = []
+        rows: list[dict[str, Any]] = []
+        slots: dict[str, Any] = {}
         for name, answer in self._of_each("facts", at, env, what=what, brief=True):
+            slots |= dict.fromkeys(answer["slots"])
             for fact in answer["facts"]:
                 first, last = fact["changes"][0], fact["changes"][-1]
                 changed = last is not first
@@ -359,7 +361,8 @@ class Run:
                 }
                 rows.append({**row, **_slots(fact["slots"], row)} if what else {**row, "text": last["text"]})
         columns = ("env", "fact", "template", "asserted_s", "asserted_by", "changed_s", "changed_by")
-        return self._frame(rows, columns if what else (*columns, "text"))
+        of_facts = _slots(slots, dict.fromkeys(columns)) if what else ("text",)
+        return self._frame(rows, (*columns, *of_facts))
 
     def changes(self, what: str, start: Time | None = None, end: Time | None = None, *, env: str | None = None) -> Any:
         """The changes in a stretch of the facts that match: t_s, env, fact, template, what, by, text."""

@@ -29,8 +29,8 @@ Status Play::keep(nb::python_error& error, const std::string& who) {
   if (raised_) return error_of(who);
   raised_ = share(value);
   who_ = who;
-  status_ =
-      error.matches(PyExc_KeyboardInterrupt) ? Status() : Error(run_error(who + " raised " + what)).with_code("python");
+  status_ = error.matches(PyExc_KeyboardInterrupt) ? Status()
+                                                   : Error(run_error("its program raised " + what)).with_code("python");
   return status_;
 }
 
@@ -137,7 +137,7 @@ class PythonAgent final : public Agent {
     } catch (nb::python_error& error) {
       return play_->keep(error, who_);
     } catch (const nb::cast_error&) {
-      return usage_error(who_ + ": next_due: " + found_expected("no number", "a time, s"));
+      return usage_error("next_due: " + found_expected("no number", "a time, s"));
     }
     return {};
   }
@@ -170,7 +170,7 @@ Seat seat_of_object(const nb::object& object, std::shared_ptr<Play> play) {
               shared->attr("_sit_down")(for_python);
             } catch (nb::python_error& error) {
               const Status kept = play->keep(error, who);
-              return kept ? run_error(who + " was interrupted") : kept.error();
+              return kept ? run_error("its program was interrupted") : kept.error();
             }
             return std::unique_ptr<Agent>(std::move(agent));
           },

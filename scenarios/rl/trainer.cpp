@@ -470,8 +470,7 @@ void Trainer::publish_decision(const std::string& outcome) {
   fill("observation", spaces_.observation(truths_, &unknown));
   if (!decision_.robot.empty()) {
     std::vector<std::uint8_t> mask(spaces_.actions().size());
-    decision_.may_rest = options_.no_op || !at_work_.empty();
-    mask[0] = decision_.may_rest;
+    mask[0] = options_.no_op || !at_work_.empty();
     for (const Action& action : decision_.actions)
       if (const std::size_t place = spaces_.place_of(action.text))
         mask[place] = 1;
@@ -495,7 +494,11 @@ void Trainer::decided(bus::MessageView made) {
   if (decision.robot.empty()) return go_on();
   if (place == kGiveUp) return end_episode("given up");
   const auto& actions = spaces_.actions();
-  if (place == 0 && decision.may_rest) return rest();
+  if (place == 0) {  // also where its mask is 0: a choice that changes nothing
+    ++steps_;
+    ++total_steps_;
+    return rest();
+  }
   for (const Action& action : decision.actions)
     if (place > 0 && place < std::ssize(actions) && actions[static_cast<std::size_t>(place)] == action.text)
       return select(action);

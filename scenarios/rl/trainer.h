@@ -31,7 +31,7 @@ struct TrainerOptions {
   bool training = true;      ///< else EXECUTION
   bool chance_only = false;  ///< actions by chance, nothing is learned
   bool external = false;     ///< somebody else chooses, nothing is learned
-  bool no_op = false;        ///< with `external`: a robot may be left idle, also where no other is at work
+  bool no_op = false;        ///< with `external`: no-op is offered also where no other robot is at work
   int robots = 1;            ///< that may be at work at once
   int max_episodes = 100;
   int max_steps = 1000;  ///< of an episode, which then counts as ended
@@ -82,7 +82,6 @@ class Trainer final : public Server {
     std::string robot;    ///< empty: the episode has ended
     std::vector<Action> actions;
     SimTime asked{};
-    bool may_rest = false;  ///< no-op was offered
   };
 
   void wait_for(std::string name) { wait_ = {std::move(name), bus_.now()}; }

@@ -216,10 +216,12 @@ class Acts(EpisodeTest):
             (lambda e: e.fact_list("(machine (nam 3))"), cxlab.InputError, "did you mean 'name'?"),
             (lambda e: e.fact_list("(machine"), cxlab.InputError, "parenthes"),
             (lambda e: e.assert_("(machine (nam x))"), cxlab.InputError, "nam"),
+            (lambda e: e.assert_("(machin (name x))"), cxlab.InputError, "no deftemplate 'machin', did you mean 'machine'?"),
             (lambda e: e.assert_("(machine"), cxlab.InputError, ""),
             (lambda e: e.assert_(""), cxlab.InputError, ""),
             (lambda e: e.assert_("a\0b"), cxlab.UsageError, "U+0000"),
             (lambda e: e.eval("(nonsense 1)"), cxlab.RunError, "nonsense"),
+            (lambda e: e.eval("(lenght$ 1)"), cxlab.RunError, "did you mean 'length$'?"),
             (lambda e: e.build("(defrule"), cxlab.CxlabError, ""),
             (lambda e: e.retract(999999), cxlab.InputError, "there is no fact f-999999"),
             (lambda e: e.retract(-1), cxlab.InputError, "there is no fact"),
@@ -328,7 +330,7 @@ class Seats(EpisodeTest):
             episode.step(until=10)
         result = episode.close()
         self.assertEqual((result["status"], result["reason"]["code"]), ("failed", "python"))
-        self.assertIn("seat pilot raised LookupError: no way", result["reason"]["message"])
+        self.assertEqual(result["reason"]["message"], "seat pilot: its program raised LookupError: no way")
         self.assertLess(result["sim_time_s"], 1.2)
 
     def test_what_a_seat_raises_may_have_any_text(self):

@@ -16,7 +16,7 @@ import numpy as np
 from cxlab import UsageError, _cxlab
 from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play, play_all, shipped_policy
 from cxlab.learn.features import KINDS, OPTION, SITUATION
-from cxlab.learn.games import OPTIONS, SIZE, Games, mask_of, observation_of, shown_options
+from cxlab.learn.games import OPTIONS, SIZE, Games, at_interval, mask_of, observation_of, shown_options
 from cxlab.learn.policy import preferred, term_values
 
 SHORT = 120.0  # s of a game
@@ -377,6 +377,48 @@ class Trainer(unittest.TestCase):
             arguments.games = 4
             with self.assertRaisesRegex(SystemExit, "--games 3 --checking 2 --seed 1; use those"):
                 self.trainer.Training(arguments)
+
+
+class AtAFixedInterval(unittest.TestCase):
+    """The rules ask for an order each time the interval has passed, also where only none can begin."""
+
+    def asked(self, interval, **more):
+        seen, result = choices(1, set=at_interval(interval, more))
+        return [choice for choice in seen if choice.kind == "begin-order"], result
+
+    def test_each_interval_is_asked_for_once(self):
+        for interval in (1.0, 2.5):
+            orders, _ = self.asked(interval)
+            np.testing.assert_allclose(np.diff([choice.now for choice in orders]), interval, atol=1e-6)
+            self.assertEqual({len(choice.options) > 1 for choice in orders}, {True, False})
+            for choice in orders:
+                self.assertEqual((choice.options[-1], choice.features.shape), ("begin no order", (len(choice.options), len(OPTION["begin-order"]))))
+                self.assertTrue(choice.allowed.all())
+
+    def test_the_game_is_the_one_without_interval_where_only_none_can_begin(self):
+        orders, result = self.asked(1.0)
+        seen, plain = choices(1)
+        real = [(choice.now, choice.options, choice.features.tolist()) for choice in orders if len(choice.options) > 1]
+        self.assertEqual(real, [(choice.now, choice.options, choice.features.tolist()) for choice in seen if choice.kind == "begin-order"])
+        self.assertEqual(result["teams"], plain["teams"])
+
+    def test_an_environment_has_it_as_an_argument_beside_other_settings(self):
+        games = Games("rcll/external", ahead=False, until=SHORT, interval=2.0, set={"world.robots": 2})
+        self.addCleanup(games.close)
+        games.begin(1, None)
+        times = []
+        while games.choice is not None:
+            if games.choice.kind == "begin-order":
+                times.append(games.choice.now)
+            games.answer(-1)
+        np.testing.assert_allclose(np.diff(times), 2.0, atol=1e-6)
+
+    def test_an_interval_is_more_than_nothing(self):
+        for wrong in (0, -1.0, float("nan")):
+            with self.subTest(wrong), self.assertRaisesRegex(UsageError, f"interval: found {wrong}, expected more than 0 s"):
+                Games("rcll/external", interval=wrong)
+        self.assertEqual(at_interval(2, {"a": 1, "agents[0].params": {"x.y": 3}}),
+                         {"a": 1, "agents[0].params": {"clips_manager.choices.interval": 2.0, "x.y": 3}})
 
 
 class Observations(unittest.TestCase):

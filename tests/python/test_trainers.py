@@ -1,5 +1,6 @@
 """A trainer that speaks cx_rl_interfaces, and nothing else, plays games of rcll/rl: the rules serve their choices (cxlab_choices, trainer.clp)."""
 
+import json
 import os
 import random
 import tempfile
@@ -212,6 +213,44 @@ class OverServices(unittest.TestCase):
         self.assertNotEqual(self.play(seed=6, robots=4)[0].taken, runs[0][0].taken)
 
 
+NOTES = "(defrule note (declare (salience 100)) (choice-made (choice ?id) (option ?option)) => (assert (noted ?id ?option)))"
+
+
+def noted(episode, env=None):
+    """The options of all choices that were made so far, in order."""
+    return [option for _, option in sorted(fact["implied"] for fact in episode.fact_list("(noted $?)", env=env))]
+
+
+class WithAModel(unittest.TestCase):
+    """Mode EXECUTION: nobody trains, and the rules ask the node of a model that was trained before."""
+
+    def chosen(self, **server):
+        with game(set={"servers": [{"node": "cx_rl_node", "rl_mode": "EXECUTION", **server}]}) as episode:
+            episode.build(NOTES)
+            while not episode.over:
+                episode.step(until=episode.now + 10)
+            self.assertEqual(episode.eval("?*ANSWERED*"), "TRUE")
+            options = noted(episode)
+            self.assertEqual(len(options), int(episode.eval("?*last-choice*")) - len(episode.fact_list("choice")))
+            return options, episode.close()
+
+    def test_the_model_chooses_by_what_is_observed(self):
+        with game() as episode:
+            trainer = Trainer(episode)
+            trainer.reset()
+            trainer.select(trainer.free_robot().result["robot"], 1.0)
+            _, first, listed = trainer.seen[0]
+        self.assertGreater(len(listed["action_ids"]), 1)
+        alone, _ = self.chosen()
+        self.assertGreater(len(alone), 5)
+        self.assertEqual(set(alone), {1})  # the first action, where a table knows nothing
+        with tempfile.TemporaryDirectory() as folder:
+            model = Path(folder, "model.json")
+            model.write_text(json.dumps({" ".join(sorted(first)): {"choose(2)": 1.0}}))
+            taught, _ = self.chosen(model=str(model))
+        self.assertEqual((taught[0], set(taught[1:])), (2, {1}))
+
+
 # An agent that can restart its world: it opens one of twenty doors, three times.
 DOORS = """(deffacts beginning (training (kinds open-door) (situation 3) (features 1)) (at-a-wall))
 (defrule ask
@@ -248,14 +287,31 @@ DOORS = """(deffacts beginning (training (kinds open-door) (situation 3) (featur
 """
 CONFIG = """/**:
   ros__parameters:
-    environments: [main]
+    environments: [main, model]
     main: {plugins: [executive, ros_msgs, reset, free_robot, selection, files]}
+    model: {plugins: [executive, ros_msgs, model_files]}
     executive: {plugin: "cx::ExecutivePlugin", refresh_rate: 10}
     ros_msgs: {plugin: "cx::RosMsgsPlugin"}
     reset: {plugin: "cx::CXCxRlInterfacesResetEnvPlugin"}
     free_robot: {plugin: "cx::CXCxRlInterfacesGetFreeRobotPlugin"}
     selection: {plugin: "cx::CXCxRlInterfacesActionSelectionPlugin"}
     files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: [doors, cxlab_choices], load: [clips/choices.clp, clips/trainer.clp, doors.clp]}
+    model_files: {plugin: "cx::FileLoadPlugin", pkg_share_dirs: [doors], load: [model.clp]}
+"""
+
+
+# A node with a model: it answers with no-op, with something that is no option, and then with option 5.
+MODEL = """(defglobal ?*asked* = 0)
+(deffunction /cx_rl_node/get_status-service-callback (?service ?request ?response) (ros-msgs-set-field ?response "mode" "EXECUTION"))
+(deffunction /cx_rl_node/exec_action_selection-service-callback (?service ?request ?response)
+  (bind ?*asked* (+ ?*asked* 1))
+  (bind ?ids (ros-msgs-get-field ?request "action_ids"))
+  (ros-msgs-set-field ?response "action_id" (switch ?*asked* (case 1 then "") (case 2 then "2-3") (default (nth$ 4 ?ids)))))
+(defrule serve
+  (wanted)
+  =>
+  (ros-msgs-create-service "/cx_rl_node/get_status" "cx_rl_interfaces/srv/GetStatus")
+  (ros-msgs-create-service "/cx_rl_node/exec_action_selection" "cx_rl_interfaces/srv/ExecActionSelection"))
 """
 
 
@@ -266,33 +322,47 @@ class OfAnotherAgent(unittest.TestCase):
         path = Path(folder.name)
         (path / "doors").mkdir()
         (path / "doors/doors.clp").write_text(DOORS)
+        (path / "doors/model.clp").write_text(MODEL)
         (path / "doors.yaml").write_text(CONFIG)
         (path / "scenario.yaml").write_text("schema: 1\nduration_s: 1000\nagents: [{config: doors.yaml, packages: {doors: doors}}]\n")
         self.episode = cxlab.Episode(path / "scenario.yaml")
         self.addCleanup(self.episode.close)
         self.trainer = Trainer(self.episode)
 
+    def facts(self, pattern):
+        return self.episode.fact_list(pattern, env="main")
+
+    def test_a_node_that_comes_late_with_a_model_is_asked(self):
+        self.episode.build(NOTES, env="main")
+        self.episode.step(until=3)
+        self.assertEqual(noted(self.episode, "main"), [])
+        self.episode.assert_("(wanted)", env="model")
+        self.episode.step(until=8)
+        options = noted(self.episode, "main")
+        self.assertEqual((options[:2], set(options[2:])), ([20, 20], {5}))
+        self.assertGreater(len(options), 5)
+
     def test_its_world_begins_again_for_each_episode(self):
         for number in range(3):
             self.trainer.rewards.clear()
             self.assertEqual(self.trainer.reset(), "Reset completed")
-            self.assertEqual(self.episode.fact_list("opened"), [])
+            self.assertEqual(self.facts("opened"), [])
             self.trainer.play()
-            self.assertEqual(len(self.episode.fact_list("opened")), 3, number)
+            self.assertEqual(len(self.facts("opened")), 3, number)
             self.assertEqual(sum(self.trainer.rewards), 3)
         # In the middle of an episode as well.
         self.trainer.reset()
         self.trainer.select("r1", 0.0)
         self.trainer.reset()
-        self.assertEqual(self.episode.fact_list("training")[0]["points"], 0)
-        self.assertEqual(self.episode.fact_list("at-work"), [])
+        self.assertEqual(self.facts("training")[0]["points"], 0)
+        self.assertEqual(self.facts("at-work"), [])
 
     def test_a_choice_that_is_withdrawn_does_not_end_the_episode(self):
         self.trainer.reset()
         robot = self.trainer.free_robot().result["robot"]
-        self.episode.eval("(do-for-all-facts ((?c choice)) TRUE (retract ?c))")
+        self.episode.eval("(do-for-all-facts ((?c choice)) TRUE (retract ?c))", env="main")
         self.episode.step(until=self.episode.now + 0.2)
-        self.assertEqual(self.episode.fact_list("offered"), [])
+        self.assertEqual(self.facts("offered"), [])
         listed = self.trainer.ask("get_action_list_executable_for_robot", robot=robot)
         self.assertEqual([(action["name"], action["params"]) for action in listed["actions"]], [("choose", ["1"])])
         goal = self.trainer.goal("action_selection", action_id=listed["action_ids"][0])

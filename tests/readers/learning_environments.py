@@ -5,9 +5,10 @@ import sys
 import unittest
 import warnings
 
+import cxlab
 import gymnasium
 import numpy as np
-from cxlab.learn import RCLLDispatchEnv, RCLLRobotsEnv, RCLLRobotsParallelEnv, play
+from cxlab.learn import RCLLDispatchEnv, RCLLDispatchVectorEnv, RCLLRobotsEnv, RCLLRobotsParallelEnv, play
 from cxlab.learn.games import HEAD
 from cxlab.learn.policy import preferred
 from cxlab.learn.registration import register
@@ -30,6 +31,85 @@ def random_game(env, seed, actions):
             return out, info
 
 
+def vector(count, **more):
+    return RCLLDispatchVectorEnv(count, **(SHORT | more))
+
+
+class Vector(unittest.TestCase):
+    """Many games in worker processes are those that single environments play."""
+
+    def test_each_row_is_the_single_environment_with_its_seed_and_actions(self):
+        singles, ends = {}, {}
+        for row in range(3):
+            env = RCLLDispatchEnv(**SHORT)
+            random = np.random.default_rng(row)
+            played = [env.reset(seed=7 + row)]
+            for _ in range(2):  # two games: the second one follows from the seed
+                over = False
+                while not over:
+                    action = random.choice(np.flatnonzero(played[-1][-1]["action_mask"]))
+                    played.append(env.step(action))
+                    over = played[-1][2] or played[-1][3]
+                ends.setdefault(row, []).append(played[-1][-1]["journal_hash"])
+                played.append(env.reset())
+            singles[row] = played
+            env.close()
+        for processes in (1, 2):
+            with self.subTest(processes=processes):
+                env = vector(3, processes=processes)
+                self.addCleanup(env.close)
+                randoms = [np.random.default_rng(row) for row in range(3)]
+                seen, infos = env.reset(seed=7)
+                step, over = 0, np.zeros(3, dtype=bool)
+                while any(step < len(played) for played in singles.values()):
+                    for row, played in singles.items():
+                        if step < len(played):
+                            single, info = played[step][0], played[step][-1]
+                            np.testing.assert_array_equal(seen[row], single)
+                            np.testing.assert_array_equal(infos["action_mask"][row], info["action_mask"])
+                            for name in ("kind", "who", "preferred", "now", "points", "journal_hash", "seed"):
+                                self.assertEqual(name in info, bool(infos.get(f"_{name}", np.zeros(3))[row]), name)
+                                if name in info:
+                                    self.assertEqual(infos[name][row], info[name], name)
+                    np.testing.assert_array_equal(env.action_masks(), infos["action_mask"])
+                    actions = [0 if over[row] else randoms[row].choice(np.flatnonzero(mask)) for row, mask in enumerate(infos["action_mask"])]
+                    seen, rewards, terminated, truncated, infos = env.step(np.array(actions))
+                    over = terminated | truncated
+                    step += 1
+                    for row, played in singles.items():
+                        if step < len(played):
+                            wanted = played[step][1:4] if len(played[step]) == 5 else (0.0, False, False)
+                            self.assertEqual((rewards[row], terminated[row], truncated[row]), wanted)
+
+    def test_gymnasium_makes_it(self):
+        env = gymnasium.make_vec("cxlab/RCLLDispatch-v0", num_envs=2, **SHORT)
+        self.addCleanup(env.close)
+        self.assertIsInstance(env.unwrapped, RCLLDispatchVectorEnv)
+        seen, infos = env.reset(seed=[5, None])
+        self.assertTrue(env.observation_space.contains(seen))
+        self.assertEqual(infos["seed"][0], 5)
+        forbidden = np.flatnonzero(~infos["action_mask"][1])[0]
+        *_, infos = env.step(np.array([infos["preferred"][0], forbidden]))
+        np.testing.assert_array_equal(infos["invalid"], [False, True])
+
+    def test_what_a_worker_raises_is_raised(self):
+        env = vector(2, scenario="rcll/game", processes=1)
+        with self.assertRaisesRegex(cxlab.InputError, "expected rules that ask"):
+            env.reset(seed=1)
+        with self.assertRaisesRegex(cxlab.UsageError, "closed"):
+            env.reset(seed=1)
+        for wrong, says in ((lambda: vector(0), "num_envs: found 0"), (lambda: vector(1, processes=0), "processes: found 0"),
+                            (lambda: vector(1, out="x"), "one game"), (lambda: vector(1, render_mode="rgb_array"), "no picture")):
+            with self.subTest(says), self.assertRaisesRegex(cxlab.UsageError, says):
+                wrong()
+        env = vector(1)
+        self.addCleanup(env.close)
+        with self.assertRaisesRegex(cxlab.UsageError, "call reset"):
+            env.step(np.zeros(1, dtype=np.int64))
+        with self.assertRaisesRegex(cxlab.UsageError, "found 2 seeds"):
+            env.reset(seed=[1, 2])
+
+
 class Dispatch(unittest.TestCase):
     def test_gymnasium_finds_nothing_wrong(self):
         env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT).unwrapped
@@ -37,6 +117,26 @@ class Dispatch(unittest.TestCase):
             warnings.simplefilter("error")
             check_env(env)
         env.close()
+
+    def test_it_finds_nothing_wrong_with_a_fixed_interval_either(self):
+        env = gymnasium.make("cxlab/RCLLDispatch-v0", interval=1.0, **SHORT).unwrapped
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            check_env(env)
+        env.close()
+        for make, test in ((RCLLRobotsEnv, api_test), (RCLLRobotsParallelEnv, parallel_api_test)):
+            env = make(interval=1.0, **SHORT)
+            test(env, num_cycles=100)
+            env.close()
+
+    def test_at_a_fixed_interval_the_same_seed_and_actions_are_the_same_run(self):
+        env = RCLLDispatchEnv(interval=1.0, **SHORT)
+        one, two, three = (random_game(env, 5, actions) for actions in (1, 1, 2))
+        env.close()
+        self.assertEqual(one[1]["journal_hash"], two[1]["journal_hash"])
+        self.assertNotEqual(one[1]["journal_hash"], three[1]["journal_hash"])
+        for a, b in zip(one[0], two[0], strict=True):
+            np.testing.assert_array_equal(a, b)
 
     def test_the_same_seed_and_actions_are_the_same_run_and_others_another_one(self):
         env = gymnasium.make("cxlab/RCLLDispatch-v0", **SHORT)

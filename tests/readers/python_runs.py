@@ -205,7 +205,8 @@ class Rules(WithGame):
     def test_no_facts_are_a_table_without_rows(self):
         none = self.run_.facts(300, "(order (id 99))")
         self.assertEqual(len(none), 0)
-        self.assertIn("asserted_s", none.columns)
+        self.assertEqual(list(none.columns), list(self.run_.facts(300, "order").columns))
+        self.assertIn("state", none.columns)
 
     def test_changes(self):
         wanted = self.environment("facts", self.folder, "order", "--from", 100, "--to", 300)["facts"]
@@ -260,6 +261,19 @@ class Frames(WithGame):
             number = episode.assert_("(odd (fact 7) (template x) (more 8))")
             row = episode.facts("odd", frames="arrow").to_pylist()
         self.assertEqual(row, [{"fact": number, "template": "odd", "slot_fact": 7, "slot_template": "x", "more": 8}])
+
+    def test_the_table_of_an_episode_has_the_slots_of_its_template_also_without_facts(self):
+        with cxlab.Episode("turtlesim/goal") as episode:
+            episode.build("(deftemplate odd (slot fact) (slot more))")
+            columns = ["fact", "template", "slot_fact", "more"]
+            for pattern in ("odd", "(odd (more 9))"):
+                self.assertEqual(list(episode.facts(pattern).columns), columns)
+            episode.assert_("(odd (fact 7))")
+            self.assertEqual(list(episode.facts("odd").columns), columns)
+            self.assertEqual(list(episode.facts("(odd (more 9))").columns), columns)
+            episode.assert_("(said hello)")
+            self.assertEqual(list(episode.facts("(said goodbye)").columns), ["fact", "template", "implied"])
+            self.assertEqual(list(episode.facts().columns)[:2], ["fact", "template"])
 
     def test_whole_numbers_stay_whole(self):
         orders = self.run_.points

@@ -44,7 +44,6 @@ class Interfaces(Lab):
 
     def test_gymnasium_finds_no_fault(self):
         env = self.env()
-        env.action_space.sample = lambda mask=None, probability=None: any_allowed(env, np.random.default_rng(0))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", message=".*not within the .* spec.*|.*render.*|.*spec is None.*")
@@ -92,13 +91,30 @@ class Interfaces(Lab):
         _, _, terminated, truncated, info = env.step(env.actions.index("move(c#a)"))
         self.assertEqual((terminated, truncated, info["outcome"]), (False, True, "max_steps"))
 
-    def test_what_the_mask_forbids_is_refused(self):
-        env = self.env()
-        env.reset(seed=1)
-        for wrong in (env.actions.index("move(a#b)"), 0, 99, -1):
-            with self.subTest(wrong), self.assertRaisesRegex(UsageError, "cannot be chosen now"):
+    def test_what_the_mask_forbids_changes_nothing(self):
+        env = self.env(max_steps=4)
+        before, info = env.reset(seed=1)
+        for wrong in (env.actions.index("move(a#b)"), 0):
+            with self.subTest(wrong):
+                self.assertFalse(env.action_masks()[wrong])
+                after, reward, terminated, truncated, later = env.step(wrong)
+                self.assertEqual((after.tobytes(), reward, terminated, truncated, later["invalid"]), (before.tobytes(), 0, False, False, True))
+                self.assertGreaterEqual(later["time"], info["time"] + 1)
+                info = later
+        for wrong in (len(env.actions), -1):
+            with self.subTest(wrong), self.assertRaisesRegex(UsageError, f"action: found {wrong}, expected an action from 0 to 12"):
                 env.step(wrong)
-        env.step(env.actions.index("move(c#b)"))  # the episode goes on
+        self.assertNotIn("invalid", env.step(env.actions.index("move(c#b)"))[4])
+        self.assertTrue(env.step(0)[3])  # the fourth step
+
+    def test_a_game_ends_whatever_is_chosen(self):
+        env = self.env(max_steps=30)
+        env.reset(seed=1)
+        chance = np.random.default_rng(1)
+        steps = 1
+        while not any(env.step(int(chance.integers(len(env.actions))))[2:4]):
+            steps += 1
+        self.assertLessEqual(steps, 30)
 
     def test_no_op_leaves_the_robot_idle(self):
         env = self.env(no_op=True)
@@ -180,7 +196,6 @@ class Factory(Lab):
 
     def test_gymnasium_finds_no_fault(self):
         env = self.env()
-        env.action_space.sample = lambda mask=None, probability=None: any_allowed(env, np.random.default_rng(0))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", message=".*not within the .* spec.*|.*render.*|.*spec is None.*")

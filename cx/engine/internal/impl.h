@@ -103,11 +103,14 @@ struct RuleEngine::Impl {
     int line = 0;
     bool acting = false;             ///< said while the actions of a rule ran
     std::vector<std::string> rules;  ///< those behind the join that was evaluated, with their modules
-    std::string asserted;            ///< the fact that `assert-string` was reading
+    std::string read;                ///< `text_being_read()`
     CallPlace call;
   };
   std::vector<MessageStart> starts;
-  std::string_view asserted_text;                  ///< being read by `assert-string`
+  std::string_view asserted_text;   ///< a fact that is being asserted from its text
+  std::string_view evaluated_text;  ///< a form that the host evaluates
+  /// The form of these in which a mistake may stand; empty while a construct of a file is read.
+  std::string text_being_read() const;
   const clips::Expression* carried_out = nullptr;  ///< the outermost running call of a built-in function
   std::set<std::string> known_errors;              ///< keys of engine.errors_
 

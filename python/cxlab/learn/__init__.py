@@ -21,12 +21,14 @@ if TYPE_CHECKING:
     from cxlab.learn.dispatch import RCLLDispatchEnv
     from cxlab.learn.robots import RCLLRobotsEnv, RCLLRobotsParallelEnv
     from cxlab.learn.turtle import TurtlesimEnv
+    from cxlab.learn.vector import RCLLDispatchVectorEnv
 
 __all__ = [
     "Choice",
     "ChoiceGame",
     "LinearPolicy",
     "RCLLDispatchEnv",
+    "RCLLDispatchVectorEnv",
     "RCLLRobotsEnv",
     "RCLLRobotsParallelEnv",
     "TurtlesimEnv",
@@ -37,6 +39,7 @@ __all__ = [
 
 _LAZY = {
     "RCLLDispatchEnv": "dispatch",
+    "RCLLDispatchVectorEnv": "vector",
     "RCLLRobotsEnv": "robots",
     "RCLLRobotsParallelEnv": "robots",
     "TurtlesimEnv": "turtle",

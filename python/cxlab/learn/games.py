@@ -59,6 +59,14 @@ def observation_of(choice: Choice | None) -> NDArray[np.float32]:
     return out
 
 
+def at_interval(seconds: float, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """What to set so that the rule agent asks for an order at a fixed interval, also where none can begin; `given` is set as well."""
+    if not seconds > 0:
+        raise UsageError(f"found {seconds}, expected more than 0 s", "interval")
+    given = dict(given or {})
+    return given | {"agents[0].params": {"clips_manager.choices.interval": float(seconds)} | dict(given.get("agents[0].params", {}))}
+
+
 class Settings(TypedDict, total=False):
     """What each environment of games takes, by keyword.
 
@@ -67,6 +75,7 @@ class Settings(TypedDict, total=False):
         team: whose points count ("CYAN").
         ahead: a thread makes the next game ready while one is played (True).
         until: end of an episode, s; None: the game's.
+        interval: s between two choices of an order, also where none can begin; None: only where one can. Of the rule agent.
         set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
     """
 
@@ -74,6 +83,7 @@ class Settings(TypedDict, total=False):
     team: str
     ahead: bool
     until: float | None
+    interval: float | None
     set: Mapping[str, Any]
     out: str | os.PathLike[str] | None
     journal: str
@@ -84,10 +94,19 @@ class Games:
     known; which game is played never depends on that."""
 
     def __init__(
-        self, scenario: str, *, tier: str = "timed", team: str = "CYAN", ahead: bool = True, **more: Any
+        self,
+        scenario: str,
+        *,
+        tier: str = "timed",
+        team: str = "CYAN",
+        ahead: bool = True,
+        interval: float | None = None,
+        **more: Any,
     ) -> None:
         self.team = team
         more["tier"] = tier
+        if interval is not None:
+            more["set"] = at_interval(interval, more.get("set"))
         if more.get("out") is not None:  # one folder, for one game at a time
             more["force"], ahead = True, False
         self._scenario, self._more = scenario, more

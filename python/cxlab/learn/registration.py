@@ -8,9 +8,9 @@ def register() -> None:
     from gymnasium.envs.registration import register as add
     from gymnasium.envs.registration import registry
 
-    for name, entry in (
-        ("RCLLDispatch-v0", "cxlab.learn.dispatch:RCLLDispatchEnv"),
-        ("Turtlesim-v0", "cxlab.learn.turtle:TurtlesimEnv"),
+    for name, entry, of_many in (
+        ("RCLLDispatch-v0", "cxlab.learn.dispatch:RCLLDispatchEnv", "cxlab.learn.vector:RCLLDispatchVectorEnv"),
+        ("Turtlesim-v0", "cxlab.learn.turtle:TurtlesimEnv", None),
     ):
         if f"cxlab/{name}" not in registry:
-            add(id=f"cxlab/{name}", entry_point=entry)
+            add(id=f"cxlab/{name}", entry_point=entry, vector_entry_point=of_many)

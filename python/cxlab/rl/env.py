@@ -16,6 +16,7 @@ from cxlab._yaml import assignments_of, yaml_text
 from cxlab.errors import CxlabError, InputError, RunError, UsageError
 
 _GIVE_UP = -1
+_NO_OP = 0
 _SEEDS = 2**63
 _EPISODES = 2**31 - 1  # of a training: more than anybody plays
 
@@ -41,7 +42,8 @@ class CXEnv(gymnasium.Env[Bits, Any]):
     One episode of the environment is one episode of the agent: `reset_env` begins it, `get_episode_end` ends it.
 
     Observation: `MultiBinary(n)` (int8), a bit for each name of `observables`: what the agent observes now.
-    Action: `Discrete(m)`, a place of `actions`; 0 is `no-op`. `action_masks()` has those that can be chosen now.
+    Action: `Discrete(m)`, a place of `actions`; 0 is `no-op`. `action_masks()` has those that can be chosen now. An action that
+    the mask forbids leaves the robot idle as `no-op` does, and `info["invalid"]` is True.
     Reward: what the agent gave since the choice before; with several robots, to all of them.
     `info`: `robot` (for which the next action is), `outcome` ("end", "max_steps", "no action", "given up"),
     `action_mask`, `time` (s of simulated time), `decision` (counts).
@@ -54,8 +56,8 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         set: values of the scenario to change, by path.
         seed: of the first episode's chance; `reset(seed=...)` begins anew with another.
         robots: how many may be at work at once. Of a scenario these four are in its file.
-        no_op: whether a robot may be left idle where no other is at work.
-        max_steps: of an episode, which then is truncated.
+        no_op: whether the mask offers `no-op` where no other robot is at work.
+        max_steps: of an episode, which then is truncated; each choice is a step.
         node: name of the trainer's node.
         until: end of the training, s of simulated time; None: no end.
         out: folder of the run; None writes nothing. `reset(seed=...)` begins another: OUT-2, OUT-3 ...
@@ -166,14 +168,14 @@ class CXEnv(gymnasium.Env[Bits, Any]):
         if not self._begun or self._over:
             raise UsageError("found an episode that has ended; call reset() first")
         place = int(action)
-        mask = self.action_masks()
-        if not 0 <= place < len(mask) or not mask[place]:
-            word = self._actions[place] if 0 <= place < len(mask) else "no action of the space"
-            raise UsageError(f"action {place} ({word}) cannot be chosen now; action_masks() has those that can")
-        self._choose(place)
+        if not 0 <= place < len(self._actions):
+            raise UsageError(f"found {place}, expected an action from 0 to {len(self._actions) - 1}", "action")
+        allowed = bool(self.action_masks()[place])
+        self._choose(place if allowed else _NO_OP)
         decision = self._next()
         truncated = decision.outcome == "max_steps"
-        return self._observation(), decision.reward, self._over and not truncated, truncated, self._info()
+        info = self._info() if allowed else self._info() | {"invalid": True}
+        return self._observation(), decision.reward, self._over and not truncated, truncated, info
 
     def close(self) -> None:
         """End the training: files of the run are completed."""

@@ -110,6 +110,13 @@ TEST_F(Engine, EvalAndCallGiveValues) {
   EXPECT_EQ(engine().call("sqrt", word).error().message,
             "sqrt, callback: [ARGACCES2] Function 'sqrt' expected argument #1 to be of type integer or float.");
   EXPECT_FALSE(engine().eval("(+ 1").ok());
+  EXPECT_EQ(engine().eval("(lenght$ 1)").error().text(),
+            "[EXPRNPSR3] Missing function declaration for 'lenght$', did you mean 'length$'?");
+  EXPECT_EQ(engine().eval("(sqrt four)").error().text(),
+            "[ARGACCES2] Function 'sqrt' expected argument #1 to be of type integer or float.");
+  given("(deftemplate order (slot id))");
+  EXPECT_EQ(engine().eval("(assert (ordr (id 1)))").error().text(),
+            "[EXPRNPSR3] Missing function declaration for 'id'. There is no deftemplate 'ordr', did you mean 'order'?");
 }
 
 TEST_F(Engine, FunctionsTakeAndGiveEveryType) {

@@ -1,12 +1,13 @@
-; Serves choices over cx_rl_interfaces, below the name cx_rl_node: a trainer that is made for the CLIPS-Executive makes them. It is loaded after
-; choices.clp. The agent asserts one fact `training` and keeps it up to date. docs/reference/learning.md tells what the trainer sees.
+; Serves choices over cx_rl_interfaces, below the name cx_rl_node: a trainer that is made for the CLIPS-Executive makes them. In mode EXECUTION its
+; node is asked instead, with a model that was trained before. The file is loaded after choices.clp. The agent asserts one fact `training` and keeps
+; it up to date. docs/reference/learning.md tells what the trainer sees.
 
 (defglobal
   ?*LEVELS* = 4               ; a feature of 1.0 is observed as level 4, one of -0.5 as level -2
   ?*SHOWN-OPTIONS* = 16       ; most options of a choice that are offered
   ?*TIME-TO-SELECT* = 1.0     ; s that the trainer has for an offered choice; then it has chosen no-op
   ?*TIME-TO-ASK* = 0.3        ; s that the trainer has to ask for another robot while one is at work
-  ?*TIME-OF-SILENCE* = 5.0    ; s between two lines of feedback
+  ?*TIME-OF-SILENCE* = 5.0    ; s between two lines of feedback, and between two questions for the mode of the node
   ?*episodes* = 0             ; that have begun
   ?*points-told* = 0          ; points of the episode that were given as rewards
   ?*last-reward* = 0.0)       ; when an action ended last
@@ -43,6 +44,16 @@
   (slot goal (type EXTERNAL-ADDRESS))
   (slot state (type SYMBOL) (allowed-values WORLD CHOICE))
   (slot heard (type FLOAT)))
+
+(deftemplate mode-of-node
+  "What the node is for: TRAINING or EXECUTION; UNKNOWN while it has not answered."
+  (slot mode (type SYMBOL))
+  (slot asked (type FLOAT)))
+
+(deftemplate model-asked
+  "The node was asked for this choice."
+  (slot choice (type INTEGER))
+  (slot request (type INTEGER)))
 
 (deffunction is-open (?choice)
   (bind ?id (fact-slot-value ?choice id))
@@ -145,19 +156,14 @@
                                        (subseq$ ?features (+ 1 (* ?width (- ?option 1))) (* ?width ?option))))))
   ?all)
 
-(deffunction cx_rl_node/get_current_observations-service-callback (?service ?request ?response)
-  "The observations of the choice that is offered next; none if no choice is open."
-  (bind ?choice (oldest-open-choice FALSE))
-  (if (not ?choice) then (return))
+(deffunction put-observations (?message ?choice)
   (bind ?all (observations-of ?choice))
-  (ros-msgs-set-field ?response "observations" ?all)
+  (ros-msgs-set-field ?message "observations" ?all)
   (foreach ?one ?all (ros-msgs-destroy-message ?one)))
 
-(deffunction cx_rl_node/get_action_list_executable_for_robot-service-callback (?service ?request ?response)
-  "The allowed options of its choice; the id of an action is that of the choice and the number of the option: 17-3. Trainers end an episode if a
+(deffunction put-actions (?message ?choice)
+  "The allowed options; the id of an action is that of the choice and the number of the option: 17-3. Trainers end an episode if a
    robot has no action: if the choice was withdrawn meanwhile, there is one that changes nothing."
-  (bind ?robot (ros-msgs-get-field ?request "robot"))
-  (bind ?choice (oldest-open-choice (if (eq ?robot "team") then "" else ?robot)))
   (bind ?actions (create$))
   (bind ?ids (create$))
   (bind ?place 0)
@@ -169,9 +175,34 @@
     (if (nth$ ?option (fact-slot-value ?choice allowed))
      then (bind ?actions (create$ ?actions (grounded "cx_rl_interfaces/msg/Action" "choose" (create$ (str-cat ?place)))))
           (bind ?ids (create$ ?ids (str-cat (fact-slot-value ?choice id) "-" ?option)))))
-  (ros-msgs-set-field ?response "actions" ?actions)
-  (ros-msgs-set-field ?response "action_ids" ?ids)
+  (ros-msgs-set-field ?message "actions" ?actions)
+  (ros-msgs-set-field ?message "action_ids" ?ids)
   (foreach ?one ?actions (ros-msgs-destroy-message ?one)))
+
+(deffunction part-of-id (?action-id ?begin ?end)
+  (if (< ?end ?begin) then (return 0))
+  (bind ?number (string-to-field (sub-string ?begin ?end ?action-id)))
+  (if (integerp ?number) then ?number else 0))
+
+(deffunction option-of-id (?action-id)
+  "The choice of an action and its option, from 1, if it can be chosen still; else FALSE."
+  (bind ?dash (str-index "-" ?action-id))
+  (if (not ?dash) then (return FALSE))
+  (bind ?id (part-of-id ?action-id 1 (- ?dash 1)))
+  (bind ?option (part-of-id ?action-id (+ ?dash 1) (str-length ?action-id)))
+  (do-for-fact ((?c choice)) (and (= ?c:id ?id) (is-open ?c) (<= 1 ?option (length$ ?c:allowed)) (nth$ ?option ?c:allowed))
+    (return (create$ ?id ?option)))
+  FALSE)
+
+(deffunction cx_rl_node/get_current_observations-service-callback (?service ?request ?response)
+  "The observations of the choice that is offered next; none if no choice is open."
+  (bind ?choice (oldest-open-choice FALSE))
+  (if (not ?choice) then (return))
+  (put-observations ?response ?choice))
+
+(deffunction cx_rl_node/get_action_list_executable_for_robot-service-callback (?service ?request ?response)
+  (bind ?robot (ros-msgs-get-field ?request "robot"))
+  (put-actions ?response (oldest-open-choice (if (eq ?robot "team") then "" else ?robot))))
 
 ; --- Which robot has a choice
 
@@ -271,12 +302,10 @@
   (retract ?asked)
   (bind ?action-id (cx-rl-interfaces-action-selection-goal-get-field
                      (cx-rl-interfaces-action-selection-server-goal-handle-get-goal ?goal) "action_id"))
-  (bind ?dash (str-index "-" ?action-id))
-  (bind ?id (if ?dash then (string-to-field (sub-string 1 (- ?dash 1) ?action-id)) else 0))
-  (bind ?option (if ?dash then (string-to-field (sub-string (+ ?dash 1) (str-length ?action-id) ?action-id)) else 0))
-  (do-for-fact ((?c choice)) (and (eq ?c:id ?id) (is-open ?c) (integerp ?option) (<= 1 ?option (length$ ?c:allowed)) (nth$ ?option ?c:allowed))
-    (take-answer ?id ?option)
-    (assert (at-work (goal ?goal) (choice ?id) (who ?c:who) (action-id ?action-id) (since ?now)))
+  (bind ?found (option-of-id ?action-id))
+  (do-for-fact ((?c choice)) (and ?found (= ?c:id (nth$ 1 ?found)))
+    (take-answer ?c:id (nth$ 2 ?found))
+    (assert (at-work (goal ?goal) (choice ?c:id) (who ?c:who) (action-id ?action-id) (since ?now)))
     (return))
   (printout warn "the trainer selected " ?action-id ", which cannot be chosen any more" crlf)
   (end-action ?goal ?action-id "Aborted"))
@@ -315,6 +344,80 @@
   (ros-msgs-set-field ?response "episode_end" ?over)
   (ros-msgs-set-field ?response "reward" (if ?over then (reward) else 0)))
 
+; --- A model that was trained: the node is asked (mode EXECUTION)
+
+(defrule node-is-asked-for-its-mode
+  "A choice is open and nobody trains: perhaps the node has a model."
+  (trainer-is-served)
+  (choice (id ?id))
+  (time ?now)
+  (not (mode-of-node))
+  (not (episode-wanted))
+  (test (= ?*episodes* 0))
+  =>
+  (assert (mode-of-node (mode UNKNOWN) (asked ?now)))
+  (if (not (any-factp ((?c ros-msgs-client)) (eq ?c:service "cx_rl_node/get_status")))
+   then (ros-msgs-create-client "cx_rl_node/get_status" "cx_rl_interfaces/srv/GetStatus"))
+  (bind ?request (ros-msgs-create-request "cx_rl_interfaces/srv/GetStatus"))
+  (ros-msgs-async-send-request ?request "cx_rl_node/get_status")
+  (ros-msgs-destroy-message ?request))
+
+(defrule node-is-asked-again
+  ?unknown <- (mode-of-node (mode UNKNOWN) (asked ?asked))
+  (time ?now&:(>= ?now (+ ?asked ?*TIME-OF-SILENCE*)))
+  =>
+  (retract ?unknown))
+
+(defrule node-tells-its-mode
+  ?response <- (ros-msgs-response (service "cx_rl_node/get_status") (msg-ptr ?m))
+  =>
+  (retract ?response)
+  (do-for-all-facts ((?known mode-of-node)) TRUE (retract ?known))
+  (bind ?mode (ros-msgs-get-field ?m "mode"))
+  (ros-msgs-destroy-message ?m)
+  (assert (mode-of-node (mode (sym-cat ?mode))))
+  (if (eq ?mode "EXECUTION")
+   then (bind ?*ANSWERED* TRUE)
+        (ros-msgs-create-client "cx_rl_node/exec_action_selection" "cx_rl_interfaces/srv/ExecActionSelection")))
+
+(defrule model-is-asked
+  ?node <- (mode-of-node (mode EXECUTION))
+  (ros-msgs-client (service "cx_rl_node/exec_action_selection"))
+  ?choice <- (choice (id ?id))
+  (not (choice-made (choice ?id)))
+  (not (model-asked (choice ?id)))
+  (time ?now)
+  =>
+  (bind ?request (ros-msgs-create-request "cx_rl_interfaces/srv/ExecActionSelection"))
+  (put-observations ?request ?choice)
+  (put-actions ?request ?choice)
+  (bind ?number (ros-msgs-async-send-request ?request "cx_rl_node/exec_action_selection"))
+  (ros-msgs-destroy-message ?request)
+  (if ?number
+   then (assert (model-asked (choice ?id) (request ?number)))
+   else (modify ?node (mode UNKNOWN) (asked ?now))))
+
+(defrule model-answers
+  "The model has chosen for a choice that is still open. An answer without an action is no-op."
+  ?response <- (ros-msgs-response (service "cx_rl_node/exec_action_selection") (request-id ?number) (msg-ptr ?m))
+  =>
+  (retract ?response)
+  (bind ?action-id (ros-msgs-get-field ?m "action_id"))
+  (ros-msgs-destroy-message ?m)
+  (bind ?found (option-of-id ?action-id))
+  (do-for-fact ((?a model-asked) (?c choice)) (and (= ?a:request ?number) (= ?a:choice ?c:id) (is-open ?c))
+    (if (not (or ?found (eq ?action-id "")))
+     then (printout warn "the model chose " ?action-id ", which is no option of choice " ?c:id "; that counts as no-op" crlf))
+    (take-answer ?c:id (if (and ?found (= (nth$ 1 ?found) ?c:id)) then (nth$ 2 ?found) else (length$ ?c:options)))))
+
+(defrule model-is-not-asked-any-more
+  "The choice was made or withdrawn."
+  ?asked <- (model-asked (choice ?id))
+  (or (choice-made (choice ?id))
+      (not (choice (id ?id))))
+  =>
+  (retract ?asked))
+
 ; --- A new episode
 
 (defrule trainer-wants-episode
@@ -343,8 +446,8 @@
   ?wanted <- (episode-wanted (goal ?goal) (state CHOICE))
   (exists (choice))
   =>
-  (retract ?wanted)
   (bind ?*episodes* (+ ?*episodes* 1))
+  (retract ?wanted)
   (bind ?result (cx-rl-interfaces-reset-env-result-create))
   (cx-rl-interfaces-reset-env-result-set-field ?result "confirmation" "Reset completed")
   (cx-rl-interfaces-reset-env-server-goal-handle-succeed ?goal ?result)
@@ -393,6 +496,8 @@
   (retract ?served)
   (loop-for-count (?i 1 (div (length$ ?*SERVED*) 2))
     (ros-msgs-destroy-service (str-cat "cx_rl_node/" (nth$ (- (* 2 ?i) 1) ?*SERVED*))))
+  (foreach ?client (create$ "cx_rl_node/get_status" "cx_rl_node/exec_action_selection")
+    (if (any-factp ((?c ros-msgs-client)) (eq ?c:service ?client)) then (ros-msgs-destroy-client ?client)))
   (cx-rl-interfaces-reset-env-destroy-server "cx_rl_node/reset_env")
   (cx-rl-interfaces-get-free-robot-destroy-server "cx_rl_node/get_free_robot")
   (cx-rl-interfaces-action-selection-destroy-server "cx_rl_node/action_selection"))

@@ -3,7 +3,8 @@
 
 (defglobal
   ?*WAIT* = 1.0     ; s until a robot that chose to wait is asked again
-  ?*MORE* = 2)      ; how many more products than robots may begin
+  ?*MORE* = 2       ; how many more products than robots may begin
+  ?*INTERVAL* = 0.0) ; s between two choices of an order, also of none alone (parameter choices.interval); 0: once a second, if one can begin
 
 (deftemplate waits
   "A robot that chose to wait."
@@ -26,6 +27,11 @@
            (share (length$ (find-all-facts ((?m machine)) (or (eq ?m:state DOWN) (eq ?m:state BROKEN)))) 7)))
 
 ; --- Which order is begun
+
+(defrule choices-interval
+  "At the start: read how often to ask."
+  =>
+  (bind ?*INTERVAL* (ros-param-get-value "choices.interval" ?*INTERVAL*)))
 
 (deffunction ready-at (?rings ?time)
   (+ ?time (time-to-make ?rings)))
@@ -72,28 +78,29 @@
   (create$ (flag ?preferred) 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 (share ?spare 3)))
 
 (deffunction ask-for-order (?time ?robots)
-  "Ask which order begins; the last option is none. If no order can begin, nobody is asked."
+  "Ask which order begins; the last option is none. If no order can begin, nobody is asked, except at a fixed interval."
   (bind ?spare (- ?robots (length$ (find-all-facts ((?p product)) TRUE))))
-  (if (<= (+ ?spare ?*MORE*) 0) then (return))
+  (bind ?more (> (+ ?spare ?*MORE*) 0))
+  (if (not (or ?more (> ?*INTERVAL* 0))) then (return))
   (bind ?best (if (> ?spare 0) then (best-order ?time) else 0))
   (bind ?items (create$))
   (bind ?options (create$))
   (bind ?allowed (create$))
   (bind ?features (create$))
-  (do-for-all-facts ((?o order)) (and (eq ?o:state OPEN) (<= (ready-at ?o:rings ?time) ?*GAME*) (is-left ?o:cap)
+  (do-for-all-facts ((?o order)) (and ?more (eq ?o:state OPEN) (<= (ready-at ?o:rings ?time) ?*GAME*) (is-left ?o:cap)
                                       (can-begin (machines-for (works-for ?o:rings ?o:cap))))
     (bind ?items (create$ ?items ?o:id))
     (bind ?allowed (create$ ?allowed TRUE))
     (bind ?options (create$ ?options (str-cat "begin order " ?o:id)))
     (bind ?features (create$ ?features (features-of-order ?o (= ?o:id ?best) ?time))))
-  (if (= (length$ ?items) 0) then (return))
+  (if (not (or (> (length$ ?items) 0) (> ?*INTERVAL* 0))) then (return))
   (bind ?items (create$ ?items 0))
   (assert (choice (id (new-choice)) (kind begin-order) (items ?items) (options ?options "begin no order") (allowed ?allowed TRUE)
                   (preferred (member$ ?best ?items)) (situation (situation ?time))
                   (features ?features (features-of-no-order (= ?best 0) ?spare)) (since (now)))))
 
 (defrule order-choose
-  "Once a second: ask which order is begun."
+  "Once a second, or at the interval that is asked for: ask which order is begun."
   ?next <- (next-choice ?at)
   (game (phase PRODUCTION) (begin ?zero))
   (team (size ?robots))
@@ -101,7 +108,7 @@
   (not (choice (kind begin-order)))
   =>
   (retract ?next)
-  (assert (next-choice (+ ?now 1.0)))
+  (assert (next-choice (+ ?now (if (> ?*INTERVAL* 0) then ?*INTERVAL* else 1.0))))
   (ask-for-order (- ?now ?zero) ?robots))
 
 (defrule order-chosen
