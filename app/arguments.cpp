@@ -141,6 +141,19 @@ std::vector<std::string> words_of(const CLI::Option& option) {
   return out;
 }
 
+std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> out;
+  for (const std::string& name : option.get_snames()) out.push_back('-' + name);
+  for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
+  return out;
+}
+
+std::string all_names(const CLI::Option& option) {
+  std::string text;
+  for (const std::string& name : names_of(option)) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? option.get_name(true) : text;
+}
+
 CLI::Option* once_each(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
 
 void add_prefix_option(CLI::App& command, std::vector<std::string>& prefixes) {
@@ -189,6 +202,13 @@ std::string what_it_takes(const CLI::Option& option) {
   return words.empty() ? option.get_description() : "one of " + some_of(words, words.size());
 }
 
+/// With all names of the option that a message begins with, where CLI11 says one.
+std::string with_all_names(const CLI::App& command, const std::string& message) {
+  const std::size_t end = std::min(message.find_first_of(": "), message.size());
+  const CLI::Option* option = command.get_option_no_throw(message.substr(0, end));
+  return option ? all_names(*option) + message.substr(end) : message;
+}
+
 /// The message of CLI11, or a better one: it names no near option.
 std::string explained(const CLI::App& command, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unknown(command);
@@ -220,7 +240,7 @@ int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
   std::string command = "cxlab";
   const CLI::App* at = &app;
   while (!at->get_subcommands().empty()) command += ' ' + (at = at->get_subcommands().front())->get_name();
-  const int code = fail(usage_error(explained(*at, error)));
+  const int code = fail(usage_error(with_all_names(*at, explained(*at, error))));
   std::fprintf(stderr, "%s --help says more\n", command.c_str());
   return code;
 }
@@ -231,7 +251,7 @@ Status check_values(const CLI::App& app) {
     for (const CLI::Option* option : command->get_options())
       if (option->get_expected_max() > 0)
         for (const std::string& value : option->results())
-          if (value.empty()) return usage_error(option->get_name() + ": " + found_text("", "a value"));
+          if (value.empty()) return usage_error(all_names(*option) + ": " + found_text("", "a value"));
   }
   return {};
 }

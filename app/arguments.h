@@ -47,6 +47,11 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, NamedValue<E
 /// The words of `one_of`, if the option takes only these.
 std::vector<std::string> words_of(const CLI::Option& option);
 
+/// The names of an option with their dashes; none for an argument.
+std::vector<std::string> names_of(const CLI::Option& option);
+/// "-j, --jobs", or the name of an argument.
+std::string all_names(const CLI::Option& option);
+
 /// The option takes a whole number in decimal digits, within these bounds. Every option that holds an integer has this
 /// check or the next one.
 CLI::Option* whole_number(CLI::Option* option, std::int64_t low, std::int64_t high = INT64_MAX);

@@ -25,7 +25,7 @@ struct LineQuestions {
 int answer_lines(const LineQuestions& options) {
   Console console(true);
   if (const auto run = lab::Run::open(options.run, catalogue(), options.trust_programs); !run) return fail(run.error());
-  auto players = lab::Players::start(catalogue(), options.trust_programs, console.host());
+  auto players = lab::Players::start(options.run, catalogue(), options.trust_programs, console.host());
   if (!players) return fail(players.error());
   lab::Visit visit(options.run, *players);
   for (std::string line; std::getline(std::cin, line);) {

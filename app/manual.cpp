@@ -16,26 +16,14 @@ namespace {
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands(nullptr); }
 
-/// "--seed", "-j": as it is written on the command line.
-std::vector<std::string> names_of(const CLI::Option& option) {
-  std::vector<std::string> out;
-  for (const std::string& name : option.get_snames()) out.push_back('-' + name);
-  for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
-  return out;
-}
-
 /// A command with its options and subcommands: what lab/pages/cxlab.1, completion.bash and completion.zsh read;
 /// `suggestions`: with names that completion offers.
 Json describe(const CLI::App& command, bool suggestions) {
   Json options = Json::array(), nested = Json::array();
   for (const CLI::Option* option : command.get_options()) {
-    const std::vector<std::string> names = names_of(*option);
-    std::string label = option->get_positional() ? option->get_name(true) : "";
-    if (label.empty())
-      for (const std::string& name : names) label += (label.empty() ? "" : ", ") + name;
     const Suggested suggested = suggestions ? suggested_for(*option) : Suggested();
-    options.push_back({{"names", names},
-                       {"label", label},
+    options.push_back({{"names", names_of(*option)},
+                       {"label", option->get_positional() ? option->get_name(true) : all_names(*option)},
                        {"description", option->get_description()},
                        {"positional", option->get_positional()},
                        {"required", option->get_required()},

@@ -10,6 +10,7 @@
 #include "cx/base/file.h"
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
+#include "cx/base/servant.h"
 #include "lab/control/client.h"
 #include "lab/view/http.h"
 
@@ -45,6 +46,22 @@ class OpenedBrowser {
   std::optional<Process> browser_;
 };
 
+/// A process outside of the wall, which keeps the browser and its file as long as the server works.
+Expected<Servant> open_browser(const std::string& address) {
+  auto browser = std::make_shared<std::optional<OpenedBrowser>>(std::in_place);
+  auto servant = Servant::start(
+      [browser](const std::string& page, const auto&) {
+        const Status opened = (*browser)->open(page);
+        return Servant::Answer{opened ? "" : opened.error().text()};
+      },
+      [browser] { browser->reset(); });
+  if (!servant) return servant.error();
+  const auto answer = servant->ask(address);
+  if (!answer) return answer.error();
+  if (!answer->text.empty()) return resource_error(answer->text);
+  return servant;
+}
+
 int view(const ViewOptions& options) {
   if (options.live) {
     const std::filesystem::path socket = std::filesystem::path(options.place) / "control.sock";
@@ -53,12 +70,16 @@ int view(const ViewOptions& options) {
   Console console(true);
   auto view = lab::Viewer::open(options.place, catalogue(), options.trust_programs, console.host());
   if (!view) return fail(view.error());
-  OpenedBrowser browser;
   auto server = lab::ViewServer::open(**view, static_cast<std::uint16_t>(options.port));
   if (!server) return fail(server.error());
   const std::string address = (*server)->address();
-  if (options.open)
-    if (Status s = browser.open(address); !s) return fail(s.error());
+  std::optional<Servant> browser;
+  if (options.open) {
+    auto opened = open_browser(address);
+    if (!opened) return fail(opened.error());
+    browser = *std::move(opened);
+  }
+  (*view)->confine(console.host());
   std::printf("%s\n", address.c_str());
   std::fflush(stdout);
   std::fputs("open this address in a browser of this machine; Ctrl-C ends\n", stderr);

@@ -25,37 +25,18 @@ struct AskedWorld {
   bool json = false;
 };
 
-/// The names of the worlds that answer a question.
-std::vector<std::string> worlds_with(const std::string& question) {
-  std::vector<std::string> out;
-  for (const WorldKind* world : catalogue().worlds)
-    for (const WorldQuestion& one : world->questions)
-      if (one.name == question) out.emplace_back(world->name);
-  return out;
-}
-
 int answer(const AskedWorld& ask) {
   const auto run = open_run(ask.run);
   if (!run) return fail(run.error());
   const auto time = [](const std::optional<double>& t) { return t ? std::optional(from_seconds(*t)) : std::nullopt; };
   auto answered = lab::ask_world(*run, {ask.name, ask.about, time(ask.at), time(ask.from), time(ask.to)});
   if (!answered) return fail(answered.error());
-  auto& [given, from, to, cut_off] = *answered;
-  if (!ask.sort.empty() && !given.tables.empty())
-    if (Status s = lab::sort_table(given.tables.front(), ask.sort); !s) return fail(s.error());
-  if (ask.json) {
-    Json json{{"at_s", to_seconds(to)}};
-    if (from > SimTime{}) json["from_s"] = to_seconds(from);
-    if (cut_off) json["cut_off"] = true;
-    for (const Table& table : given.tables) json[table.key] = lab::table_json(table);
-    json["notes"] = given.notes;
-    std::printf("%s\n", json_text(json, 2).c_str());
-    return 0;
-  }
-  std::printf("up to %s%s:\n", time_text(to).c_str(), cut_off ? run->cut_off_text("journal").c_str() : "");
-  for (std::size_t i = 0; i < given.tables.size(); ++i)
-    std::printf("%s%s", i ? "\n" : "", lab::table_text(given.tables[i], line_width()).c_str());
-  for (std::size_t i = 0; i < given.notes.size(); ++i) std::printf("%s%s\n", i ? "" : "\n", given.notes[i].c_str());
+  std::vector<Table>& tables = answered->answer.tables;
+  if (!ask.sort.empty() && !tables.empty())
+    if (Status s = lab::sort_table(tables.front(), ask.sort); !s) return fail(s.error());
+  const std::string text =
+      ask.json ? json_text(lab::world_json(*answered), 2) + '\n' : lab::world_text(*answered, line_width());
+  std::fputs(text.c_str(), stdout);
   return 0;
 }
 
@@ -89,7 +70,7 @@ Status add_world_questions(CLI::App& app, Action& action) {
       command->add_option("--sort", ask->sort,
                           "Sorts the first table by the column of this key in JSON: numbers from the greatest");
       command->add_flag("--json", ask->json, "Prints the answer as JSON");
-      const std::vector<std::string> worlds = worlds_with(name);
+      const std::vector<std::string> worlds = lab::worlds_with(catalogue(), name);
       command->footer("For runs of the world " + some_of(worlds, worlds.size()) + ".\nExamples:\n" +
                       std::string(question.examples));
       command->callback([ask, &action] { action = [ask] { return answer(*ask); }; });

@@ -42,7 +42,7 @@ file(GLOB folders RELATIVE "${PROJECT_SOURCE_DIR}" cx/* sim sim/* scenarios scen
 list(FILTER folders EXCLUDE REGEX "^(cx/plugins|sim/mujoco|scenarios/rcll/refbox)$")
 foreach(folder IN LISTS folders)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${folder}/*.h")
-  list(FILTER files EXCLUDE REGEX "/(cx/base/json|cx/explain/json|lab/(answers|base64|child|control/debugger|coverage|coverage_of_runs|json_fields|profile|report|export/[a-z_]*|run_page|scene_answer|table_text|trace_writer|why_not)|scenarios/rcll/floor_view|lab/(physics_replay|pictures|shown_run|view/[a-z_]*))\\.h$")
+  list(FILTER files EXCLUDE REGEX "/(cx/base/json|cx/explain/json|lab/(answers|base64|child|control/debugger|coverage|coverage_of_runs|json_fields|profile|report|export/[a-z_]*|run_page|scene_answer|table_text|trace_writer|why_not|world_answer)|scenarios/rcll/floor_view|lab/(physics_replay|pictures|shown_run|view/[a-z_]*))\\.h$")
   cxlab_install_headers(${folder} ${files})
 endforeach()
 cxlab_install_headers(app "${PROJECT_SOURCE_DIR}/app/program.h")

@@ -37,9 +37,7 @@ fs::path package_of(const fs::path& config) {
   fs::path usual = config.parent_path();
   if (usual.filename() == "params" || usual.filename() == "config") usual = usual.parent_path();
   if (usual.parent_path().filename() == "share") return usual;
-  for (fs::path folder = config.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
-    if (is_file(folder / "package.xml")) return folder;
-  return usual;
+  return nearest_package(config.parent_path()).value_or(usual);
 }
 
 /// Packages beside this one: those with a package.xml in the folder that it lies in; in the folder share of a prefix,

@@ -35,10 +35,7 @@ fs::path place_on_disk(const fs::path& path) {
 /// The innermost package around a file or folder; without one the folder itself.
 fs::path package_around(const fs::path& path) {
   const fs::path folder = is_folder(path) ? place_on_disk(path) : place_on_disk(path).parent_path();
-  for (fs::path at = folder;; at = at.parent_path()) {
-    if (is_file(at / "package.xml")) return at;
-    if (at == at.root_path()) return folder;
-  }
+  return nearest_package(folder).value_or(folder);
 }
 
 /// Whether a file is this one, or lies below it.

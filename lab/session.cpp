@@ -21,6 +21,7 @@
 #include "lab/pictures.h"
 #include "lab/scene_answer.h"
 #include "lab/versions.h"
+#include "lab/world_answer.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -57,6 +58,7 @@ struct Control {
   std::unique_ptr<ControlServer> server;
   std::unique_ptr<Debugger> debugger;
   inspect::Timelines timelines;  ///< what the person may ask about
+  WorldRecords records;          ///< and what the world is asked with
   std::chrono::steady_clock::time_point wait_begun;
   std::chrono::steady_clock::duration waited{};  ///< in all
 };
@@ -182,7 +184,14 @@ Status open_control(RunAtPlay& run) {
              return inspector_of(environment, *run.episode, run.control.timelines);
            },
        .look = [&run](const std::string& what) { return scene_text({run.episode->scene()}, what); },
-       .look_json = [&run](const std::string& what) { return scene_json({run.episode->scene()}, what); }});
+       .look_json = [&run](const std::string& what) { return scene_json({run.episode->scene()}, what); },
+       .world_questions = run.scenario.world.kind->questions,
+       .ask_world = [&run](const WorldQuestion& question, const std::string& about) -> Expected<WorldAnswered> {
+         const SimTime now = std::max(run.episode->now(), SimTime::zero());
+         auto answer = question.ask({run.folder, run.scenario, run.control.records.all(), {}, now, false, about});
+         if (!answer) return answer.error();
+         return WorldAnswered{.answer = *std::move(answer), .to = now};
+       }});
   run.host.log = control.debugger.get();
   return {};
 }
@@ -439,7 +448,10 @@ Status set_up(RunAtPlay& run) {
   auto episode = Episode::load(run.scenario, for_episode);
   if (!episode) return refuse(run, episode.error());
   run.episode = *std::move(episode);
-  if (run.control.debugger) run.episode->journal().observe(run.control.timelines);
+  if (run.control.debugger) {
+    run.episode->journal().observe(run.control.timelines);
+    run.episode->journal().observe(run.control.records);
+  }
   return {};
 }
 

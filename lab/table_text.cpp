@@ -184,6 +184,15 @@ std::string latex_number(const std::string& text) {
 
 }  // namespace
 
+std::string csv_text(const TableCell& cell) {
+  if (const auto* text = std::get_if<std::string>(&cell.value)) return csv_text(*text);
+  if (const auto* whole = std::get_if<std::int64_t>(&cell.value)) return std::to_string(*whole);
+  if (const auto* number = std::get_if<double>(&cell.value)) return shortest_text(*number);
+  if (const auto* stretch = std::get_if<TableCell::Stretch>(&cell.value))
+    return shortest_text(stretch->first) + ',' + shortest_text(stretch->second);
+  return {};
+}
+
 std::string csv_text(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string out = "\"";
@@ -217,15 +226,9 @@ std::string table_csv(const Table& table) {
   out += '\n';
   for (const auto& row : table.rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const auto& value = row[i].value;
       if (i > 0) out += ',';
-      if (const auto* text = std::get_if<std::string>(&value)) out += csv_text(*text);
-      if (const auto* whole = std::get_if<std::int64_t>(&value)) out += std::to_string(*whole);
-      if (const auto* number = std::get_if<double>(&value)) out += shortest_text(*number);
-      if (const auto* stretch = std::get_if<TableCell::Stretch>(&value))
-        out += shortest_text(stretch->first) + ',' + shortest_text(stretch->second);
-      else if (stretches[i])
-        out += ',';
+      out += csv_text(row[i]);
+      if (stretches[i] && !std::holds_alternative<TableCell::Stretch>(row[i].value)) out += ',';
     }
     out += '\n';
   }

@@ -26,6 +26,8 @@ std::string table_markdown(const Table& table);
 std::string table_csv(const Table& table);
 /// A field of a CSV (RFC 4180): in quotes where it has to be.
 std::string csv_text(const std::string& text);
+/// The fields of a cell: two of a stretch.
+std::string csv_text(const TableCell& cell);
 /// An environment `tabular`, which needs no package.
 std::string table_latex(const Table& table);
 /// Orders the rows by the column of that key: numbers from the greatest, texts from the first letter.

@@ -9,6 +9,7 @@
 #include "lab/moment.h"
 #include "lab/scene_answer.h"
 #include "lab/why_not.h"
+#include "lab/world_answer.h"
 
 namespace cxlab::lab {
 
@@ -27,6 +28,8 @@ Status serve(const Run& run, const ControlAddress& address, Host host, Counting 
   host.stop = &debugger.gives_up();
   host.log = &debugger;
   host.progress = nullptr;
+  const auto scenario = run.scenario();
+  if (!scenario) return scenario.error();
   auto opened = Moment::open(run, host, {.counting = counting, .control = &debugger});
   if (!opened) return opened.error();
   Moment& moment = **opened;
@@ -45,7 +48,13 @@ Status serve(const Run& run, const ControlAddress& address, Host host, Counting 
                                         const explain::Wanted& wanted) -> std::optional<Expected<explain::WhyNot>> {
                     if (!witness || !witness->follows(rule.name)) return std::nullopt;
                     return witness->why_not(environment, rule, wanted);
-                  }});
+                  },
+                  .world_questions = scenario->world.kind->questions,
+                  .ask_world =
+                      [&moment, &run](const WorldQuestion& question, const std::string& about) {
+                        return ask_world(run,
+                                         {.question = std::string(question.name), .about = about, .at = moment.t()});
+                      }});
   moment.after_tick = [&] {
     if (witness) witness->tick_is_over();
     debugger.tick_is_over(moment.t());

@@ -1,6 +1,7 @@
 #pragma once
-// Questions that a world answers about a recorded run: `cxlab NAME RUN`. A world declares them (WorldKind::questions)
-// and answers with tables; the caller makes text or JSON of them, in the same way for all worlds.
+// Questions that a world answers about a run: `cxlab NAME RUN`, and NAME in `cxlab attach`. A world declares them
+// (WorldKind::questions) and answers with tables; the caller makes text or JSON of them, in the same way for all
+// worlds.
 
 #include <cstdint>
 #include <filesystem>
@@ -79,7 +80,7 @@ inline const std::vector<RecordKind> kRecordsOfQuestions{
 
 /// What a question is asked about; all of it outlives the question.
 struct AskedRun {
-  const std::filesystem::path& folder;
+  const std::filesystem::path& folder;  ///< empty: a run in progress that has none
   const Scenario& scenario;
   /// The records of `kRecordsOfQuestions` up to `to`, in order of writing.
   const std::vector<JournalRecord>& records;

@@ -36,12 +36,11 @@ std::map<std::string, std::string> Scenario::shares(const AgentSpec& agent) cons
 
 std::string Scenario::strange_config(const AgentSpec& agent) const {
   const std::filesystem::path config = std::filesystem::absolute(resolve(agent.config)).lexically_normal();
-  std::filesystem::path folder = config.parent_path();
-  while (folder.has_relative_path() && !is_file(folder / "package.xml")) folder = folder.parent_path();
+  const auto folder = nearest_package(config.parent_path());
   const auto known = shares(agent);
-  const auto package = folder.has_relative_path() ? known.find(package_name(folder)) : known.end();
+  const auto package = folder ? known.find(package_name(*folder)) : known.end();
   std::error_code ignored;
-  if (package == known.end() || std::filesystem::equivalent(package->second, folder, ignored)) return {};
+  if (package == known.end() || std::filesystem::equivalent(package->second, *folder, ignored)) return {};
   return "agents: config is " + agent.config + ", but packages has " + package->first + " in " + package->second +
          ": files that only the configuration there loads are not loaded; set config, too";
 }

@@ -52,6 +52,12 @@ Share find_share() {
                source / "docs",          source / "planner/engines", source / "lab/pages",   {}};
 }
 
+std::optional<fs::path> nearest_package(fs::path folder) {
+  for (; folder.has_relative_path(); folder = folder.parent_path())
+    if (is_file(folder / "package.xml")) return folder;
+  return std::nullopt;
+}
+
 std::string package_name(const fs::path& folder) {
   if (auto text = read_file(folder / "package.xml")) {
     const std::size_t begin = text->find("<name>"), end = text->find("</name>");

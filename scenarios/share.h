@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ Share find_share();
 /// definitions, rules, configurations or PDDL files. The first prefix that has a package wins. A prefix that is not
 /// there is an error.
 Expected<std::map<std::string, std::string>> packages_below(const std::vector<std::string>& prefixes);
+
+/// The nearest folder with a package.xml, from this absolute path upwards. The root of the file system is no package.
+std::optional<std::filesystem::path> nearest_package(std::filesystem::path folder);
 
 /// <name> of the package.xml in a folder, else the folder's name.
 std::string package_name(const std::filesystem::path& folder);

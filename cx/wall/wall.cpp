@@ -349,7 +349,8 @@ Status raise_seccomp(const Wall& wall, int landlock) {
     filter.allow("sendto");
   else
     filter.allow("sendto", is(4, 0));
-  for (const int option : {SO_REUSEADDR, SO_ERROR, SO_KEEPALIVE, SO_LINGER, SO_RCVBUF, SO_SNDBUF})
+  for (const int option :
+       {SO_REUSEADDR, SO_ERROR, SO_KEEPALIVE, SO_LINGER, SO_RCVBUF, SO_SNDBUF, SO_RCVTIMEO, SO_SNDTIMEO})
     filter.allow("setsockopt", is_int(1, SOL_SOCKET), is_int(2, static_cast<std::uint32_t>(option)));
   constexpr std::uint32_t kTcp = 6, kNoDelay = 1;
   filter.allow("setsockopt", is_int(1, kTcp), is_int(2, kNoDelay));

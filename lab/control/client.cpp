@@ -27,6 +27,12 @@ bool flag_of(const Json& object, const char* key) {
   return found != object.end() && found->is_boolean() && found->get<bool>();
 }
 
+Error nobody_there(const std::error_code& error, const std::string& address) {
+  return resource_error("nothing to attach to: " + error.message() +
+                            "; a run that is played with --control or --break can be attached to while it lasts",
+                        address);
+}
+
 }  // namespace
 
 struct ControlClient::State {
@@ -96,19 +102,42 @@ struct ControlClient::State {
 ControlClient::ControlClient(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ControlClient::~ControlClient() = default;
 
-Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAddress& address,
-                                                                const std::string& token) {
+Expected<Descriptor> connect_to_socket(const std::string& path) {
+  if (const auto address = ControlAddress::parse(path); !address) return address.error();  // a path that is too long
+  asio::io_context context;
+  asio::local::stream_protocol::socket socket(context);
+  std::error_code error;
+  socket.connect(asio::local::stream_protocol::endpoint(path), error);
+  if (error) return nobody_there(error, path);
+  return Descriptor(socket.release());
+}
+
+Expected<std::unique_ptr<ControlClient>> ControlClient::over(Descriptor connection, const std::string& path) {
   auto state = std::make_unique<State>();
   std::error_code error;
-  if (address.path.empty())
-    state->socket.connect(asio::ip::tcp::endpoint(asio::ip::address_v4::loopback(), address.port), error);
-  else
-    state->socket.connect(asio::local::stream_protocol::endpoint(address.path), error);
-  if (error)
-    return resource_error("nothing to attach to: " + error.message() +
-                              "; a run that is played with --control or --break can be attached to while it lasts",
-                          address.text());
-  if (address.path.empty()) asio::write(state->socket, asio::buffer(token + '\n'), error);
+  state->socket.assign(asio::generic::stream_protocol(AF_UNIX, 0), connection.number(), error);
+  if (error) return resource_error("cannot use the connection to the run: " + error.message(), path);
+  (void)connection.release();
+  return greeted(std::move(state), {.path = path});
+}
+
+Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAddress& address,
+                                                                const std::string& token) {
+  if (!address.path.empty()) {
+    auto connection = connect_to_socket(address.path);
+    return connection ? over(*std::move(connection), address.path) : connection.error();
+  }
+  auto state = std::make_unique<State>();
+  std::error_code error;
+  state->socket.connect(asio::ip::tcp::endpoint(asio::ip::address_v4::loopback(), address.port), error);
+  if (error) return nobody_there(error, address.text());
+  asio::write(state->socket, asio::buffer(token + '\n'), error);
+  return greeted(std::move(state), address);
+}
+
+/// Waits for the greeting.
+Expected<std::unique_ptr<ControlClient>> ControlClient::greeted(std::unique_ptr<State> state,
+                                                                const ControlAddress& address) {
   auto client = std::unique_ptr<ControlClient>(new ControlClient(std::move(state)));
   while (true) {
     const auto line = client->state_->receive();
@@ -122,14 +151,6 @@ Expected<std::unique_ptr<ControlClient>> ControlClient::connect(const ControlAdd
     const auto event = client->state_->take(*line);
     if (event && event->kind == Event::Kind::kHello) return client;
   }
-}
-
-bool ControlClient::is_listened_to(const std::string& path) {
-  if (!ControlAddress::parse(path)) return false;  // a longer path than sockets have
-  asio::io_context context;
-  std::error_code error;
-  asio::local::stream_protocol::socket(context).connect(asio::local::stream_protocol::endpoint(path), error);
-  return !error;
 }
 
 void ControlClient::on_event(std::function<void(const Event&)> call) { state_->on_event = std::move(call); }

@@ -9,16 +9,20 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/servant.h"
 #include "lab/control/server.h"
 
 namespace cxlab::lab {
+
+/// A connection to that Unix socket. kResource where nobody listens: a process that was killed leaves the file.
+Expected<Descriptor> connect_to_socket(const std::string& path);
 
 class ControlClient {
  public:
   /// kResource where nobody answers there. `token`: of a port; a Unix socket has none.
   static Expected<std::unique_ptr<ControlClient>> connect(const ControlAddress& address, const std::string& token);
-  /// Whether a process listens at that Unix socket: one that was killed leaves the file.
-  static bool is_listened_to(const std::string& path);
+  /// Speaks over a connection to the Unix socket at `path`, which another process may have opened.
+  static Expected<std::unique_ptr<ControlClient>> over(Descriptor connection, const std::string& path);
   ~ControlClient();
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;
@@ -56,6 +60,7 @@ class ControlClient {
  private:
   struct State;
   explicit ControlClient(std::unique_ptr<State> state);
+  static Expected<std::unique_ptr<ControlClient>> greeted(std::unique_ptr<State> state, const ControlAddress& address);
   std::unique_ptr<State> state_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
@@ -35,6 +36,11 @@ std::string place_of(const ConstructInfo& info) {
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return text;
 }
 
@@ -87,7 +93,8 @@ const std::vector<Debugger::Command>& Debugger::commands() {
     return d.go_on();
   };
   static const std::vector<Command> all{
-      {"help", "[COMMAND]", "what there is", [](D&, const std::string& rest) -> A { return {true, help(rest)}; }, true},
+      {"help", "[COMMAND]", "what there is", [](D& d, const std::string& rest) -> A { return {true, d.help(rest)}; },
+       true},
       {"where", "", "where the run is", [](D& d, const std::string&) -> A { return {true, d.where()}; }, true},
       {"envs", "", "the environments, with their facts and rules on the agenda",
        [](D& d, const std::string&) -> A {
@@ -156,12 +163,7 @@ const std::vector<Debugger::Command>& Debugger::commands() {
          });
        }},
       {"scene", "[NAME|KIND]", "what there is to see: what stands, moves or is carried where, and its state",
-       [](D& d, const std::string& rest) -> A {
-         auto text = d.knows_.look(rest);
-         if (!text) return {false, text.error().kind == ErrorKind::kUsage ? text.error().message : text.error().text()};
-         if (text->ends_with('\n')) text->pop_back();
-         return {true, *std::move(text)};
-       }},
+       [](D& d, const std::string& rest) { return said(d.knows_.look(rest)); }},
       {"changes", "FACT|PATTERN", "facts with all their changes, and who made them: changes f-12",
        [](D& d, const std::string& rest) {
          return ask(d, [&](inspect::Inspector& i) -> Expected<std::string> {
@@ -291,13 +293,25 @@ const std::vector<Debugger::Command>& Debugger::commands() {
   return all;
 }
 
-std::string Debugger::help(const std::string& wanted) {
+Debugger::Answer Debugger::said(Expected<std::string> text) {
+  if (!text) return {false, text.error().kind == ErrorKind::kUsage ? text.error().message : text.error().text()};
+  if (text->ends_with('\n')) text->pop_back();
+  return {true, *std::move(text)};
+}
+
+std::string Debugger::help(const std::string& wanted) const {
   std::string text;
-  for (const Command& command : commands()) {
-    if (!wanted.empty() && wanted != command.name) continue;
-    std::string line = command.name + (' ' + std::string(command.arguments));
+  const auto add = [&](const std::string& name, const std::string& arguments, const std::string& what) {
+    if (!wanted.empty() && wanted != name) return;
+    std::string line = name + ' ' + arguments;
     line.resize(std::max<std::size_t>(line.size() + 2, 34), ' ');
-    text += (text.empty() ? "" : "\n") + line + command.what;
+    text += (text.empty() ? "" : "\n") + line + what;
+  };
+  for (const Command& command : commands()) add(command.name, command.arguments, command.what);
+  for (const WorldQuestion& question : knows_.world_questions) {
+    const std::string argument(question.argument), what(question.what);
+    add(std::string(question.name), argument.empty() ? "" : '[' + upper(argument) + ']',
+        lower(what.substr(0, 1)) + what.substr(1));
   }
   if (text.empty()) return "there is no command '" + wanted + "'";
   if (wanted.empty()) text += "\nquit                              leaves; the run stays as it is";
@@ -320,16 +334,35 @@ Debugger::Answer Debugger::carry_out(const std::string& line) {
     return act(construct ? cx::ControlAct::Verb::kBuild : cx::ControlAct::Verb::kEval, std::string(text));
   }
   const auto [word, rest] = split(text);
+  const std::vector<std::string> names = command_names();
+  std::vector<std::string> meant;
+  if (std::ranges::find(names, word) != names.end())
+    meant = {word};
+  else
+    std::ranges::copy_if(names, std::back_inserter(meant), [&](const auto& name) { return name.starts_with(word); });
+  if (meant.empty()) return {false, "there is no command '" + word + "' (help lists them)" + did_you_mean(word, names)};
+  if (meant.size() > 1) return {false, "'" + word + "' may be " + meant[0] + " or " + meant[1]};
+  const auto command = std::ranges::find(commands(), meant.front(), &Command::name);
+  if (command != commands().end()) return command->carry_out(*this, rest);
+  const auto answered = ask_world(*world_question(meant.front()), rest);
+  return said(answered ? Expected<std::string>(world_text(*answered)) : answered.error());
+}
+
+std::vector<std::string> Debugger::command_names() const {
   std::vector<std::string> names;
-  std::vector<const Command*> begun;
-  for (const Command& command : commands()) {
-    if (word == command.name) return command.carry_out(*this, rest);
-    if (std::string_view(command.name).starts_with(word)) begun.push_back(&command);
-    names.emplace_back(command.name);
-  }
-  if (begun.size() == 1) return begun.front()->carry_out(*this, rest);
-  if (!begun.empty()) return {false, "'" + word + "' may be " + begun[0]->name + " or " + begun[1]->name};
-  return {false, "there is no command '" + word + "' (help lists them)" + did_you_mean(word, names)};
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  for (const WorldQuestion& question : knows_.world_questions) names.emplace_back(question.name);
+  return names;
+}
+
+const WorldQuestion* Debugger::world_question(const std::string& name) const {
+  const auto found = std::ranges::find(knows_.world_questions, name, &WorldQuestion::name);
+  return found == knows_.world_questions.end() ? nullptr : &*found;
+}
+
+Expected<WorldAnswered> Debugger::ask_world(const WorldQuestion& question, const std::string& about) const {
+  if (question.argument.empty() && !about.empty()) return usage_error("one argument too many: '" + about + "'");
+  return knows_.ask_world(question, about);
 }
 
 std::vector<std::string> Debugger::completions(const std::string& begun) {
@@ -337,7 +370,7 @@ std::vector<std::string> Debugger::completions(const std::string& begun) {
   const auto add = [&](const std::string& word) {
     if (word.starts_with(begun)) words.push_back(word);
   };
-  for (const Command& command : commands()) add(command.name);
+  for (const std::string& name : command_names()) add(name);
   for (const cx::Environment* e : environments()) add(e->unique_name());
   if (const auto environment = looked_at()) {
     for (const ConstructInfo& info : (*environment)->engine().constructs()) add(info.name);

@@ -21,6 +21,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,6 +38,7 @@
 #include "cx/inspect/inspector.h"
 #include "cx/node/log.h"
 #include "lab/control/server.h"
+#include "lab/world_answer.h"
 
 namespace cxlab::lab {
 
@@ -61,12 +63,16 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   /// Why a rule has not fired; nothing if the run must first be played again, with a witness of `followed_rule`.
   using WhyNot = std::function<std::optional<Expected<explain::WhyNot>>(cx::Environment&, const ConstructInfo& rule,
                                                                         const explain::Wanted&)>;
+  /// What the world says up to where the person is; `about` is the argument of the question.
+  using AskWorld = std::function<Expected<WorldAnswered>(const WorldQuestion&, const std::string& about)>;
   struct Knowledge {
     std::function<std::vector<cx::Environment*>()> environments;  ///< of the run, asked for at each stop
     Inspect inspect;
     Look look;
     LookJson look_json = {};
     WhyNot why_not = {};
+    std::span<const WorldQuestion> world_questions = {};  ///< a command or question of ours hides one of that name
+    AskWorld ask_world = {};
   };
   void watch(Knowledge knowledge) { knows_ = std::move(knowledge); }
   /// The run has ended: says so to those who are attached.
@@ -134,7 +140,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
   struct Question;
   static const std::vector<Command>& commands();
   static const std::vector<Question>& questions();
-  static std::string help(const std::string& command);
+  std::string help(const std::string& command) const;
 
   // --- Stops (debugger.cpp)
   std::optional<std::string> reason_to_stop(cx::Environment& environment, const cx::ControlPlace& place);
@@ -173,6 +179,10 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
 
   // --- What a person asks (commands.cpp)
   Answer carry_out(const std::string& line);
+  static Answer said(Expected<std::string> text);
+  std::vector<std::string> command_names() const;
+  const WorldQuestion* world_question(const std::string& name) const;
+  Expected<WorldAnswered> ask_world(const WorldQuestion& question, const std::string& about) const;
   static bool asks_about_place(const std::string& line);
   std::vector<std::string> completions(const std::string& begun);
   Expected<cx::Environment*> looked_at() const;

@@ -310,8 +310,14 @@ const std::vector<Debugger::Question>& Debugger::questions() {
 std::optional<Expected<Json>> Debugger::ask(const std::string& name, const Json& request) {
   const auto question = std::ranges::find_if(questions(), [&](const Question& one) { return name == one.name; });
   if (question == questions().end()) {
+    if (const WorldQuestion* of_world = world_question(name)) {
+      if (shown_) return std::nullopt;
+      const auto answered = ask_world(*of_world, text_field(request, "what"));
+      return answered ? Expected<Json>(world_json(*answered)) : answered.error();
+    }
     std::vector<std::string> names;
     for (const Question& one : questions()) names.emplace_back(one.name);
+    for (const WorldQuestion& one : knows_.world_questions) names.emplace_back(one.name);
     return input_error("there is no question '" + name + "'; it is one of " + some_of(names, names.size()) +
                        did_you_mean(name, names, "; "));
   }

@@ -25,10 +25,7 @@ class CsvFile final : public TableFile {
   Status put(std::span<const TableCell> cells) override {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (i > 0) line_ += ',';
-      const auto& value = cells[i].value;
-      if (const auto* text = std::get_if<std::string>(&value)) line_ += csv_text(*text);
-      if (const auto* whole = std::get_if<std::int64_t>(&value)) line_ += std::to_string(*whole);
-      if (const auto* real = std::get_if<double>(&value)) line_ += shortest_text(*real);
+      line_ += csv_text(cells[i]);
     }
     end_line();
     return file_.status();

@@ -7,6 +7,7 @@
 
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
+#include "lab/sweep/row_folder.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
@@ -137,15 +138,11 @@ Expected<std::vector<Row>> rows_of_csv(const std::string& text, const std::strin
 namespace {
 
 Expected<std::vector<Row>> rows_of_folder(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder / "rows", error), end; !error && it != end; it.increment(error))
-    if (it->path().extension() == ".json") files.push_back(it->path());
+  const std::vector<fs::path> files = row_files(folder);
   if (files.empty())
     return input_error(
         found_expected("no rows.csv and no rows/*.json", "the folder of a sweep, as cxlab bench writes it"),
         folder.string());
-  std::ranges::sort(files);
   std::vector<Row> out;
   for (const fs::path& file : files) {
     const auto text = read_file(file);

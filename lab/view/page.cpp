@@ -8,7 +8,6 @@
 #include "cx/base/file.h"
 #include "cx/journal/chunk.h"
 #include "lab/base64.h"
-#include "lab/control/client.h"
 #include "lab/report.h"
 #include "lab/run_page.h"
 
@@ -36,10 +35,7 @@ ViewReply reply_of(Expected<std::string> text, const char* type) {
 
 }  // namespace
 
-ViewReply view_run_page(const Run& run, Json head) {
-  head["live"] = run.unfinished && ControlClient::is_listened_to((run.folder / "control.sock").string());
-  return reply_of(served_run_page(std::move(head)), kHtml);
-}
+ViewReply view_run_page(Json head) { return reply_of(served_run_page(std::move(head)), kHtml); }
 
 ViewReply view_page(const std::string& name) { return reply_of(served_page(name), kHtml); }
 
@@ -63,8 +59,8 @@ ViewReply view_file(const std::filesystem::path& run, const std::string& name) {
   if (std::ranges::find(files, Json(name)) == files.end())
     return view_error(404, "the page of the run links to no file '" + name + "'");
   std::error_code ignored;
-  if (std::filesystem::is_symlink(run / name, ignored))
-    return view_error(404, "'" + name + "' is a link, which is not followed");
+  if (std::filesystem::canonical(run / name, ignored) != std::filesystem::canonical(run, ignored) / name)
+    return view_error(404, "'" + name + "' lies behind a link, which is not followed");
   const auto text = read_file(run / name);
   if (!text) return view_error(404, text.error().text());
   return {200, name.ends_with(".json") ? "application/json" : "text/plain; charset=utf-8", *text};

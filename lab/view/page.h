@@ -6,13 +6,12 @@
 #include <string>
 
 #include "cx/base/json.h"
-#include "lab/run.h"
 #include "lab/view/request.h"
 
 namespace cxlab::lab {
 
-/// /run/ID/; `head` is that of its `page_of_recorded`.
-ViewReply view_run_page(const Run& run, Json head);
+/// /run/ID/; `head` is that of `page_of_recorded`, and what the server adds.
+ViewReply view_run_page(Json head);
 /// "runs.html" or "two.html"
 ViewReply view_page(const std::string& name);
 /// "run.js", "runs.js", "two.js", "three.js"

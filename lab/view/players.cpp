@@ -1,5 +1,6 @@
 #include "lab/view/players.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -11,13 +12,22 @@
 #include "cx/base/process.h"
 #include "cx/base/scratch_folder.h"
 #include "lab/comparison.h"
+#include "lab/control/client.h"
 #include "lab/time_travel.h"
 
 namespace cxlab::lab {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 Json error_json(const Error& error) { return {{"error", error.text()}, {"kind", static_cast<int>(error.kind)}}; }
+
+Error error_from_starter(const Json& answer) {
+  if (!answer.is_object()) return bug_error("the process that starts others does not answer");
+  const char* key = answer.contains("ended") ? "ended" : "error";
+  return Error{static_cast<ErrorKind>(answer.value("kind", 3)), answer.value(key, ""), {}, 0, {}};
+}
 
 /// What a process that ended has to say: the text of its error, or its exit code.
 std::string last_words(const std::string& said, int code) {
@@ -45,27 +55,25 @@ Json comparison_json(const Comparison& found) {
 /// What the starter does; it lives in that process only.
 class Starter {
  public:
-  Starter(const Catalogue& catalogue, bool trust_programs, const Host& host)
-      : catalogue_(catalogue), trust_programs_(trust_programs), host_(host) {}
+  Starter(const fs::path& place, const Catalogue& catalogue, bool trust_programs, const Host& host)
+      : place_(real(place)), catalogue_(catalogue), trust_programs_(trust_programs), host_(host) {}
 
-  Json carry_out(const Json& request) {
+  Servant::Answer carry_out(const Json& request) {
+    for (const char* key : {"run", "a", "b"})
+      if (request.contains(key) && !is_here(request.value(key, "")))
+        return said(error_json(usage_error(found_text(request.value(key, ""), "a run of " + place_.string()))));
     const std::string verb = request.value("verb", "");
-    if (verb == "play") return play(request.value("run", ""));
-    if (verb == "compare") return compare(request.value("a", ""), request.value("b", ""));
+    if (verb == "play") return said(play(request.value("run", "")));
+    if (verb == "compare") return said(compare(request.value("a", ""), request.value("b", "")));
+    if (verb == "connect_to_run") return connect(fs::path(request.value("run", "")) / "control.sock");
     const auto found = playing_.find(request.value("number", 0));
-    if (found == playing_.end()) return Json{{"ended", "the process is there no more"}};
+    if (found == playing_.end()) return said(Json{{"ended", "the process is there no more"}});
+    if (verb == "connect" && found->second.travel) return connect(found->second.travel->address().path);
     if (verb == "end") {
       playing_.erase(found);
-      return Json::object();
+      return said(Json::object());
     }
-    Playing& playing = found->second;
-    const auto code = playing.travel ? playing.travel->ended() : playing.comparison->wait_for(0);
-    if (!code) return Json::object();
-    const std::string said = playing.travel ? playing.travel->said() : said_in(playing.folder->path() / kSaid);
-    Json answer{{"ended", last_words(said, *code)}};
-    if (*code == 0 && playing.comparison) answer = {{"answer", said_in(playing.folder->path() / kAnswer)}};
-    playing_.erase(found);
-    return answer;
+    return said(look(found));
   }
 
  private:
@@ -77,9 +85,36 @@ class Starter {
     std::optional<Process> comparison = {};
   };
   static constexpr const char *kSaid = "said.txt", *kAnswer = "answer.json";
-  static std::string said_in(const std::filesystem::path& file) {
+  static std::string said_in(const fs::path& file) {
     const auto text = read_file(file);
     return text ? *text : std::string();
+  }
+  static Servant::Answer said(const Json& json) { return {json_text(json)}; }
+  static Servant::Answer connect(const fs::path& socket) {
+    auto connection = connect_to_socket(socket.string());
+    if (!connection) return said(error_json(connection.error()));
+    return {json_text(Json::object()), *std::move(connection)};
+  }
+
+  static fs::path real(const fs::path& path) {
+    std::error_code error;
+    fs::path found = fs::canonical(path, error);
+    return error ? fs::path() : found;
+  }
+  bool is_here(const fs::path& run) const {
+    const fs::path found = real(run);
+    return !found.empty() && std::ranges::mismatch(place_, found).in1 == place_.end();
+  }
+
+  Json look(std::map<int, Playing>::iterator found) {
+    Playing& playing = found->second;
+    const auto code = playing.travel ? playing.travel->ended() : playing.comparison->wait_for(0);
+    if (!code) return Json::object();
+    const std::string said = playing.travel ? playing.travel->said() : said_in(playing.folder->path() / kSaid);
+    Json answer{{"ended", last_words(said, *code)}};
+    if (*code == 0 && playing.comparison) answer = {{"answer", said_in(playing.folder->path() / kAnswer)}};
+    playing_.erase(found);
+    return answer;
   }
 
   Json keep(Playing playing, Json answer) {
@@ -95,7 +130,7 @@ class Starter {
     auto travel = TimeTravel::start(*playing.run, host_, {.counting = Counting::kUse, .quiet = true});
     if (!travel) return error_json(travel.error());
     playing.travel = *std::move(travel);
-    Json answer{{"socket", playing.travel->address().path}};
+    Json answer = Json::object();
     if (playing.run->finished) answer["end"] = to_seconds(playing.run->sim_time);
     return keep(std::move(playing), std::move(answer));
   }
@@ -119,6 +154,7 @@ class Starter {
     return keep({.folder = *std::move(folder), .comparison = *std::move(process)}, Json::object());
   }
 
+  const fs::path place_;
   const Catalogue& catalogue_;
   bool trust_programs_;
   Host host_;
@@ -128,46 +164,58 @@ class Starter {
 
 }  // namespace
 
-Expected<Players> Players::start(const Catalogue& catalogue, bool trust_programs, const Host& host) {
-  auto starter = std::make_shared<std::unique_ptr<Starter>>(std::make_unique<Starter>(catalogue, trust_programs, host));
+Expected<Players> Players::start(const fs::path& place, const Catalogue& catalogue, bool trust_programs,
+                                 const Host& host) {
+  auto starter =
+      std::make_shared<std::unique_ptr<Starter>>(std::make_unique<Starter>(place, catalogue, trust_programs, host));
   auto servant = Servant::start(
-      [starter](const std::string& request, const auto&) {
-        return Servant::Answer{json_text((*starter)->carry_out(parse_json(request)))};
-      },
+      [starter](const std::string& request, const auto&) { return (*starter)->carry_out(parse_json(request)); },
       [starter] { starter->reset(); });
   if (!servant) return servant.error();
   return Players(*std::move(servant));
 }
 
-std::string Players::ask(const std::string& request) {
+Servant::Answer Players::ask(const Json& request) {
   const std::lock_guard lock(mutex_);
-  if (!starter_) return json_text(error_json(resource_error("cxlab view has ended")));
-  auto answer = starter_->ask(request);
-  return answer ? answer->text : json_text(error_json(answer.error()));
+  if (!starter_) return {json_text(error_json(resource_error("cxlab view has ended")))};
+  auto answer = starter_->ask(json_text(request));
+  return answer ? *std::move(answer) : Servant::Answer{json_text(error_json(answer.error()))};
 }
 
-Expected<Players::Player> Players::play(const std::filesystem::path& run) {
-  const Json answer = parse_json(ask(json_text(Json{{"verb", "play"}, {"run", run.string()}})));
-  if (!answer.is_object()) return bug_error("the process that starts others does not answer");
-  if (answer.contains("error"))
-    return Error{static_cast<ErrorKind>(answer.value("kind", 3)), answer.value("error", ""), {}, 0, {}};
-  Player player{answer.value("number", 0), answer.value("socket", ""), {}};
+Json Players::answer_to(const Json& request) { return parse_json(ask(request).text); }
+
+Expected<Descriptor> Players::connection(const Json& request) {
+  Servant::Answer answer = ask(request);
+  if (answer.descriptor) return std::move(answer.descriptor);
+  return error_from_starter(parse_json(answer.text));
+}
+
+Expected<Players::Player> Players::play(const fs::path& run) {
+  const Json answer = answer_to(Json{{"verb", "play"}, {"run", run.string()}});
+  if (!answer.is_object() || answer.contains("error")) return error_from_starter(answer);
+  Player player{answer.value("number", 0), {}};
   if (answer.contains("end")) player.end = answer["end"].get<double>();
   return player;
 }
 
+Expected<Descriptor> Players::connect(int number) { return connection(Json{{"verb", "connect"}, {"number", number}}); }
+
+Expected<Descriptor> Players::connect_to_run(const fs::path& run) {
+  return connection(Json{{"verb", "connect_to_run"}, {"run", run.string()}});
+}
+
 std::optional<Error> Players::end_of(int number) {
-  const Json answer = parse_json(ask(json_text(Json{{"verb", "look"}, {"number", number}})));
+  const Json answer = answer_to(Json{{"verb", "look"}, {"number", number}});
   if (!answer.is_object()) return bug_error("the process that starts others does not answer");
   for (const char* why : {"ended", "error"})
     if (answer.contains(why)) return run_error(answer.value(why, ""));
   return std::nullopt;
 }
 
-Expected<std::string> Players::compare(const std::filesystem::path& a, const std::filesystem::path& b) {
-  Json answer = parse_json(ask(json_text(Json{{"verb", "compare"}, {"a", a.string()}, {"b", b.string()}})));
+Expected<std::string> Players::compare(const fs::path& a, const fs::path& b) {
+  Json answer = answer_to(Json{{"verb", "compare"}, {"a", a.string()}, {"b", b.string()}});
   const Json look{{"verb", "look"}, {"number", answer.is_object() ? answer.value("number", 0) : 0}};
-  for (answer.erase("number"); answer.is_object() && answer.empty(); answer = parse_json(ask(json_text(look))))
+  for (answer.erase("number"); answer.is_object() && answer.empty(); answer = answer_to(look))
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   if (!answer.is_object()) return bug_error("the process that starts others does not answer");
   if (answer.contains("answer")) return answer.value("answer", "");
@@ -179,6 +227,6 @@ void Players::end_all() {
   starter_.reset();
 }
 
-void Players::end(int number) { ask(json_text(Json{{"verb", "end"}, {"number", number}})); }
+void Players::end(int number) { ask(Json{{"verb", "end"}, {"number", number}}); }
 
 }  // namespace cxlab::lab

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "cx/base/file.h"
-#include "lab/control/client.h"
 #include "lab/sweep/index.h"
 #include "lab/sweep/row_folder.h"
 #include "scenarios/catalogue.h"
@@ -106,7 +105,7 @@ std::optional<fs::path> ViewedRuns::find(const std::string& id) {
   return found == folders_.end() ? std::nullopt : std::optional(found->second);
 }
 
-Json ViewedRuns::row_of(const std::string& id, const fs::path& folder) {
+Json ViewedRuns::row_of(const std::string& id, const fs::path& folder, Players& players) {
   Json row{{"id", id}, {"name", only_ ? name_of(folder) : folder.lexically_relative(place_).generic_string()}};
   const auto text = read_file(folder / "result.json");
   auto& [seen, known] = rows_[id];
@@ -124,7 +123,7 @@ Json ViewedRuns::row_of(const std::string& id, const fs::path& folder) {
                                   {"tier", "tier"},
                                   {"sim_time_s", "sim_time_s"}})
     row[key] = result.contains(from) ? result[from] : Json();
-  row["live"] = run->unfinished && ControlClient::is_listened_to((folder / "control.sock").string());
+  row["live"] = run->unfinished && players.is_live(folder);
   if (run->unfinished) row["status"] = "unfinished";
   row["warnings"] = result.contains("warnings") ? result["warnings"].size() : 0;
   row["errors"] = result.contains("rule_errors") ? result["rule_errors"].size() : 0;
@@ -149,14 +148,14 @@ Json ViewedRuns::row_of(const std::string& id, const fs::path& folder) {
   return row;
 }
 
-Json ViewedRuns::table() {
+Json ViewedRuns::table(Players& players) {
   const std::lock_guard lock(mutex_);
   if (!only_) look();
   Json rows = Json::array(), metrics = Json::array();
   std::map<std::string, std::size_t> by_name;  // rows of runs by the name of their folder
   for (const auto& [id, folder] : folders_) {
     by_name[name_of(folder)] = rows.size();
-    rows.push_back(row_of(id, folder));
+    rows.push_back(row_of(id, folder, players));
   }
   std::set<std::string> worlds, named;
   const auto name_metrics = [&](const std::string& world) {

@@ -12,6 +12,7 @@
 #include "cx/base/expected.h"
 #include "cx/base/json.h"
 #include "lab/run.h"
+#include "lab/view/players.h"
 
 namespace cxlab::lab {
 
@@ -25,14 +26,16 @@ class ViewedRuns {
   const std::optional<std::string>& only() const { return only_; }
   /// The folder of a run; nothing for an id that is none.
   std::optional<std::filesystem::path> find(const std::string& id);
+  /// The folder that was named, as a real path.
+  const std::filesystem::path& place() const { return place_; }
   /// GET /api/runs (docs/reference/view.md). Looks into the folder again.
-  Json table();
+  Json table(Players& players);
 
  private:
   ViewedRuns(std::filesystem::path place, const Catalogue& catalogue)
       : place_(std::move(place)), catalogue_(&catalogue) {}
   void look();
-  Json row_of(const std::string& id, const std::filesystem::path& folder);
+  Json row_of(const std::string& id, const std::filesystem::path& folder, Players& players);
 
   std::filesystem::path place_;
   const Catalogue* catalogue_;

@@ -4,8 +4,10 @@
 
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "lab/confine.h"
 #include "lab/report.h"
 #include "lab/view/page.h"
+#include "scenarios/share.h"
 
 namespace cxlab::lab {
 
@@ -25,9 +27,16 @@ Expected<std::unique_ptr<Viewer>> Viewer::open(const std::filesystem::path& plac
                                                bool trust_programs, const Host& host) {
   auto runs = ViewedRuns::open(place, catalogue);
   if (!runs) return runs.error();
-  auto players = Players::start(catalogue, trust_programs, host);
+  auto players = Players::start(runs->place(), catalogue, trust_programs, host);
   if (!players) return players.error();
   return std::unique_ptr<Viewer>(new Viewer(*std::move(runs), *std::move(players), catalogue, trust_programs));
+}
+
+void Viewer::confine(const Host& host) const {
+  Wall wall;
+  const Share share = find_share();
+  wall.read = {runs_.place(), share.interfaces, share.models, share.pages};
+  lab::confine(host, wall);
 }
 
 Viewer::~Viewer() { leave(); }
@@ -73,7 +82,7 @@ ViewReply Viewer::answer(const ViewRequest& request) {
     return view_script(path.substr(1));
   if (get && path == "/api/runs") {
     const std::lock_guard lock(reading_);
-    return {200, "application/json", json_text(runs_.table())};
+    return {200, "application/json", json_text(runs_.table(players_))};
   }
   if (get && path == "/api/two") return answer_two(request);
   constexpr std::string_view kRun = "/run/";
@@ -119,7 +128,8 @@ ViewReply Viewer::answer_run(const ViewRequest& request, const std::string& id, 
   if (!run->unfinished) page_data_.emplace(id, json_text(parts->run));
   (void)visit(id, *folder);  // the reader of the page asks soon
   parts->head["in_folder"] = !only();
-  return view_run_page(*run, std::move(parts->head));
+  parts->head["live"] = run->unfinished && players_.is_live(*folder);
+  return view_run_page(std::move(parts->head));
 }
 
 ViewReply Viewer::answer_two(const ViewRequest& request) {

@@ -3,6 +3,7 @@
 //
 //   auto view = Viewer::open(place, catalogue, false, host);
 //   auto server = ViewServer::open(**view, port);
+//   (*view)->confine(host);
 //   std::puts((*server)->address().c_str());
 //   (*server)->serve([] { return false; });
 
@@ -26,6 +27,8 @@ class Viewer {
   /// `place`: the folder of a run, or a folder of runs. Before this process has a second thread.
   static Expected<std::unique_ptr<Viewer>> open(const std::filesystem::path& place, const Catalogue& catalogue,
                                                 bool trust_programs, const Host& host);
+  /// Gives up what answers do not need, for good (cx/wall/wall.h): to be called when the port is open, which stays so.
+  void confine(const Host& host) const;
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;

@@ -86,15 +86,19 @@ void Visit::leave() {
 
 // --- Who answers
 
+Expected<std::unique_ptr<ControlClient>> Visit::client_over(Expected<Descriptor> connection) const {
+  if (!connection) return connection.error();
+  return ControlClient::over(*std::move(connection), (run_ / "control.sock").string());
+}
+
 Status Visit::connect() {
   if (client_) return {};
   for (int tries = 0; over_ && !left_ && tries < kTriesOfResult && is_unfinished(run_); ++tries)
     std::this_thread::sleep_for(20ms);
   if (left_) return resource_error("cxlab view has ended");
   set_to_.reset();
-  const std::filesystem::path socket = run_ / "control.sock";
-  if (!over_ && path_exists(socket)) {
-    if (auto client = ControlClient::connect({.path = socket.string()}, {})) {
+  if (!over_ && path_exists(run_ / "control.sock")) {
+    if (auto client = client_over(players_.connect_to_run(run_))) {
       live_ = true;
       listen(**client);
       const std::lock_guard lock(news_);
@@ -114,7 +118,7 @@ Status Visit::connect_to_player() {
   end_ = player->end;
   just_opened_ = true;
   while (!left_) {
-    if (auto client = ControlClient::connect({.path = player->socket}, {})) {
+    if (auto client = client_over(players_.connect(player->number))) {
       const std::lock_guard lock(news_);
       client_ = *std::move(client);
       return {};

@@ -49,6 +49,7 @@ class Visit {
 
   Status connect();
   Status connect_to_player();
+  Expected<std::unique_ptr<ControlClient>> client_over(Expected<Descriptor> connection) const;
   void listen(ControlClient& client);
   void take(const Event& event);
   void watch_events(int descriptor);

@@ -1,10 +1,10 @@
 #include "planner/explain/out_of_reach.h"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <utility>
 
+#include "planner/explain/choices.h"
 #include "planner/explain/reach.h"
 #include "planner/pddl/text.h"
 
@@ -17,9 +17,6 @@ constexpr std::size_t kMostMakers = 3;             ///< actions that a text name
 constexpr std::size_t kMostCauses = 4;             ///< that a text tells, half of them at each end
 constexpr std::size_t kMostCausesInSearch = 200;   ///< of a chain
 constexpr std::size_t kLongestAlternatives = 100;  ///< that a text quotes
-
-/// By slot: the objects that it may be. Empty: not in use.
-using Choices = ById<std::vector<ObjectId>>;
 
 /// A number that should move.
 struct Move {
@@ -44,14 +41,6 @@ struct Gap {
   std::vector<FactPattern> facts;
   std::vector<Move> moves;
   std::string reason;  ///< of kNever
-};
-
-/// Something that an action or a rule asks for: a condition, or that a number has a value.
-struct Demand {
-  const Condition* condition = nullptr;
-  bool wanted = true;
-  const char* when = "";
-  Expression value{};  ///< without a condition
 };
 
 /// An effect or a rule that would bring something about, for some of its arguments.
@@ -79,6 +68,7 @@ class Explainer {
         problem_(task.problem),
         budget_(budget),
         reach_(task, reachable, budget, pairs),
+        judge_(reach_, budget),
         initial_(initial) {}
 
   std::optional<OutOfReach> run() {
@@ -87,7 +77,7 @@ class Explainer {
     std::vector<Gap> gaps;
     name_variables({}, {}, {&problem_.goal});
     for_each_conjunct(problem_.goal, true, [&](const Condition& part, bool wanted) {
-      if (!budget_.over() && is_impossible(part, wanted, choices)) find_gaps(part, wanted, choices, "", gaps);
+      if (!budget_.over() && judge_.is_impossible(part, wanted, choices)) find_gaps(part, wanted, choices, "", gaps);
     });
     Frame frame(choices.size(), -1);
     if (gaps.empty())
@@ -101,100 +91,6 @@ class Explainer {
   }
 
  private:
-  // --- Choices
-
-  std::vector<ObjectId> chosen(const Term& term, const Choices& choices) const {
-    if (term.is_variable) return choices[term.index];
-    return {term.index};
-  }
-
-  std::vector<std::vector<ObjectId>> chosen(const std::vector<Term>& terms, const Choices& choices) const {
-    std::vector<std::vector<ObjectId>> out;
-    for (const Term& term : terms) out.push_back(chosen(term, choices));
-    return out;
-  }
-
-  /// Slots of the choices that a condition or a number reads.
-  template <class Part>
-  static void note_terms(const Part& part, const Choices& choices, std::set<int>& slots) {
-    for (const Term& term : part.terms)
-      if (term.is_variable && !choices[term.index].empty()) slots.insert(term.index);
-  }
-  static void note_slots(const Expression& expression, const Choices& choices, std::set<int>& slots) {
-    for_each_part(expression, [&](const Expression& part) { note_terms(part, choices, slots); });
-  }
-  static std::set<int> slots_of(const Condition& condition, const Choices& choices) {
-    std::set<int> slots;
-    for_each_part(condition, [&](const Condition& part, bool) {
-      note_terms(part, choices, slots);
-      for (const Expression& side : part.sides) note_slots(side, choices, slots);
-    });
-    return slots;
-  }
-  static std::set<int> slots_of(const Demand& demand, const Choices& choices) {
-    if (demand.condition) return slots_of(*demand.condition, choices);
-    std::set<int> slots;
-    note_slots(demand.value, choices, slots);
-    return slots;
-  }
-
-  /// Whether `holds()` is true for some choice of the slots from `next` on.
-  template <class Holds>
-  bool any_choice(const std::vector<int>& slots, std::size_t next, const Choices& choices, Frame& frame,
-                  const Holds& holds) {
-    budget_.spend(Work::kGround, 1);
-    if (budget_.over()) return true;
-    if (next == slots.size()) return holds();
-    for (const ObjectId object : choices[slots[next]]) {
-      frame[slots[next]] = object;
-      if (any_choice(slots, next + 1, choices, frame, holds)) return true;
-    }
-    return false;
-  }
-
-  bool is_impossible(const Condition& condition, bool wanted, const Choices& choices) {
-    if (condition.kind == Condition::Kind::kAtom && wanted) {
-      const auto objects = chosen(condition.terms, choices);
-      const std::set<int> slots = slots_of(condition, choices);
-      if (std::ssize(slots) ==
-          std::ranges::count_if(condition.terms, &Term::is_variable)) {  // no variable stands twice
-        budget_.spend(Work::kGround, 1 + std::ssize(reach_.atoms_of(condition.predicate)) / 8);
-        return std::ranges::none_of(reach_.atoms_of(condition.predicate), [&](int atom) {
-          const auto found = reach_.atoms().objects(atom);
-          for (std::size_t i = 0; i < objects.size(); ++i)
-            if (std::ranges::find(objects[i], found[i]) == objects[i].end()) return false;
-          return reach_.can_be(condition.predicate, found, true);
-        });
-      }
-    }
-    return !any(slots_of(condition, choices), choices,
-                [&](Frame& frame) { return reach_.can_hold(condition, frame, wanted); });
-  }
-
-  template <class Holds>
-  bool any(const std::set<int>& slots, const Choices& choices, const Holds& holds) {
-    Frame frame(choices.size(), -1);
-    return any_choice({slots.begin(), slots.end()}, 0, choices, frame, [&] { return holds(frame); });
-  }
-
-  bool is_met(const Demand& demand, Frame& frame) const {
-    return demand.condition ? reach_.can_hold(*demand.condition, frame, demand.wanted)
-                            : reach_.range(demand.value, frame).has_value();
-  }
-
-  bool is_impossible(const Demand& demand, const Choices& choices) {
-    if (demand.condition) return is_impossible(*demand.condition, demand.wanted, choices);
-    return !any(slots_of(demand, choices), choices, [&](Frame& frame) { return is_met(demand, frame); });
-  }
-
-  /// Whether no action can change it, but it is so for others: such a demand says which arguments are meant.
-  bool is_fixed_relation(const Demand& demand) const {
-    if (!demand.condition) return false;
-    if (demand.condition->kind == Condition::Kind::kSame) return true;
-    return demand.condition->kind == Condition::Kind::kAtom && reach_.is_static(demand.condition->predicate) &&
-           !reach_.atoms_of(demand.condition->predicate).empty();
-  }
-
   // --- Texts
 
   static void bind(std::vector<Term>& terms, const Choices& choices) {
@@ -314,7 +210,7 @@ class Explainer {
       if (part.kind != Expression::Kind::kFunction || !gap.moves.empty()) return;
       std::set<int> slots;
       note_slots(part, choices, slots);
-      if (any(slots, choices, [&](Frame& frame) { return reach_.range(part, frame).has_value(); })) return;
+      if (judge_.any(slots, choices, [&](Frame& frame) { return reach_.range(part, frame).has_value(); })) return;
       gap.text = text_of(part, choices);
       gap.moves.push_back({part.function, chosen(part.terms, choices), true, true, gap.text});
       gap.text = "a value of " + gap.text;
@@ -329,7 +225,7 @@ class Explainer {
   Gap number_gap(const Condition& condition, bool wanted, const Choices& choices) {
     const std::set<int> slots = slots_of(condition, choices);
     for (const Expression& side : condition.sides)
-      if (wanted && !any(slots, choices, [&](Frame& frame) { return reach_.range(side, frame).has_value(); }))
+      if (wanted && !judge_.any(slots, choices, [&](Frame& frame) { return reach_.range(side, frame).has_value(); }))
         return value_gap(side, choices);
     Gap gap{Gap::Kind::kNumber, text_of(condition, choices), "", {}, {}, ""};
     if (!wanted) gap.text = "(not " + gap.text + ")";
@@ -420,11 +316,11 @@ class Explainer {
                    std::vector<Gap>& gaps) {
     const std::size_t before = gaps.size();
     for (const auto& [part, wanted] : parts)
-      if (is_impossible(*part, wanted, choices)) find_parts(*part, wanted, choices, gaps);
+      if (judge_.is_impossible(*part, wanted, choices)) find_parts(*part, wanted, choices, gaps);
     if (gaps.size() > before) return;
     std::vector<Demand> demands;
     for (const auto& [part, wanted] : parts) demands.push_back({part, wanted, "", {}});
-    const Choices nearest = nearest_choice(demands, choices).first;
+    const Choices nearest = judge_.nearest_choice(demands, choices).first;
     Frame frame = frame_of(nearest);
     for (const auto& [part, wanted] : parts)
       if (!reach_.can_hold(*part, frame, wanted)) find_parts(*part, wanted, nearest, gaps);
@@ -445,65 +341,20 @@ class Explainer {
     for (const Variable& variable : condition.variables) slots.push_back(variable.slot);
     Frame frame(choices.size(), -1);
     const auto look = [&](const Choices& outer) {
-      return any_choice(slots, 0, inner, frame, [&] {
+      return judge_.any_choice(slots, 0, inner, frame, [&] {
         Choices one = outer;
         for (const int slot : slots) one[slot] = {frame[slot]};
-        if (!is_impossible(condition.operands[0], wanted, one)) return false;
+        if (!judge_.is_impossible(condition.operands[0], wanted, one)) return false;
         find_parts(condition.operands[0], wanted, one, gaps);
         return true;
       });
     };
     if (look(choices)) return;
-    look(nearest_choice({{&condition, wanted, "", {}}}, choices).first);
+    look(judge_.nearest_choice({{&condition, wanted, "", {}}}, choices).first);
   }
 
   Gap no_object(const Variable& variable) const {
     return never("an object of type " + types_text(domain_, variable.types), "there is none");
-  }
-
-  static Frame frame_of(const Choices& choices) {
-    Frame frame(choices.size(), -1);
-    for (std::size_t slot = 0; slot < choices.size(); ++slot)
-      if (!choices[slot].empty()) frame[slot] = choices[slot][0];
-    return frame;
-  }
-
-  /// The choice that leaves the fewest demands open: first of those that nothing can change, then of all.
-  std::pair<Choices, std::pair<int, int>> nearest_choice(const std::vector<Demand>& demands, const Choices& choices) {
-    std::vector<int> slots;
-    for (std::size_t slot = 0; slot < choices.size(); ++slot)
-      if (!choices[slot].empty()) slots.push_back(static_cast<int>(slot));
-    std::vector<std::vector<const Demand*>> decided(slots.size() + 1);  // by the number of slots that are bound
-    for (const Demand& demand : demands) {
-      const std::set<int> used = slots_of(demand, choices);
-      const auto last = used.empty() ? slots.begin() : std::ranges::find(slots, *used.rbegin()) + 1;
-      decided[static_cast<std::size_t>(last - slots.begin())].push_back(&demand);
-    }
-    constexpr int kMany = std::numeric_limits<int>::max();
-    std::pair<int, int> least{kMany, kMany};
-    Frame frame(choices.size(), -1), nearest = frame_of(choices);
-    const auto visit = [&](const auto& self, std::size_t bound, std::pair<int, int> open) -> void {
-      budget_.spend(Work::kGround, 1 + std::ssize(decided[bound]));
-      for (const Demand* demand : decided[bound])
-        if (!is_met(*demand, frame)) {
-          open.first += is_fixed_relation(*demand);
-          ++open.second;
-        }
-      if (open >= least || budget_.over()) return;
-      if (bound == slots.size()) {
-        least = open;
-        nearest = frame;
-        return;
-      }
-      for (const ObjectId object : choices[slots[bound]]) {
-        frame[slots[bound]] = object;
-        self(self, bound + 1, open);
-      }
-    };
-    visit(visit, 0, {0, 0});
-    Choices out(choices.size());
-    for (const int slot : slots) out[slot] = {nearest[slot]};
-    return {std::move(out), least};
   }
 
   // --- What would close a gap
@@ -567,7 +418,8 @@ class Explainer {
       for (const DurationConstraint& duration : action.duration) note_slots(duration.bound, maker.choices, slots);
       return slots;
     }();
-    const bool lasts = !any(read, maker.choices, [&](Frame& frame) { return !reach_.takes_time(action, frame); });
+    const bool lasts =
+        !judge_.any(read, maker.choices, [&](Frame& frame) { return !reach_.takes_time(action, frame); });
     if (timed && lasts) {
       demand_all(action.condition.over_all, "over all", maker);
       maker.conjunctions.push_back(&action.condition.over_all);
@@ -596,17 +448,17 @@ class Explainer {
         return;
       }
     for (const Demand& demand : maker.demands)
-      if (is_impossible(demand, maker.choices)) {
-        maker.lacks.first += is_fixed_relation(demand);
+      if (judge_.is_impossible(demand, maker.choices)) {
+        maker.lacks.first += judge_.is_fixed_relation(demand);
         ++maker.lacks.second;
         close(demand, maker.choices, maker.gaps);
       }
     if (!maker.gaps.empty()) return;
-    const auto [nearest, lacks] = nearest_choice(maker.demands, maker.choices);
+    const auto [nearest, lacks] = judge_.nearest_choice(maker.demands, maker.choices);
     maker.lacks = lacks;
     Frame frame = frame_of(nearest);
     for (const Demand& demand : maker.demands)
-      if (!is_met(demand, frame)) close(demand, nearest, maker.gaps);
+      if (!judge_.is_met(demand, frame)) close(demand, nearest, maker.gaps);
     if (!maker.gaps.empty()) return;
     for (const Condition* conjunction : maker.conjunctions)
       if (const auto apart = reach_.never_together(*conjunction, frame)) {
@@ -813,6 +665,7 @@ class Explainer {
   const Problem& problem_;
   Budget& budget_;
   const Reach reach_;
+  ChoiceJudge judge_;
   const std::string initial_;
   ById<std::string> variables_;    ///< by slot, of the action that is looked at
   std::set<std::string> seen_;     ///< gaps that have been followed

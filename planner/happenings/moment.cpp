@@ -3,73 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "planner/ground/sorted.h"
-#include "planner/happenings/linear_program.h"
 #include "planner/search/split.h"
 
 namespace cxlab::planner {
 
 namespace {
 
-constexpr double kMicro = static_cast<double>(kMicrosPerSecond);
-constexpr double kLongest = 1e9;       ///< seconds; validators accept no later time
-constexpr double kNoWeight = 1e-12;    ///< weights that are left by rounding
-constexpr double kRounding = 1e-4;     ///< microseconds by which a computed time may miss a whole one
-constexpr double kSlack = 1e-6;        ///< by which a value may miss what is asked for in proofs
-constexpr double kNothing = 1e-9;      ///< by which a computed value may miss it in plans, which validators judge again
 constexpr double kMostFollowed = 5;    ///< copies of an action that are followed one by one where there are no more
-constexpr double kPositive = 1e-6;     ///< the least value that is asked for where one is to be positive
 constexpr std::int64_t kStepWork = 2;  ///< in pieces of Work::kNode
 /// What a step spends for each pair of points, and for each action that may come next, in pieces of Work::kTimes.
 constexpr std::int64_t kLooksOfPair = 20, kLooksOfCandidate = 4;
-
-TimedNumber plus(const TimedNumber& a, const TimedNumber& b, double factor) {
-  TimedNumber sum{a.constant + factor * b.constant, a.weights};
-  for (const auto& [point, weight] : b.weights) {
-    const auto place = std::ranges::lower_bound(sum.weights, point, {}, &std::pair<int, double>::first);
-    if (place != sum.weights.end() && place->first == point)
-      place->second += factor * weight;
-    else
-      sum.weights.insert(place, {point, factor * weight});
-  }
-  std::erase_if(sum.weights, [](const auto& entry) { return std::abs(entry.second) < kNoWeight; });
-  return sum;
-}
-
-TimedNumber scaled(TimedNumber number, double factor) {
-  number.constant *= factor;
-  for (auto& entry : number.weights) entry.second *= factor;
-  std::erase_if(number.weights, [](const auto& entry) { return std::abs(entry.second) < kNoWeight; });
-  return number;
-}
-
-TimedNumber distance(int from, int to, double factor = 1) {
-  TimedNumber value;
-  if (from == to) return value;
-  value.weights = {{from, -factor}, {to, factor}};
-  std::ranges::sort(value.weights);
-  return value;
-}
-
-/// Writes points at a fixed distance as one.
-void simplify(const Zone& zone, TimedNumber& value) {
-  for (std::size_t i = 0; i < value.weights.size();) {
-    const auto [point, weight] = value.weights[i];
-    int same = 0;
-    while (same < point && !zone.is_fixed(same, point)) ++same;
-    if (same == point) {
-      ++i;
-      continue;
-    }
-    const double away = weight * in_seconds(zone.most(same, point));
-    value.weights.erase(value.weights.begin() + static_cast<std::ptrdiff_t>(i));
-    value.constant += away;
-    value = plus(value, TimedNumber{0, {{same, weight}}}, 1);
-    i = 0;
-  }
-}
 
 bool mentions_duration(const GroundAction& action, const GroundTask& task) {
   bool found = reads_duration(action);
@@ -152,7 +97,7 @@ std::optional<double> Moments::room(const LinearForm& gap, const GroundAction& a
   const double takes = -*change_of(gap, action.at_start);
   double all = gap.constant;
   for (const auto& [number, weight] : gap.weights) all += weight * task_.initial_numbers[number];
-  return takes > 0 && std::isfinite(all) ? std::optional(std::max(0.0, std::floor(all / takes + kSlack)))
+  return takes > 0 && std::isfinite(all) ? std::optional(std::max(0.0, std::floor(all / takes + kSlackInProofs)))
                                          : std::nullopt;
 }
 
@@ -175,200 +120,6 @@ Moment Moments::initial() const {
   moment.origin = moment.now = moment.zone.add_point();
   tidy(moment);
   return moment;
-}
-
-// ---- numbers -------------------------------------------------------------------------------------------------------
-
-TimedNumber Moments::number(const Moment& moment, int number) const {
-  const auto place = std::ranges::lower_bound(moment.varying, number, {}, &std::pair<int, TimedNumber>::first);
-  if (place != moment.varying.end() && place->first == number) return place->second;
-  return {simulator_.numbers(moment.state.data())[number], {}};
-}
-
-void Moments::set_number(Moment& moment, int number, TimedNumber value) const {
-  double& stored = reinterpret_cast<double*>(moment.state.data() + task_.words())[number];
-  const auto place = std::ranges::lower_bound(moment.varying, number, {}, &std::pair<int, TimedNumber>::first);
-  const bool known = place != moment.varying.end() && place->first == number;
-  if (value.is_constant()) {
-    stored = value.constant + 0.0;  // no negative zero: equal states have equal bits
-    if (known) moment.varying.erase(place);
-    return;
-  }
-  stored = 0;
-  if (known)
-    place->second = std::move(value);
-  else
-    moment.varying.insert(place, {number, std::move(value)});
-}
-
-TimedNumber Moments::duration(const Moment& moment, const Moment::Running& running) {
-  if (running.start < 0 || running.end < 0) return {};
-  TimedNumber value = distance(running.start, running.end);
-  simplify(moment.zone, value);
-  return value;
-}
-
-namespace {
-
-/// Runs steps on numbers that may depend on times; what is left on the stack. None where numbers that do are multiplied
-/// with each other, or divided by.
-template <class Number>
-std::optional<std::vector<TimedNumber>> run(std::span<const GroundExpression::Step> steps, const Number& number,
-                                            const TimedNumber& duration) {
-  using Kind = GroundExpression::Kind;
-  std::vector<TimedNumber> stack;
-  for (const GroundExpression::Step& step : steps) {
-    switch (step.kind) {
-      case Kind::kConstant: stack.push_back({step.value, {}}); continue;
-      case Kind::kFunction: stack.push_back(number(step.number)); continue;
-      case Kind::kDuration: stack.push_back(duration); continue;
-      case Kind::kTotalTime: return std::nullopt;
-      case Kind::kNegate: stack.back() = scaled(std::move(stack.back()), -1); continue;
-      default: break;
-    }
-    const TimedNumber right = std::move(stack.back());
-    stack.pop_back();
-    TimedNumber& left = stack.back();
-    if (step.kind == Kind::kAdd || step.kind == Kind::kSubtract) {
-      left = plus(left, right, step.kind == Kind::kAdd ? 1 : -1);
-    } else if (step.kind == Kind::kMultiply) {
-      if (!left.is_constant() && !right.is_constant()) return std::nullopt;
-      left = left.is_constant() ? scaled(right, left.constant) : scaled(std::move(left), right.constant);
-    } else {
-      if (!right.is_constant()) return std::nullopt;
-      if (left.is_constant())
-        left.constant /= right.constant;
-      else
-        left = scaled(std::move(left), 1 / right.constant);
-    }
-  }
-  return stack;
-}
-
-}  // namespace
-
-/// None: it cannot be followed.
-std::optional<TimedNumber> Moments::evaluate(const Moment& moment, const GroundExpression& expression,
-                                             const TimedNumber& duration) const {
-  if (moment.varying.empty() && duration.is_constant())
-    return TimedNumber{expression.evaluate(simulator_.numbers(moment.state.data()), duration.constant), {}};
-  auto stack = run(expression.steps, [&](int n) { return number(moment, n); }, duration);
-  if (!stack) return std::nullopt;
-  if (!std::isfinite(stack->back().constant)) return TimedNumber{std::nan(""), {}};
-  return std::move(stack->back());
-}
-
-std::optional<TimedNumber> Moments::gap(const Moment& moment, int index, const TimedNumber& duration) const {
-  const GroundComparison& comparison = task_.comparisons[index];
-  if (moment.varying.empty() && duration.is_constant())
-    return TimedNumber{comparison.gap(simulator_.numbers(moment.state.data()), duration.constant), {}};
-  bool constant = duration.is_constant() || !comparison.expression.mentions_duration();
-  for (const auto& [number, value] : moment.varying) constant = constant && !comparison.expression.mentions(number);
-  if (constant) return TimedNumber{comparison.gap(simulator_.numbers(moment.state.data()), duration.constant), {}};
-  const std::span most(comparison.expression.steps.data(), comparison.expression.steps.size() - 1);
-  const auto stack = run(most, [&](int n) { return number(moment, n); }, duration);
-  if (!stack || stack->size() != 2) return std::nullopt;
-  TimedNumber value = plus((*stack)[0], (*stack)[1], -1);
-  if (std::isnan(value.constant)) return TimedNumber{std::nan(""), {}};
-  simplify(moment.zone, value);
-  return value;
-}
-
-/// Whether a comparison accepts a value that depends on no time. It may have been computed from times.
-bool Moments::accepts(int comparison, double gap) const {
-  const GroundComparison& each = task_.comparisons[comparison];
-  if (!options_.relaxed) return each.accepts(gap);
-  return each.kind == GroundComparison::Kind::kZero ? std::abs(gap) <= kSlack : gap >= -kSlack;
-}
-
-/// Asks the times for it. False if no times are left.
-bool Moments::demand(Moment& moment, TimedDemand demand) const {
-  using Kind = GroundComparison::Kind;
-  TimedNumber& value = demand.value;
-  simplify(moment.zone, value);
-  if (value.is_constant()) {
-    const double slack = options_.relaxed ? kSlack : kNothing;
-    if (demand.kind == Kind::kPositive && !options_.relaxed) return value.constant > 0;
-    return demand.kind == Kind::kZero ? std::abs(value.constant) <= slack : value.constant >= -slack;
-  }
-  if (value.weights.size() > 2) {
-    if (std::ranges::find(moment.demands, demand) == moment.demands.end()) moment.demands.push_back(std::move(demand));
-    return true;
-  }
-  auto [from, to] = std::pair(value.weights[0].first, value.weights[1].first);
-  double weight = value.weights[1].second;
-  if (weight < 0) {
-    std::swap(from, to);
-    weight = -weight;
-  }
-  const double exact = -value.constant / weight * kMicro;  // that `to` is after `from` at least, or exactly
-  if (!(std::abs(exact) < kLongest * kMicro)) return demand.kind != Kind::kZero && exact < 0;
-  const double below = std::floor(exact + kRounding), above = std::ceil(exact - kRounding);
-  const auto require = [&](int a, int b, double least) {
-    return moment.zone.require(a, b, static_cast<Micros>(least));
-  };
-  if (demand.kind == Kind::kZero) {
-    if (options_.relaxed) return require(from, to, below) && require(to, from, -above);
-    return require(from, to, std::round(exact)) && require(to, from, -std::round(exact));
-  }
-  if (options_.relaxed) return require(from, to, below);
-  return require(from, to, demand.kind == Kind::kPositive ? below + 1 : above);
-}
-
-bool Moments::demand(Moment& moment, const GroundCondition& condition, const TimedNumber& duration) const {
-  for (const int f : condition.facts)
-    if (!is_set(moment.state.data(), f)) return false;
-  for (const int c : condition.comparisons) {
-    std::optional<TimedNumber> value = gap(moment, c, duration);
-    if (!value) return leave_out();
-    const GroundComparison::Kind kind = task_.comparisons[c].kind;
-    if (value->is_constant() ? !accepts(c, value->constant) : !demand(moment, {*value, kind})) return false;
-  }
-  return true;
-}
-
-/// The next sign, which the times are asked for; none: it is still to be chosen, or no times have it.
-std::optional<int> Moments::sign(Step& step, const TimedNumber& value) const {
-  if (value.is_constant()) return value.constant > 0 ? 1 : value.constant < 0 ? -1 : 0;
-  if (step.used == step.signs.size()) {
-    step.open = true;
-    return std::nullopt;
-  }
-  const int chosen = step.signs[step.used++];
-  const auto kind = chosen == 0 ? GroundComparison::Kind::kZero : GroundComparison::Kind::kPositive;
-  if (!demand(step.moment, {chosen < 0 ? scaled(value, -1) : value, kind})) return std::nullopt;
-  return chosen;
-}
-
-std::optional<bool> Moments::holds(Step& step, const GroundCondition& condition, const TimedNumber& duration) const {
-  for (const int f : condition.facts)
-    if (!is_set(step.moment.state.data(), f)) return false;
-  for (const int c : condition.comparisons) {
-    const std::optional<TimedNumber> value = gap(step.moment, c, duration);
-    if (!value) {
-      leave_out();
-      return std::nullopt;
-    }
-    if (value->is_constant() && std::isnan(value->constant)) return false;
-    const std::optional<int> chosen = sign(step, *value);
-    if (!chosen) return std::nullopt;
-    if (!task_.comparisons[c].accepts(*chosen)) return false;
-  }
-  return true;
-}
-
-bool Moments::derive(Step& step) const {
-  if (!axioms_read_numbers_ || step.moment.varying.empty()) {
-    simulator_.derive(step.moment.state.data());
-    return true;
-  }
-  bool right = true;
-  simulator_.derive(step.moment.state.data(), [&](const GroundCondition& body) {
-    const std::optional<bool> is_true = right ? holds(step, body, {}) : std::nullopt;
-    right = right && is_true.has_value();
-    return is_true.value_or(false);
-  });
-  return right;
 }
 
 // ---- one step ------------------------------------------------------------------------------------------------------
@@ -439,7 +190,7 @@ bool Moments::pass_to(Step& step, int point, int ending) const {
       const std::optional<TimedNumber> rate = evaluate(moment, effect.rate, duration(moment, running));
       if (!rate || !rate->is_constant()) return leave_out();
       if (std::isnan(rate->constant)) return false;
-      if (rate->constant != 0) rates.emplace_back(effect.number, distance(moment.now, point, rate->constant));
+      if (rate->constant != 0) rates.emplace_back(effect.number, time_between(moment.now, point, rate->constant));
     }
   struct Held {
     const GroundCondition* condition;
@@ -531,10 +282,10 @@ bool Moments::limit_duration(Moment& moment, const Moment::Running& running, boo
     const std::optional<TimedNumber> bound = evaluate(moment, limit.bound, {});
     if (!bound) return leave_out();
     if (std::isnan(bound->constant)) return false;
-    if (limit.comparison == Comparison::kLessEqual && bound->constant >= kLongest) continue;  // none
-    if (limit.comparison == Comparison::kGreaterEqual && bound->constant <= -kLongest) continue;
-    if (!(std::abs(bound->constant) < kLongest)) return false;
-    const TimedNumber length = distance(running.start, running.end);
+    if (limit.comparison == Comparison::kLessEqual && bound->constant >= kLongestTime) continue;  // none
+    if (limit.comparison == Comparison::kGreaterEqual && bound->constant <= -kLongestTime) continue;
+    if (!(std::abs(bound->constant) < kLongestTime)) return false;
+    const TimedNumber length = time_between(running.start, running.end);
     const TimedNumber over = plus(length, *bound, -1);
     const auto not_negative = GroundComparison::Kind::kNotNegative;
     const bool exact = limit.comparison == Comparison::kEqual;
@@ -757,126 +508,6 @@ void Moments::judge(Moment& moment) const {
     for (const int action : *actions)
       if (!may_hold(moment, task_.actions[action].over_all, changes)) moment.may_join = true;
   if (!moment.may_pass) moment.may_join = true;
-}
-
-/// Forgets the points that nothing can depend on any more, and looks whether there are times at all.
-bool Moments::tidy(Moment& moment) const {
-  std::vector<TimedDemand> demands;
-  for (bool changed = true; changed;) {
-    demands = std::move(moment.demands);
-    moment.demands.clear();
-    for (TimedDemand& each : demands)
-      if (!demand(moment, each)) return false;
-    changed = moment.demands.size() < demands.size();
-  }
-  for (std::size_t i = moment.varying.size(); i-- > 0;) {
-    auto [number, value] = moment.varying[i];
-    simplify(moment.zone, value);
-    set_number(moment, number, std::move(value));
-  }
-  if (!moment.demands.empty() && !solve(moment, -1)) return false;
-  std::erase_if(moment.recent, [&](const Moment::Recent& recent) {
-    return moment.zone.least(recent.point, moment.now) >= options_.separation;
-  });
-  if (options_.keep_everything) return true;
-  std::vector<int> kept;
-  ById<int> place(static_cast<std::size_t>(moment.zone.points()), -1);
-  const auto keep = [&](int& point) {
-    if (point < 0) return;
-    if (place[point] < 0) {
-      place[point] = static_cast<int>(kept.size());
-      kept.push_back(point);
-    }
-    point = place[point];
-  };
-  const bool from_start = options_.keep_origin || moment.next_event < static_cast<int>(task_.events.size()) ||
-                          !moment.varying.empty() || !moment.demands.empty();
-  if (!from_start) moment.origin = -1;
-  keep(moment.origin);
-  keep(moment.now);
-  for (Moment::Running& running : moment.running) {
-    keep(running.end);
-    if (!reads_duration_[running.action]) running.start = -1;
-    keep(running.start);
-  }
-  std::ranges::sort(moment.recent, {},
-                    [](const Moment::Recent& recent) { return std::tie(recent.action, recent.at_end, recent.fired); });
-  for (Moment::Recent& recent : moment.recent) keep(recent.point);
-  const auto keep_all = [&](TimedNumber& value) {
-    for (auto& entry : value.weights) keep(entry.first);
-    std::ranges::sort(value.weights);
-  };
-  for (auto& entry : moment.varying) keep_all(entry.second);
-  for (TimedDemand& each : moment.demands) keep_all(each.value);
-  moment.zone.keep(kept);
-  return true;
-}
-
-/// Times after the origin in seconds, that of point `least` as early as it can be; none if there are none.
-std::optional<ById<double>> Moments::solve(const Moment& moment, int least) const {
-  const int points = moment.zone.points();
-  std::vector<LinearRow> rows;
-  const auto row = [&] { return LinearRow{std::vector<double>(static_cast<std::size_t>(points), 0), 0}; };
-  for (int from = 0; from < points; ++from)
-    for (int to = 0; to < points; ++to) {
-      if (from == to || moment.zone.most(from, to) >= Zone::kAny) continue;
-      LinearRow made = row();
-      if (from != moment.origin) made.coefficients[static_cast<std::size_t>(from)] = -1;
-      if (to != moment.origin) made.coefficients[static_cast<std::size_t>(to)] = 1;
-      made.bound = in_seconds(moment.zone.most(from, to));
-      rows.push_back(std::move(made));
-    }
-  for (const TimedDemand& demand : moment.demands) {
-    LinearRow made = row();
-    for (const auto& [point, weight] : demand.value.weights)
-      if (point != moment.origin) made.coefficients[static_cast<std::size_t>(point)] = -weight;
-    made.bound = demand.value.constant;
-    if (demand.kind == GroundComparison::Kind::kPositive && !options_.relaxed) made.bound -= kPositive;
-    rows.push_back(made);
-    if (demand.kind != GroundComparison::Kind::kZero) continue;
-    for (double& each : made.coefficients) each = -each;
-    made.bound = -made.bound;
-    rows.push_back(std::move(made));
-  }
-  std::vector<double> objective(static_cast<std::size_t>(points), 0);
-  if (least >= 0 && least != moment.origin) objective[static_cast<std::size_t>(least)] = 1;
-  std::int64_t work = 0;
-  std::optional<std::vector<double>> found = minimize(rows, objective, &work);
-  budget_.spend(Work::kTimes, work);
-  return found ? std::optional(ById<double>(*std::move(found))) : std::nullopt;
-}
-
-bool Moments::fix(Moment& moment, int point, Micros time) const {
-  if (!moment.zone.require(moment.origin, point, time) || !moment.zone.require(point, moment.origin, -time))
-    return false;
-  const std::vector<TimedDemand> demands = std::move(moment.demands);
-  moment.demands.clear();
-  for (const TimedDemand& each : demands)
-    if (!demand(moment, each)) return false;
-  return moment.demands.empty() || solve(moment, -1);
-}
-
-std::optional<ById<Micros>> Moments::times(const Moment& moment, int last) const {
-  Moment fixed = moment;
-  std::vector<int> order = {last};
-  for (int point = 0; point < moment.zone.points(); ++point) order.push_back(point);
-  for (const int point : order) {
-    if (fixed.demands.empty()) break;
-    const std::optional<ById<double>> found = solve(fixed, point);
-    if (!found) return std::nullopt;
-    const double exact = (*found)[point] * kMicro;
-    bool placed = false;
-    for (const double time : {std::ceil(exact - 1e-3), std::round(exact), std::floor(exact), std::ceil(exact) + 1}) {
-      Moment next = fixed;
-      if (placed || !fix(next, point, static_cast<Micros>(time))) continue;
-      fixed = std::move(next);
-      placed = true;
-    }
-    if (!placed) return std::nullopt;
-  }
-  ById<Micros> earliest;
-  for (int point = 0; point < fixed.zone.points(); ++point) earliest.push_back(fixed.zone.least(fixed.origin, point));
-  return earliest;
 }
 
 // ---- what may come next --------------------------------------------------------------------------------------------

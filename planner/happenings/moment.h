@@ -9,26 +9,12 @@
 #include <vector>
 
 #include "planner/ground/budget.h"
+#include "planner/happenings/timed_number.h"
 #include "planner/happenings/zone.h"
 #include "planner/schedule/timeline.h"
 #include "planner/search/simulator.h"
 
 namespace cxlab::planner {
-
-/// A number that depends on times: constant + sum of weight * time of the point, in seconds. The weights add up to 0.
-struct TimedNumber {
-  double constant = 0;
-  std::vector<std::pair<int, double>> weights;  ///< by point, ascending, none 0
-  bool is_constant() const { return weights.empty(); }
-  bool operator==(const TimedNumber&) const = default;
-};
-
-/// What must be true of the times: the value is > 0, >= 0 or = 0.
-struct TimedDemand {
-  TimedNumber value;
-  GroundComparison::Kind kind = GroundComparison::Kind::kNotNegative;
-  bool operator==(const TimedDemand&) const = default;
-};
 
 struct Happening {
   enum class Kind : std::uint8_t { kStart, kEnd, kEvent };

@@ -110,10 +110,10 @@ class InUse {
 /// How long Python waits for the lock of the interpreter, at most, and for a look at Ctrl-C.
 constexpr auto kStretch = std::chrono::milliseconds(50);
 
-/// Calls `play(pause)` without the lock of the interpreter until it ends by itself, not because `pause` said so;
-/// between two calls it looks for Ctrl-C. Raises the error of `play`.
-template <class F>
-auto in_stretches(F play) {
+/// Calls `play(pause)` without the lock of the interpreter until it ends by itself, not because `pause` said so. After
+/// each call it calls `after()`, raises the error of `play`, and looks for Ctrl-C.
+template <class F, class After>
+auto in_stretches(F play, After after) {
   using Clock = std::chrono::steady_clock;
   while (true) {
     bool paused = false;
@@ -121,10 +121,15 @@ auto in_stretches(F play) {
       const nb::gil_scoped_release others_may_run;
       return play([&paused, until = Clock::now() + kStretch] { return paused = Clock::now() >= until; });
     }();
+    after();
     auto value = value_or_raise(std::move(played));
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!paused) return value;
   }
+}
+template <class F>
+auto in_stretches(F play) {
+  return in_stretches(std::move(play), [] {});
 }
 
 /// The seat of an object with the methods of cxlab.Seat; it gets its bus as attribute `bus`.

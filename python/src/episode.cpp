@@ -6,7 +6,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -102,20 +101,17 @@ class PlayedEpisode {
     if (until && std::isnan(*until)) raise(usage_error(found_expected("nan", "a time, s"), "until"));
     const SimTime end = until && *until < 1e9 ? from_seconds(*until) : kNever;
     std::int64_t played = 0;
-    while (true) {
-      Expected<StepReport> report = usage_error("");
-      {
-        const nb::gil_scoped_release others_may_run;
-        report = stretch(end, ticks ? std::optional(*ticks - played) : std::nullopt);
-      }
-      note_state();
-      lines_.hand_over();
-      play_->raise_again();
-      const StepReport done = value_or_raise(std::move(report));
-      played += done.ticks;
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (!paused_ || over_) return {now_, played, over_};
-    }
+    if (ticks && *ticks <= 0) return {now_, played, over_};
+    in_stretches(
+        [&](const auto& pause) {
+          return session_->step(end, [&] { return ++played == ticks || play_->has_raised() || pause(); });
+        },
+        [&] {
+          note_state();
+          lines_.hand_over();
+          play_->raise_again();
+        });
+    return {now_, played, over_};
   }
 
   /// result.json of the run, which is over now.
@@ -285,20 +281,6 @@ class PlayedEpisode {
     over_ = session_->over();
   }
 
-  /// Plays on until the end or the number of ticks, or for so long that Python should look for signals (`paused_`).
-  Expected<StepReport> stretch(SimTime end, std::optional<std::int64_t> ticks) {
-    using Clock = std::chrono::steady_clock;
-    paused_ = false;
-    if (ticks && *ticks <= 0) return StepReport{episode().now(), 0, session_->over()};
-    std::int64_t played = 0;
-    if (ticks == 1) return session_->step(end, [] { return true; });
-    const auto look = Clock::now() + kStretch;
-    return session_->step(end, [&] {
-      if (++played == ticks || play_->has_raised()) return true;
-      return paused_ = Clock::now() >= look;
-    });
-  }
-
   cx::Environment& environment_of(const std::optional<std::string>& name) {
     const std::vector<cx::Environment*> all = episode().environments();
     std::vector<std::string> names, meant;
@@ -364,7 +346,7 @@ class PlayedEpisode {
   std::unique_ptr<lab::Session> session_;  // none: closed
   Renderer renderer_;
   double now_ = -1;
-  bool over_ = false, paused_ = false;
+  bool over_ = false;
   // What a closed episode keeps
   std::string result_, folder_;
   Status page_;

@@ -128,7 +128,7 @@ class RecordedRun {
     nb::dict out;
     out["at_s"] = to_seconds(answered.to);
     out["from_s"] = to_seconds(answered.from);
-    out["cut_off"] = answered.cut_off;
+    out["cut_off"] = !answered.cut_off.empty();
     nb::dict tables;
     for (const Table& table : answered.answer.tables)
       tables[text(table.key)] = nb::cast(TableSource(lab::plain_table(table)));

@@ -162,7 +162,7 @@ class Attach(Lab):
     def test_short_wrong_commands(self):
         self.begin()
         for command, text in [
-                ("fcts", "there is no command 'fcts' (help lists them), did you mean 'facts'?"), ("facts ordr", "there is no template 'ordr'"),
+                ("orders", "there is no command 'orders' (help lists them)"), ("fcts", "there is no command 'fcts' (help lists them), did you mean 'facts'?"), ("facts ordr", "there is no template 'ordr'"),
                 ("rules begn", "did you mean 'begin'?"), ("until rule begn", "did you mean 'begin'?"),
                 ("until", "expected"), ("step 0", "expected a number from 1"), ("step x", "found 'x'"),
                 ("tick -1", "found '-1'"), ("delete 9", "there is no break point '9'"),

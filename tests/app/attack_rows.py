@@ -472,7 +472,7 @@ ROWS["disk"] = [
     writes("log lines", act('(while TRUE (printout t "again and again" crlf))')),
     writes("empty lines", act("(while TRUE (printout t crlf))")),
     writes("facts that are shown", act("(loop-for-count (?i 1 1000) (assert (x ?i))) (while TRUE (facts))")),
-    writes("what is watched", act("(watch facts) (while TRUE (assert (x)) (retract *))")),
+    writes("what is watched", "(deffunction f (?x))\n" + act('(watch deffunctions) (bind ?s (format nil "%999d" 1)) (while TRUE (f ?s))')),
     writes("a file", act('(open "x" f "w") (while TRUE (printout f "again and again" crlf))')),
     writes("one list", act('(bind ?l (format nil "%99999d" 1)) (loop-for-count 14 (bind ?l (create$ ?l ?l))) (open "x" f "w") (printout f ?l crlf)')),
     writes("many files", forever('(bind ?n (str-cat "x" ?i)) (open ?n f "w") (printout f ?s) (close f)', '(bind ?s (format nil "%99999d" 1))')),

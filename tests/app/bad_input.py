@@ -164,6 +164,16 @@ class Scenarios(Lab):
             self.assertEqual(done.returncode, 2)
             self.assertIn(f"there is no command '{swapped}', did you mean '{meant}'?", done.stderr)
 
+    def test_an_option_of_two_names_is_named_with_both(self):
+        for command, said in (("bench -j x s.yaml", "-j, --jobs: found 'x', expected"), ("bench --jobs 0 s.yaml", "-j, --jobs: found '0', expected"),
+                              ("test -j", "-j, --jobs: its value is missing"), ("test -j 1 --jobs 2", "-j, --jobs: given 2 times, expected once"),
+                              ("bench page --jobs 2 s", "-j, --jobs requires --"), ("attach run --command=", "-c, --command: its value is missing"),
+                              ("env a.yaml --plugin-path=", "--prefix, --plugin-path: its value is missing"), ("bench --verbose=x s.yaml", "-v, --verbose: takes no value")):
+            with self.subTest(command):
+                done = subprocess.run([CXLAB, *command.split()], text=True, capture_output=True, timeout=60)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn("error: " + said, done.stderr)
+
     def test_pictures_that_cannot_be(self):
         self.agent("", GAME)
         for text, message in (("every:0", "found 'every:0', expected every:SECONDS"), ("1,,2", "found '1,,2'"), ("1,21", "no picture at 21 s: the run ends at 20 s")):

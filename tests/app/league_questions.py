@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -580,6 +581,64 @@ class Asking(unittest.TestCase):
         self.assertIn("without a journal", cxlab("orders", folder / "mute", expect=3).stderr)
         self.assertIn("without a journal", cxlab("scene", folder / "mute", expect=3).stderr)
         self.assertEqual({e["kind"] for e in ask("scene", "turtles")["entities"]}, {"canvas", "turtle"})
+
+
+def attach(game, *commands, expect=0):
+    """What `cxlab attach` prints."""
+    done = cxlab("attach", folder / game, "--quiet", *(word for command in commands for word in ("-c", command)), expect=expect)
+    return done.stdout if expect == 0 else done.stderr
+
+
+class Attached(unittest.TestCase):
+    """The questions of the world as commands of `cxlab attach`, and as questions of programs."""
+
+    ASKED = (("orders",), ("orders", "3"), ("waits",), ("waits", "robot2"), ("machines",), ("machines", "C-RS1"), ("pieces",), ("pieces", "2"))
+
+    def test_a_recorded_game_answers_as_the_commands_do(self):
+        said = attach("rules", "after 300.5", *(" ".join(asked) for asked in self.ASKED), "at 100", "orders")
+        t = re.match(r"at: after the tick at ([0-9.]+) s\n", said)[1]
+        expected = "".join(cxlab(asked[0], folder / "rules", *asked[1:], "--at", t).stdout for asked in self.ASKED)
+        self.assertIn(f"s\n{expected}at: ", said)
+        self.assertTrue(said.endswith(cxlab("orders", folder / "rules", "--at", "100").stdout), said[-500:])
+        lines = "".join(json.dumps({"ask": name, "what": " ".join(what), "t": float(t)}) + "\n" for name, *what in self.ASKED)
+        done = subprocess.run([CXLAB, "ask", folder / "rules"], input=lines, capture_output=True, text=True, timeout=60)
+        answers = [json.loads(line)["answer"] for line in done.stdout.splitlines()]
+        self.assertEqual(answers, [ask(name, "rules", *what, "--at", t) for name, *what in self.ASKED])
+
+    def test_a_game_in_progress_answers_up_to_now(self):
+        game = folder / "live"
+        with open(folder / "live.log", "w") as log:
+            playing = subprocess.Popen([CXLAB, "run", *GAMES["rules"], "--break", "--out", game], stdin=subprocess.DEVNULL,
+                                       stdout=log, stderr=log)
+        try:
+            end = time.monotonic() + 30
+            while not (game / "control.sock").exists() and time.monotonic() < end:
+                time.sleep(0.01)
+            self.assertRegex(attach("live", "orders"), r"\Aup to 0:00.0:\n")
+            stopped, said = attach("live", "until 300", *(" ".join(asked) for asked in self.ASKED)).split("\n", 1)
+            attach("live", "continue")
+            self.assertEqual(playing.wait(60), 0)
+        finally:
+            playing.kill()
+            playing.wait()
+        t = re.search(r" at ([0-9.]+) s", stopped)[1]
+        self.assertEqual(said, "".join(cxlab(asked[0], game, *asked[1:], "--at", t).stdout for asked in self.ASKED))
+        self.assertEqual(result_of("live")["journal_hash"], result_of("rules")["journal_hash"])
+
+    def test_help_names_them_and_errors_are_those_of_the_commands(self):
+        said = attach("rules", "help waits", "help")
+        line = r"^waits \[ROBOT\] +list what the robots of a game waited for, when and how long$"
+        self.assertEqual(len(re.findall(line, said, re.M)), 2, said)
+        for command, text in (("orders 12", "there is no order '12'"), ("waits robot7", "did you mean 'robot"), ("machines C-RS3", "did you mean 'C-RS1'"),
+                              ("pieces x", "there is no workpiece 'x'"), ("ordres", "there is no command 'ordres' (help lists them), did you mean 'orders'?"),
+                              ("wa", "'wa' may be watch or waits"), ("help order", "there is no command 'order'")):
+            with self.subTest(command):
+                self.assertIn(text, attach("rules", command, expect=0 if command.startswith("help") else 1))
+        done = subprocess.run([CXLAB, "ask", folder / "rules"], input='{"ask": "ordres"}\n{"ask": "orders", "what": "12"}\n', capture_output=True, text=True, timeout=60)
+        unknown, wrong = (json.loads(line)["error"] for line in done.stdout.splitlines())
+        self.assertIn("there is no question 'ordres', did you mean 'orders'?", unknown)
+        self.assertIn("pieces", unknown)
+        self.assertIn("there is no order '12'", wrong)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,12 @@ import signal
 import socket
 import subprocess
 import time
+import unittest
 from pathlib import Path
 
 from lab import CXLAB, Lab
 from questions import AGENT
+from wall import HAS_WALL
 
 RULES = AGENT.replace("(defrule begin\n", '(defrule begin\n  "A worker is free and a job is open: begin."\n').replace("(state LOST)) =>", "(state LOST)) (test (> ?id 0)) =>")
 SCENARIO = """schema: 1
@@ -423,7 +425,30 @@ class Access(View):
         result.rename(self.folder / "elsewhere.json")
         result.symlink_to(self.folder / "elsewhere.json")
         self.assertEqual(self.server.send("GET", "/run/run/result.json")[0], 404)
+        elsewhere = self.folder / "other logs"
+        (run / "logs").rename(elsewhere)
+        (elsewhere / "a.log").write_text("secret")
+        (run / "logs").symlink_to(elsewhere)
+        self.assertEqual(self.server.send("GET", "/run/run/logs/a.log")[0], 404)
         self.assertEqual(self.server.send("GET", "/api/two?a=../run&b=run")[0], 404)
+
+    @unittest.skipUnless(HAS_WALL, "this kernel has no wall")
+    def test_the_server_is_behind_the_wall(self):
+        run = self.folder / "run"
+        self.server.ask("facts", t=1)
+        for task in Path(f"/proc/{self.server.process.pid}/task").iterdir():
+            status = (task / "status").read_text()
+            self.assertIn("\nSeccomp:\t2\n", status, "of each thread")
+            self.assertIn("\nNoNewPrivs:\t1\n", status)
+        # Landlock: a run that becomes a link out of the folder that was named is not read.
+        shutil.copytree(run, self.folder / "runs/a")
+        many = Server(self, "runs")
+        self.assertEqual(many.send("GET", "/run/a/data.json")[0], 200)
+        (self.folder / "runs/a").rename(self.folder / "elsewhere")
+        (self.folder / "runs/a").symlink_to(self.folder / "elsewhere")
+        status, _, content = many.send("GET", "/run/a/data.json")
+        self.assertEqual(status, 500)
+        self.assertEqual(list(json.loads(content)), ["error"])
 
     def test_bytes_that_are_no_request(self):
         for raw in (b"", b"\0" * 100, b"GET / HTTP/1.1\r\n", b"POST /run/run/ask HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n",

@@ -10,6 +10,7 @@
 #include "folder.h"
 #include "lab/control/client.h"
 #include "lab/control/server.h"
+#include "lab/view/players.h"
 
 namespace cxlab::lab {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using Line = ControlServer::Line;
 
 TEST(ControlAddressTest, IsAPathOrAPortOfThisMachine) {
@@ -252,6 +254,25 @@ TEST_F(ControlledRunTest, ARuleThatIsBuiltFires) {
   run_.join();
   ASSERT_TRUE(played_);
   EXPECT_FALSE(played_->result.deterministic);
+}
+
+class PlayersTest : public ControlServerTest {};
+
+TEST_F(PlayersTest, ReachOnlyRunsOfTheirPlace) {
+  for (const char* folder : {"runs/a", "other"}) std::filesystem::create_directories(path(folder));
+  std::filesystem::create_directory_symlink(path("other"), path("runs/link"));
+  auto players = Players::start(path("runs"), shipped(), false, {});  // before there are threads
+  ASSERT_TRUE(players) << (players ? "" : players.error().text());
+  EXPECT_FALSE(players->is_live(path("runs/a"))) << "nobody listens yet";
+  const auto here = open({.path = path("runs/a/control.sock").string()});
+  const auto elsewhere = open({.path = path("other/control.sock").string()});
+  EXPECT_TRUE(players->is_live(path("runs/a")));
+  EXPECT_THAT(players->play(path("runs/a")).error().text(), Not(HasSubstr("expected a run of")));
+  for (const char* folder : {"other", "runs/link", "runs/../other", "runs/nothing", "nothing"}) {
+    EXPECT_FALSE(players->is_live(path(folder))) << folder;
+    EXPECT_THAT(players->play(path(folder)).error().text(), HasSubstr("expected a run of")) << folder;
+    EXPECT_THAT(players->compare(path("runs/a"), path(folder)).error().text(), HasSubstr("expected a run of"));
+  }
 }
 
 }  // namespace

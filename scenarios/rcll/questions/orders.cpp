@@ -346,7 +346,7 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
   for (std::string& missing : missing_plans(run.records)) answer.notes.push_back(std::move(missing));
   for (const OrderWork& work : all)
     if (run.about == std::to_string(work.order.id))
-      if (const auto ask = ask_next(*story, work, run.folder.string()); !ask.empty()) {
+      if (const auto ask = ask_next(*story, work, run.folder.empty() ? "RUN" : run.folder.string()); !ask.empty()) {
         answer.notes.insert(answer.notes.end(), ask.begin(), ask.end());
         break;  // the commands ask the agents of both teams
       }

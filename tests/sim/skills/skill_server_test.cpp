@@ -974,7 +974,7 @@ TEST_P(Skills, TwoRobotsTakeTurnsAtOneSpot) {
   EXPECT_GT(stats[1].drive_s, 2);
   EXPECT_EQ(stats[1].skills, 1);
   EXPECT_EQ(stats[1].failures, 0);
-  EXPECT_EQ(std::ranges::adjacent_find(second.phases), second.phases.end()) << "feedback tells of new phases only";
+  EXPECT_EQ(std::ranges::adjacent_find(second.phases), second.phases.end()) << "feedback reports only a new phase";
   double named = 0;
   SimTime since = kNever;  // it waits for robot1
   for (const KeptRecords::Record& record : sink.of(RecordKind::kSkill)) {

@@ -82,6 +82,23 @@ class Mends(unittest.TestCase):
 (run)
 """), ["none"])
 
+    def test_variable_within_and_and_or_of_a_test_counts_by_its_value(self):
+        tests = ["(test (or ?x (eq 1 2)))", "(test (or (eq 1 2) ?x))", "(test (and ?x (eq 1 1)))", "(test (and (eq 1 1) ?x))",
+                 "(test (and (or ?x (eq 1 2)) (eq 1 1)))", "(b ?y&:(or ?x (eq ?y 3)))", "(exists (b ?y&:(and ?x (neq ?y 3))))"]
+        rules = "".join(f"(defrule r{i} (a ?x) {test} => (printout t \"= {i} \" ?x crlf))\n" for i, test in enumerate(tests))
+        self.assertEqual(printed(f"""
+(deftemplate c (multislot z))
+(defglobal ?*no* = FALSE ?*yes* = 0)
+{rules}
+(defrule no (a ?x) (not (b ?y&:(or ?x (eq ?y 3)))) => (printout t "= no b " ?x crlf))
+(defrule global (a 2) (test (or ?*no* (eq 1 2))) => (printout t "= never" crlf))
+(defrule other (a 2) (test (and ?*yes* (eq 1 1))) => (printout t "= other" crlf))
+(defrule many (a ?x) (c (z $?z)) (test (and $?z (eq ?x 2))) => (printout t "= many " ?z crlf))
+(deffacts f (a FALSE) (a 2) (a nil) (b 2) (c (z)) (c (z FALSE)))
+(reset)
+(run)
+"""), sorted([f"{i} {x}" for i in range(len(tests)) for x in ("2", "nil")] + ["no b FALSE", "other", "many ()", "many (FALSE)"]))
+
     def test_salience_beyond_32_bits_is_out_of_range(self):
         self.assertEqual(printed("""
 (defglobal ?*large* = 4294967297)
