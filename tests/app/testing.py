@@ -80,7 +80,7 @@ class Testing(unittest.TestCase):
         code, answer = told()
         self.assertEqual((code, [story["passed"] for story in answer["stories"]]), (3, [True, True, False, False]))
         self.assertEqual(told("--load-once"), (code, answer))
-        self.assertIn("--load-once excludes --keep-runs", cxlab("test", "--load-once", "--keep-runs", "runs", cwd=self.folder).stderr)
+        self.assertIn("--keep-runs excludes --load-once", cxlab("test", "--load-once", "--keep-runs", "runs", cwd=self.folder).stderr)
 
     def counts(self, *files, story):
         """{rule: (activated, fired)} of one story, whose rules begin with (start)."""
