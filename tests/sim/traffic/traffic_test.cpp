@@ -797,8 +797,8 @@ double nearest_approach(FloorMap& map, const Drivers& floor, const Wish (&wishes
   };
   double nearest = 100 * 100;
   const auto others = numbers(b);
-  for (const auto [x, y] : numbers(a))
-    for (const auto [u, v] : others) nearest = std::min(nearest, (x - u) * (x - u) + (y - v) * (y - v));
+  for (const auto& [x, y] : numbers(a))
+    for (const auto& [u, v] : others) nearest = std::min(nearest, (x - u) * (x - u) + (y - v) * (y - v));
   return std::sqrt(nearest);
 }
 
