@@ -37,7 +37,7 @@ struct TestOptions {
   lab::PackageOptions packages;
   double patience_s = 60;
   int jobs = 1;
-  bool stop = false, last_failed = false, accept = false, quiet = false, verbose = false, watch = false, json = false;
+  bool stop = false, load_once = false, last_failed = false, accept = false, quiet = false, verbose = false, watch = false, json = false;
 };
 
 // --- What a person reads
@@ -129,6 +129,7 @@ Expected<lab::StoryPlan> plan_of(const TestOptions& options, const lab::Host& ho
   plan.setup = {find_share().interfaces, options.coverage.asked(), *std::move(packages), host.limits(), own_packages()};
   plan.jobs = options.jobs;
   plan.stop_at_failure = options.stop;
+  plan.load_once = options.load_once;
   plan.patience_s = options.patience_s;
   plan.runs = options.runs;
   plan.begins = [](const PlayedStory& story) {
@@ -335,6 +336,11 @@ int test(const TestOptions& options) {
   auto stories = chosen(options, *filter);
   if (!stories) return fail(stories.error());
   if (options.last_failed) keep_last_failed(*stories, lab::FailedStories::remembered());
+  if (options.load_once)
+    for (const PlayedStory& story : *stories)
+      if (!story.spec.golden.empty())
+        return fail(usage_error("--load-once: the story '" + story.spec.name + "' of " + story.spec.file +
+                                " is a golden run, which is played alone: leave it out with -k, or --load-once away"));
   Console console(true);
   const lab::Host host = console.host();
   const auto plan = plan_of(options, host);
@@ -387,12 +393,18 @@ void add_test(CLI::App& app, Action& action) {
       "Reports which rules fired, how far conditions got, and what was called; writes the counts as lcov");
   add_coverage(*command, "--coverage-page", options->coverage);
   whole_number(command->add_option("-j,--jobs", options->jobs, "Processes"), 1, 256);
+  command
+      ->add_flag("--load-once", options->load_once,
+                 "Loads each agent once for all of its stories, and plays these one after the other")
+      ->excludes("--jobs")
+      ->excludes("--keep-runs");
   command->add_flag("--json", options->json, "Prints JSON");
   command->add_flag("--accept", options->accept,
                     "Replaces golden runs that differ by the new runs; look at the difference first");
   command->add_flag("--watch", options->watch, "Plays again what a changed rule or story file affects, until Ctrl-C")
       ->excludes("--json")
       ->excludes("--accept")
+      ->excludes("--load-once")
       ->excludes("--junit")
       ->excludes("--coverage")
       ->excludes("--coverage-page")

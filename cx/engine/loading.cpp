@@ -98,6 +98,8 @@ namespace {
 /// The constructs that a form defines, as in "defrule 'go'". A defglobal defines several. The parameters of a method
 /// and the class and kind of a handler are part of the name.
 std::vector<std::string> defined_by(const Form& form) {
+  if (form.head != "defglobal" && form.head != "defmethod" && form.head != "defmessage-handler")
+    return {form.head + " '" + form.name + '\''};
   const Term tree = tree_of(form);
   const auto word = [&](std::size_t i) { return i < tree.items.size() ? tree.items[i].print() : std::string(); };
   std::vector<std::string> names;
@@ -123,20 +125,19 @@ std::vector<std::string> defined_by(const Form& form) {
       break;
     }
     names.push_back(std::move(name));
-  } else if (form.head == "defmessage-handler") {
+  } else {
     const std::string kind =
         tree.items.size() > 3 && !tree.items[3].is_list() && word(3)[0] != '"' ? word(3) : "primary";
     names.push_back("defmessage-handler '" + form.name + ' ' + word(2) + ' ' + kind + '\'');
-  } else {
-    names.push_back(form.head + " '" + form.name + '\'');
   }
   return names;
 }
 
 /// Declares a function before those that call it: nothing comes after its parameters.
 bool is_declaration(const Form& form) {
+  if (form.head != "deffunction") return false;
   const Term tree = tree_of(form);
-  return form.head == "deffunction" && std::ranges::count_if(tree.items, &Term::is_list) == 1 &&
+  return std::ranges::count_if(tree.items, &Term::is_list) == 1 &&
          tree.items.back().is_list();
 }
 

@@ -240,6 +240,7 @@ class Failing(Stories):
         self.assertEqual(self.cxlab("diff", "golden", "runs/golden-as-it-went").returncode, 0)
         self.assertIn("2 passed", self.ask("test"))
         self.assertEqual(sorted(entry.name for entry in self.folder.iterdir() if entry.name.startswith("golden")), ["golden", "golden.story.yaml"])
+        self.assertIn("--load-once: the story 'as it went' of golden.story.yaml is a golden run", self.cxlab("test", "golden.story.yaml", "--load-once").stderr)
         self.write("bad.story.yaml", "- {story: none, golden: nowhere}\n")
         done = self.cxlab("test", "bad.story.yaml")
         self.assertEqual(done.returncode, 3)

@@ -64,6 +64,24 @@ class Testing(unittest.TestCase):
         self.assertEqual([(r["rule"], r["state"]) for r in rules],
                          [("first", "fired"), ("late", "activated but never fired"), ("deaf", "never matched")])
 
+    def test_agents_that_are_loaded_once_answer_as_those_of_each_story(self):
+        (self.folder / "b.clp").write_text("(defglobal ?*n* = 0)\n(defrule go ?f <- (start ?x) => (retract ?f) (bind ?*n* (+ ?*n* ?x)) (assert (sum ?*n*)))\n")
+        (self.folder / "b.story.yaml").write_text("".join(
+            f"- {{story: {name}, rules: {rules}, given: [(start {given})], seeds: {seeds}, expect: [{{fact: (sum {sum}), within_s: 1}}]}}\n"
+            for name, rules, given, seeds, sum in (("one", "b.clp", 1, [1, 2], 1), ("two", "b.clp", 2, [1], 2), ("wrong", "b.clp", 1, [1], 4), ("none", "c.clp", 1, [1], 1))))
+
+        def told(*more):
+            done = cxlab("test", "--json", "--coverage", "c.info", *more, cwd=self.folder)
+            answer = json.loads(done.stdout)
+            for story in answer["stories"]:
+                del story["wall_s"]
+            return done.returncode, answer
+
+        code, answer = told()
+        self.assertEqual((code, [story["passed"] for story in answer["stories"]]), (3, [True, True, False, False]))
+        self.assertEqual(told("--load-once"), (code, answer))
+        self.assertIn("--keep-runs excludes --load-once", cxlab("test", "--load-once", "--keep-runs", "runs", cwd=self.folder).stderr)
+
     def counts(self, *files, story):
         """{rule: (activated, fired)} of one story, whose rules begin with (start)."""
         (self.folder / "a.story.yaml").write_text(f"- {{story: a, given: [(start)], {story}, expect: [{{fires: go, within_s: 1}}]}}\n")

@@ -18,11 +18,11 @@ using testing::HasSubstr;
 class Faults : public EpisodeTest, public testing::WithParamInterface<const char*> {
  protected:
   std::filesystem::path floor(const std::string& name, const std::string& goals, const std::string& faults,
-                              const std::string& tier) {
+                              const std::string& tier, int duration_s = 60) {
     return write(name + ".yaml",
                  "schema: 1\nworld: {kind: rcll, down: false, orders: [{base_color: BASE_RED, cap_color: CAP_GREY}]}\n"
                  "tier: " +
-                     tier + "\nduration_s: 200\nstimuli:\n" + goals + "faults:\n" + faults);
+                     tier + "\nduration_s: " + std::to_string(duration_s) + "\nstimuli:\n" + goals + "faults:\n" + faults);
   }
   static std::string goal(double at, const std::string& robot, const std::string& skill, const std::string& target) {
     const std::string type = skill == "drive_to" ? "DriveTo" : skill == "pick" ? "Pick" : "Place";
@@ -60,7 +60,7 @@ class Faults : public EpisodeTest, public testing::WithParamInterface<const char
 };
 
 TEST_P(Faults, ASkillIsBrokenOffAndEndsWithTheCode) {
-  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(80, "robot1", "drive_to", "C_Z11");
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(10, "robot1", "drive_to", "C_Z11");
   (void)whole(
       floor("broken", goals, "  - {kind: skill_fails, at: 0.5, robot: robot1, error: 220, after_s: 3}\n", GetParam()),
       {}, "run");
@@ -75,7 +75,7 @@ TEST_P(Faults, ASkillIsBrokenOffAndEndsWithTheCode) {
 
 TEST_P(Faults, AFaultOfOneSkillLeavesTheOthersAlone) {
   const std::string goals =
-      goal(1, "robot1", "drive_to", "C-CS1-INPUT") + goal(80, "robot1", "pick", "C-CS1-SHELF-LEFT");
+      goal(1, "robot1", "drive_to", "C-CS1-INPUT") + goal(12, "robot1", "pick", "C-CS1-SHELF-LEFT");
   (void)whole(floor("one", goals, "  - {kind: skill_fails, probability: 1, skill: pick}\n", GetParam()), {}, "run");
   const auto ended = ends("run", "robot1");
   ASSERT_EQ(ended.size(), 2u);
@@ -85,7 +85,7 @@ TEST_P(Faults, AFaultOfOneSkillLeavesTheOthersAlone) {
 
 TEST_P(Faults, AStalledRobotStandsAndThenDoesIt) {
   const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT");
-  (void)whole(floor("quick", goals, "  - {kind: skill_stalls, at: 100, seconds: 7}\n", GetParam()), {}, "quick");
+  (void)whole(floor("quick", goals, "  - {kind: skill_stalls, at: 50, seconds: 7}\n", GetParam()), {}, "quick");
   (void)whole(floor("late", goals, "  - {kind: skill_stalls, at: 0, robot: robot1, seconds: 7}\n", GetParam()), {},
               "late");
   const auto quick = ends("quick", "robot1"), late = ends("late", "robot1");
@@ -97,17 +97,17 @@ TEST_P(Faults, AStalledRobotStandsAndThenDoesIt) {
 
 TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
   const std::string goals =
-      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(35, "robot1", "place", "C-CS1-SHELF-LEFT");
   auto episode =
-      load(floor("drop", goals, "  - {kind: piece_dropped, at: 85, robot: robot1}\n", GetParam()), {}, "run");
+      load(floor("drop", goals, "  - {kind: piece_dropped, at: 30, robot: robot1}\n", GetParam()), {}, "run");
   begin(*episode);
-  play(*episode, 200);
+  play(*episode, 60);
   const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
   EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
   EXPECT_GT(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 0);
   (void)episode->close(RunStatus::kCompleted);
   const auto struck = strikes("run", 0);
-  EXPECT_THAT(struck, ElementsAre(85));
+  EXPECT_THAT(struck, ElementsAre(30));
   const auto ended = ends("run", "robot1");
   ASSERT_EQ(ended.size(), 2u);
   EXPECT_EQ(ended[1].first, 208) << "nothing to place";
@@ -115,7 +115,7 @@ TEST_P(Faults, ADroppedPieceLiesOnTheFloor) {
 
 TEST_P(Faults, APieceSlipsOutAfterAPickThatEndedWell) {
   const std::string goals =
-      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(35, "robot1", "place", "C-CS1-SHELF-LEFT");
   (void)whole(floor("slip", goals, "  - {kind: grasp_slips, at: 0, robot: robot1, after_s: 4}\n", GetParam()), {},
               "run");
   const auto ended = ends("run", "robot1");
@@ -134,17 +134,17 @@ TEST_P(Faults, AHaltedRobotStandsAndASlowOneIsLater) {
     EXPECT_EQ(ended.front().first, 0);
     return ended.front().second;
   };
-  const double quick = took("quick", "kind: skill_stalls, at: 100, seconds: 7");
+  const double quick = took("quick", "kind: skill_stalls, at: 50, seconds: 7");
   EXPECT_NEAR(took("halted", "kind: robot_halts, at: 3, seconds: 20"), quick + 20, 3.5);
   EXPECT_GT(took("slow", "kind: robot_slow, at: 0, factor: 0.5, seconds: 100"), 1.5 * quick);
   EXPECT_THAT(strikes("halted", 0), ElementsAre(3));
 }
 
 TEST_P(Faults, AGoalIsLostAndAResultComesLate) {
-  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(80, "robot1", "drive_to", "C_Z11");
-  (void)whole(floor("plain", goals, "  - {kind: goal_lost, at: 190}\n", GetParam()), {}, "plain");
+  const std::string goals = goal(1, "robot1", "drive_to", "C-BS-INPUT") + goal(20, "robot1", "drive_to", "C_Z11");
+  (void)whole(floor("plain", goals, "  - {kind: goal_lost, at: 55}\n", GetParam()), {}, "plain");
   (void)whole(
-      floor("lost", goals, "  - {kind: goal_lost, at: 0, robot: robot1}\n  - {kind: result_late, at: 50, seconds: 6}\n",
+      floor("lost", goals, "  - {kind: goal_lost, at: 0, robot: robot1}\n  - {kind: result_late, at: 15, seconds: 6}\n",
             GetParam()),
       {}, "lost");
   const auto plain = ends("plain", "robot1"), ended = ends("lost", "robot1");
@@ -160,11 +160,11 @@ TEST_P(Faults, AGoalIsLostAndAResultComesLate) {
 
 TEST_P(Faults, AMisplacedPieceFallsBeforeTheMachine) {
   const std::string goals =
-      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(110, "robot1", "place", "C-CS1-SHELF-LEFT");
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(35, "robot1", "place", "C-CS1-SHELF-LEFT");
   auto episode =
       load(floor("misplaced", goals, "  - {kind: piece_misplaced, at: 0, robot: robot1}\n", GetParam()), {}, "run");
   begin(*episode);
-  play(*episode, 200);
+  play(*episode, 60);
   const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
   EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
   EXPECT_EQ(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 1);
@@ -267,28 +267,28 @@ TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
 
 TEST_P(Faults, ARobotInMaintenanceLosesItsPieceAndItsGoalAndComesBack) {
   const std::string goals =
-      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(85, "robot1", "drive_to", "C-BS-INPUT") +
-      goal(90, "robot1", "drive_to", "C-BS-INPUT") + goal(130, "robot1", "drive_to", "C-BS-INPUT");
+      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(30, "robot1", "drive_to", "C-BS-INPUT") +
+      goal(35, "robot1", "drive_to", "C-BS-INPUT") + goal(60, "robot1", "drive_to", "C-BS-INPUT");
   auto episode =
-      load(floor("off", goals, "  - {kind: robot_maintenance, at: 88, robot: robot1, seconds: 40}\n", GetParam()), {},
+      load(floor("off", goals, "  - {kind: robot_maintenance, at: 33, robot: robot1, seconds: 20}\n", GetParam(), 90), {},
            "run");
   begin(*episode);
   const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
   const auto y = [&] { return floor.robot(sim::RobotId{0}).pose_in_world.y; };
-  play(*episode, 87.5);
+  play(*episode, 32.5);
   EXPECT_TRUE(floor.robot(sim::RobotId{0}).held);
   EXPECT_GT(y(), 1);
-  play(*episode, 127);
+  play(*episode, 52);
   EXPECT_FALSE(floor.robot(sim::RobotId{0}).held);
   EXPECT_NEAR(y(), -0.6, 0.001);
   EXPECT_EQ(std::ranges::count(floor.pieces(), sim::Holder::kFloor, &sim::Piece::holder), 0);
-  play(*episode, 128.5);
+  play(*episode, 53.5);
   EXPECT_NEAR(y(), 0.5, 0.001);
-  play(*episode, 200);
+  play(*episode, 90);
   EXPECT_EQ(floor.robot(sim::RobotId{0}).robot_contacts, 0u);
   EXPECT_EQ(floor.robot(sim::RobotId{0}).static_contacts, 0u);
   (void)episode->close(RunStatus::kCompleted);
-  EXPECT_THAT(strikes("run", 0), ElementsAre(88));
+  EXPECT_THAT(strikes("run", 0), ElementsAre(33));
   const auto ended = ends("run", "robot1");
   ASSERT_EQ(ended.size(), 4u);
   EXPECT_EQ(ended[0].first, 0);
@@ -305,16 +305,16 @@ TEST_P(Faults, ARobotInMaintenanceLosesItsPieceAndItsGoalAndComesBack) {
 }
 
 TEST_P(Faults, ADriveEndsBesideItsGoalAndAPickFindsItsWay) {
-  const std::string goals = goal(1, "robot1", "drive_to", "C_Z23") + goal(60, "robot1", "pick", "C-CS1-SHELF-LEFT");
+  const std::string goals = goal(1, "robot1", "drive_to", "C_Z23") + goal(20, "robot1", "pick", "C-CS1-SHELF-LEFT");
   const auto play_with = [&](const std::string& name, const std::string& sigmas) {
     auto episode =
         load(floor(name, goals, "  - {kind: pose_noise, probability: 1, robot: robot1, " + sigmas + "}\n", GetParam()),
              {}, name);
     begin(*episode);
-    play(*episode, 59);
+    play(*episode, 19);
     const auto& world = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
     const sim::Pose2 stands = world.robot(sim::RobotId{0}).pose_in_world;
-    play(*episode, 200);
+    play(*episode, 60);
     EXPECT_EQ(world.robot(sim::RobotId{0}).static_contacts, 0u);
     (void)episode->close(RunStatus::kCompleted);
     return stands;
@@ -344,9 +344,9 @@ TEST_P(Faults, ATransportFindsItsWayToEachOfItsSpots) {
       "to: C-CS2-INPUT}}\n";
   const auto play_with = [&](const std::string& name, const std::string& when, const std::string& sigmas) {
     const std::string faults = "  - {kind: pose_noise, robot: robot1, " + when + ", " + sigmas + "}\n";
-    auto episode = load(floor(name, goals, faults, GetParam()), {}, name);
+    auto episode = load(floor(name, goals, faults, GetParam(), 70), {}, name);
     begin(*episode);
-    play(*episode, 200);
+    play(*episode, 70);
     const auto& world = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
     EXPECT_EQ(world.robot(sim::RobotId{0}).static_contacts, 0u);
     (void)episode->close(RunStatus::kCompleted);
@@ -464,8 +464,8 @@ TEST_P(FaultsAlone, AFaultMovesNoOtherDraw) {
   const std::string more = first +
                            "  - {kind: skill_fails, probability: 1, robot: robot1, skill: pick, after_s: 3}\n  - "
                            "{kind: machine_down, mean_s: 50, machine: C-BS, seconds: 3}\n";
-  const auto before = streams(whole(floor("a", goals, none, GetParam()), {}, "before"));
-  const auto after = streams(whole(floor("b", goals, more, GetParam()), {}, "after"));
+  const auto before = streams(whole(floor("a", goals, none, GetParam(), 200), {}, "before"));
+  const auto after = streams(whole(floor("b", goals, more, GetParam(), 200), {}, "after"));
   EXPECT_NE(before.at("node/robot1"), after.at("node/robot1"));
   EXPECT_EQ(before.at("node/robot2"), after.at("node/robot2"));
   EXPECT_GT(strikes("before", 0).size(), 2u);

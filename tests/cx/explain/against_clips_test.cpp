@@ -675,21 +675,28 @@ class RuleBase {
   int blamed_number_ = 0;
 };
 
+/// Rule bases that a test draws; the long test sets CXLAB_RULE_BASES.
+std::uint32_t rule_bases() {
+  const char* set = std::getenv("CXLAB_RULE_BASES");
+  return set ? static_cast<std::uint32_t>(std::stoul(set)) : 500;
+}
+
 TEST(AgainstClips, WhyNotTheAgendaAndAllBindingsAgree) {
   Counts counts;
-  for (std::uint32_t seed = 0; seed < 2000 && !testing::Test::HasFailure(); ++seed) RuleBase(seed, counts).check();
-  EXPECT_GT(counts.held, 400);
-  EXPECT_GT(counts.not_held, 400);
-  EXPECT_GT(counts.wanted, 300);
-  EXPECT_LT(counts.refused, 400);
+  for (std::uint32_t seed = 0; seed < rule_bases() && !testing::Test::HasFailure(); ++seed)
+    RuleBase(seed, counts).check();
+  EXPECT_GT(counts.held, 100);
+  EXPECT_GT(counts.not_held, 100);
+  EXPECT_GT(counts.wanted, 70);
+  EXPECT_LT(counts.refused, rule_bases() / 5);
 }
 
 TEST(AgainstClips, WhatGetsPastAConditionActivatesTheRuleOfThoseUpToThere) {
   Counts counts;
-  for (std::uint32_t seed = 0; seed < 2000 && !testing::Test::HasFailure(); ++seed)
+  for (std::uint32_t seed = 0; seed < rule_bases() && !testing::Test::HasFailure(); ++seed)
     RuleBase(seed, counts).check_coverage();
-  EXPECT_GT(counts.conditions, 3000);
-  EXPECT_GT(counts.failed, 400);
+  EXPECT_GT(counts.conditions, 750);
+  EXPECT_GT(counts.failed, 100);
   EXPECT_EQ(counts.not_counted, 0);
 }
 

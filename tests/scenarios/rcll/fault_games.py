@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Plays games in which things go wrong, and checks that the agent recovers.
 
-    fault_games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED [KIND]...
+    fault_games.py PROGRAM SCENARIO TIER FIRST_SEED LAST_SEED [--until SECONDS] [KIND[+KIND]...]...
 
 For each kind of fault that `PROGRAM list faults` names: enough deliveries, no skill that fails again and again. For each
 kind, and for all of them together: no time in which nothing happens, and in the result the points that the journal has.
 Under all faults at once a single game may end with few points, ten games and more must reach a mean. After each kind a
 line sums up; "broken" are games without a result, with another exit code than 0, or whose points differ.
+In a shorter game less is enough. Kinds that a plus joins share a game, in which each must strike.
 """
 import collections
 import json
@@ -16,7 +17,8 @@ import subprocess
 import sys
 import tempfile
 
-LEAST_DELIVERIES = 2
+WHOLE_S = 1200
+LEAST_DELIVERIES = 2         # in a whole game
 LEAST_POINTS = 100
 LEAST_MEAN_TOGETHER = 150    # of all kinds at once, some 88 strikes a game
 MOST_FAILURES = 60           # of skills, in a game with a dozen strikes
@@ -63,22 +65,25 @@ TOGETHER = {
 
 
 def faults_of(kind):
-    chosen = TOGETHER if kind == "together" else {kind: FAULTS[kind]}
+    chosen = TOGETHER if kind == "together" else {name: FAULTS[name] for name in kind.split("+")}
     return [{"kind": name, **keys} for name, list_of_keys in chosen.items() for keys in list_of_keys]
 
 
-def problems(folder, kind):
+def problems(folder, kind, share):
     """The faults of a game; last, points, deliveries and a line of figures."""
     result = json.loads((folder / "result.json").read_text())
-    strikes = failures = worst = 0
+    failures = worst = 0
+    strikes = collections.Counter()
     row = collections.Counter()
     points = collections.Counter()
     ends = [0.0]
     for line in (folder / "journal.jsonl").open():
+        if '"kind":"bus"' in line:
+            continue
         record = json.loads(line)
         data = record["data"]
         if record["kind"] == "control" and "fault" in data:
-            strikes += 1
+            strikes[data["fault"]] += 1
         if record["kind"] == "referee" and data["event"] == "score":
             points[data["team"]] += data["points"]
         if record["kind"] != "skill" or data["event"] != "end":
@@ -97,16 +102,16 @@ def problems(folder, kind):
     ends.append(result["sim_time_s"])
     pause = max(b - a for a, b in zip(ends, ends[1:]))
     accepted = sum(d["correct"] for d in result["deliveries"])
-    if result["status"] != "completed":
+    if result["status"] != ("completed" if share == 1 else "stopped"):
         yield f"broken: status {result['status']}: {result['reason']}"
     if any(team["points"] != points[name] for name, team in result["teams"].items()):
         yield f"broken: journal and result differ in points: {dict(points)}"
-    if strikes == 0:
-        yield "no fault struck"
     if kind != "together":
-        if accepted < LEAST_DELIVERIES:
+        yield from (f"no {name} struck" for name in kind.split("+") if not strikes[name])
+    if kind != "together":
+        if accepted < LEAST_DELIVERIES * share:
             yield f"only {accepted} deliveries"
-        if (most := max(team["points"] for team in result["teams"].values())) < LEAST_POINTS:
+        if (most := max(team["points"] for team in result["teams"].values())) < LEAST_POINTS * share:
             yield f"only {most} points"
         if failures > MOST_FAILURES or worst > MOST_FAILURES_IN_A_ROW:
             yield f"{failures} failures, {worst} in a row"
@@ -114,13 +119,16 @@ def problems(folder, kind):
         yield f"nothing happens for {pause:.0f} s"
     if any(not 0 <= robot["maintenances"] <= 2 or robot["contacts"] for robot in result["robots"]):
         yield f"broken: {result['robots']}"
-    yield sum(points.values()), accepted, f"{sum(points.values())} points, {accepted} delivered, {strikes} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
+    yield sum(points.values()), accepted, f"{sum(points.values())} points, {accepted} delivered, {strikes.total()} faults, {failures} failures, {worst} in a row, pause {pause:.0f} s"
 
 
 def main():
     if len(sys.argv) < 6:
         sys.exit(__doc__)
     program, scenario, tier, first, last, *kinds = sys.argv[1:]
+    until = float(kinds[1]) if kinds[:1] == ["--until"] else WHOLE_S
+    kinds = kinds[2:] if kinds[:1] == ["--until"] else kinds
+    share = until / WHOLE_S
     listed = subprocess.run([program, "list", "faults"], capture_output=True, text=True, check=True).stdout
     known = {line.split()[0] for line in listed.splitlines() if line[:1].strip()}
     if known != FAULTS.keys():
@@ -128,14 +136,14 @@ def main():
     failed = played = 0
     with tempfile.TemporaryDirectory(prefix="cxlab-faults-") as folder:
         for kind in kinds or [*FAULTS, "together"]:
-            arguments = ["--set", "faults=" + json.dumps(faults_of(kind))]
+            arguments = ["--set", "faults=" + json.dumps(faults_of(kind)), "--until", str(until)]
             games = []
             for seed in range(int(first), int(last) + 1):
                 out = pathlib.Path(folder) / f"{kind}-{seed}"
                 done = subprocess.run([program, "run", scenario, "--tier", tier, "--seed", str(seed), "--quiet", "--out",
                                        str(out), *arguments], capture_output=True, text=True)
                 *bad, (points, delivered, figures) = (
-                    problems(out, kind) if (out / "result.json").exists() else ["broken: no result", (0, 0, "")])
+                    problems(out, kind, share) if (out / "result.json").exists() else ["broken: no result", (0, 0, "")])
                 if done.returncode:
                     bad.append(f"broken: exit code {done.returncode}: {done.stderr}")
                 games.append((points, delivered, any(text.startswith("broken") for text in bad)))

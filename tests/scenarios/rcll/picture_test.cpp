@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <string>
+
 #include "scenarios/rcll/game/floor_plan.h"
 #include "scenarios/rcll/game/game.h"
 #include "scenarios/rcll/game/scene.h"
@@ -31,9 +34,12 @@ void expect_labelled(const sim::Overlay& overlay, const sim::Box& picture, const
   }
 }
 
-TEST(Pictures, ShowEveryMachineWholeWithItsLabelInFiftyLayouts) {
+// Ten layouts; the long test sets CXLAB_LAYOUTS.
+TEST(Pictures, ShowEveryMachineWholeWithItsLabel) {
+  const char* set = std::getenv("CXLAB_LAYOUTS");
+  const std::uint64_t layouts = set ? std::stoull(set) : 10;
   const sim::ModelOptions options{models_dir(), 0.01, 4};
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+  for (std::uint64_t seed = 1; seed <= layouts; ++seed) {
     auto world = sim::MujocoWorld::create(floor_plan_of({}, game_of({}, seed)->layout), options);
     ASSERT_TRUE(world.ok()) << world.error().text();
     const int width = 640, height = seed % 2 ? 480 : 360;

@@ -16,7 +16,7 @@ import unittest
 if len(sys.argv) < 3:
     sys.exit(__doc__)
 PROGRAM, SCENARIO = sys.argv[1:3]
-SEEDS = (1, 2)
+SEEDS = (1,)  # planning_failures.py and game_invariants.py play others
 LEAST_POINTS = 250
 
 
