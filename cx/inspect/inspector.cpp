@@ -279,9 +279,7 @@ std::optional<std::uint64_t> Inspector::last_made(const explain::Pattern& patter
       continue;
     const auto changes = timeline_->changes(fact);
     const auto at = std::ranges::lower_bound(changes, n);
-    if (timeline_->kind(n) != RecordKind::kModify || at == changes.begin() ||
-        !pattern.matches(timeline_->fact_after(*(at - 1)), evaluator))
-      return n;
+    if (at == changes.begin() || !pattern.matches(timeline_->fact_after(*(at - 1)), evaluator)) return n;
   }
   return std::nullopt;
 }

@@ -107,6 +107,22 @@ class Attach(Lab):
         self.assertIn("the run has ended: completed at 5.000 s", self.attach("continue"))
         self.assertEqual(self.run_.wait(20), 0)
 
+    def test_short_a_program_asks_where_the_run_is(self):
+        self.begin()
+        self.attach("break rule begin", "continue")
+        with socket.socket(socket.AF_UNIX) as at:
+            at.settimeout(10)
+            at.connect(str(self.out / "control.sock"))
+            reader = at.makefile("rb")
+            self.event(reader, "hello")
+            at.sendall(b'{"id": 1, "ask": "where"}\n')
+            place = json.loads(reader.readline())["answer"]
+        self.assertEqual({name: place[name] for name in ("env", "rule", "live", "running", "at_end")},
+                         {"env": "main", "rule": "begin", "live": True, "running": False, "at_end": False})
+        self.assertRegex(place["facts"][0], r"^f-\d+$")
+        self.attach("delete all")
+        self.end()
+
     def test_short_break_points(self):
         self.begin("--set", "duration_s=1000", stopped=True)
         self.attach("break rule finish", "break fact (order (id 2) (state done))", "break 3.2")

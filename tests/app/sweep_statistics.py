@@ -113,6 +113,15 @@ class SweepStatistics(Lab):
         self.assertEqual((first["games"], first["min"], first["max"]), (3, 0, 2))
         self.assertNotIn("share", self.cxlab("bench", "show", "s").stdout.replace("share of games", ""), "only where it is asked for")
 
+    def test_a_strategy_without_a_completed_game_has_no_shares(self):
+        lines = [f"game,first,,{seed},completed,0,{points},1,h\n" for seed, points in ((1, 100), (2, 200))]
+        self.write("s/rows.csv", COLUMNS + "".join([*lines, "game,second,,1,failed,4,,,\n"]))
+        rows = json.loads(self.cxlab("bench", "show", "s", "--table", "profile", "--json").stdout)["profile"]
+        shares = {row["strategy"]: [value for column, value in row.items() if column.startswith("at_least_")] for row in rows}
+        self.assertEqual((shares["first"][0], shares["first"][-1]), (1, 0.5))
+        self.assertEqual(set(shares["second"]), {None})
+        self.assertRegex(self.cxlab("bench", "show", "s", "--table", "profile").stdout, r"\nsecond( +-)+\n")
+
     def test_a_plot_shows_games_means_and_intervals(self):
         rows = [(name, seed, points) for name, mean in (("first", 600), ("<b> & c", 500)) for seed, points in enumerate(self.points(mean, mean))]
         self.sweep("s", rows)

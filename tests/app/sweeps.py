@@ -356,6 +356,8 @@ class Sweeps(Lab):
         page = self.home / "r/index.html"
         text = lambda file=page: html.unescape(file.read_text())
         self.assertNotIn("its run", text())
+        (build,) = {row["program"][:12] for row in map(json.loads, (file.read_text() for file in (self.home / "r/rows").glob("*.json")))}
+        self.assertRegex(text(), f"(?s)build of cxlab.{{0,60}}{build}")
         show = lambda *arguments, code=0: subprocess.run([CXLAB, "bench", "page", *arguments], cwd=self.home, text=True, capture_output=True, timeout=120)
         done = show("r", "--play", "-j", "2")
         self.assertEqual((done.returncode, done.stdout), (0, "r/index.html\n"), done.stderr)

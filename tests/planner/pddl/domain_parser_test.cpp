@@ -46,6 +46,12 @@ TEST(DomainParser, SectionsMayStandInAnyOrder) {
   EXPECT_EQ(domain.actions.at(0).effects.size(), 1u);
 }
 
+TEST(DomainParser, RejectsAnEitherOfNoType) {
+  for (const char* section : {"(:types a b - (either))", "(:types a) (:predicates (p ?x - (either)))",
+                              "(:types a) (:constants c - (either))"})
+    EXPECT_EQ(error_of(section), "d.pddl:2: found (either), expected a type or (either TYPE...)") << section;
+}
+
 TEST(DomainParser, RejectsVariablesAsNames) {
   EXPECT_EQ(error_of("(:types a ?x - b)"), "d.pddl:2: found the variable ?x, expected a type");
   EXPECT_EQ(error_of("(:types a - ?y)"), "d.pddl:2: found the variable ?y, expected a type");
