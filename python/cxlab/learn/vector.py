@@ -174,7 +174,7 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         return self._shared["action_mask"].copy()
 
     def _ask(self, requests: Sequence[Any]) -> dict[int, dict[str, Any]]:
-        """Let all workers work at once; what they tell of some rows. Raises what a worker raised."""
+        """Let all workers work at once; what they report of some rows. Raises what a worker raised."""
         if self.closed:
             raise UsageError("the environment is closed")
         try:
