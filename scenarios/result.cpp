@@ -39,6 +39,11 @@ Json reason_json(const std::optional<Error>& reason) {
   return out;
 }
 
+Json section_json(const Result::Section& section) {
+  Json value = parse_json(section.json);
+  return value.is_discarded() ? Json(section.json) : value;
+}
+
 Json result_json(const Result& r) {
   Json out;
   out["schema"] = 1;
@@ -55,10 +60,7 @@ Json result_json(const Result& r) {
   out["ticks"] = r.ticks;
   out["steps"] = r.steps;
   out["peak_rss_mb"] = r.peak_rss_mb;
-  for (const Result::Section& section : r.sections) {
-    Json value = parse_json(section.json);
-    out[section.key] = value.is_discarded() ? Json(section.json) : std::move(value);
-  }
+  for (const Result::Section& section : r.sections) out[section.key] = section_json(section);
   out["plans"] = r.plans;
   out["replans"] = r.replans;
   out["rule_errors"] = Json::array();
@@ -112,7 +114,9 @@ std::vector<std::string> Result::all_warnings() const {
 }
 
 std::string Result::at(const std::string& path) const {
-  const Json value = value_at(result_json(*this), path);
+  const auto section = std::ranges::find(sections, path.substr(0, path.find_first_of(".[")), &Section::key);
+  const Json value =
+      value_at(section == sections.end() ? result_json(*this) : Json{{section->key, section_json(*section)}}, path);
   return value.is_null() ? std::string() : json_text(value);
 }
 

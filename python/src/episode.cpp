@@ -35,30 +35,27 @@ using StepTuple = std::tuple<double, std::int64_t, bool>;
 /// Lines of the log wait here until Python can take them, in its logging.
 class LinesForPython final : public cx::LogSink, public lab::ProgressSink {
  public:
-  /// The levels of Python's logging that are wanted now.
-  void listen() { least_ = nb::cast<int>(logger_.attr("getEffectiveLevel")()); }
   void line(const cx::LogLine& line) override {
     constexpr int kLevels[] = {10, 20, 30, 40};
-    const int level = kLevels[static_cast<std::size_t>(line.level)];
-    if (level < least_) return;
     char time[32];
     std::snprintf(time, sizeof time, "%.3f ", to_seconds(line.t));
-    lines_.emplace_back(level, time + std::string(line.logger) + ": " + std::string(line.text));
+    lines_.emplace_back(kLevels[static_cast<std::size_t>(line.level)],
+                        time + std::string(line.logger) + ": " + std::string(line.text));
   }
   void progress(double, double) override {}
-  void note(std::string_view text) override {
-    if (least_ <= 20) lines_.emplace_back(20, text);
-  }
+  void note(std::string_view text) override { lines_.emplace_back(20, text); }
+  /// Those of the levels that Python's logging wants now. Asking for them takes longer than many a step.
   void hand_over() {
     if (lines_.empty()) return;
     const auto lines = std::exchange(lines_, {});
+    const int least = nb::cast<int>(logger_.attr("getEffectiveLevel")());
     const nb::object log = logger_.attr("log");
-    for (const auto& [level, line] : lines) log(level, "%s", text(line));
+    for (const auto& [level, line] : lines)
+      if (level >= least) log(level, "%s", text(line));
   }
 
  private:
   nb::object logger_ = nb::module_::import_("logging").attr("getLogger")("cxlab");
-  int least_ = 30;
   std::vector<std::pair<int, std::string>> lines_;
 };
 
@@ -79,7 +76,6 @@ class PlayedEpisode {
     lab::PlayOptions options = play_options(asked.until, asked.journal, asked.out, asked.force);
     options.spec.prefixes = asked.packages;
     for (const nb::handle seat : asked.seats) options.seats.push_back(seat_of_object(nb::borrow(seat), play_));
-    lines_.listen();
     Expected<std::unique_ptr<lab::Session>> session = usage_error("");
     (void)play_->begin();
     {
@@ -108,7 +104,6 @@ class PlayedEpisode {
     std::int64_t played = 0;
     while (true) {
       Expected<StepReport> report = usage_error("");
-      lines_.listen();
       {
         const nb::gil_scoped_release others_may_run;
         report = stretch(end, ticks ? std::optional(*ticks - played) : std::nullopt);
@@ -126,7 +121,6 @@ class PlayedEpisode {
   /// result.json of the run, which is over now.
   nb::object close() {
     const Use use(*this);
-    lines_.listen();
     {
       const nb::gil_scoped_release others_may_run;
       lab::Played played = session_->close();
@@ -340,7 +334,6 @@ class PlayedEpisode {
   std::string act(const std::optional<std::string>& env, cx::ControlAct::Verb verb, const std::string& text) {
     if (text.find('\0') != text.npos) raise(usage_error("found a text with the character U+0000"));
     cx::Environment& environment = environment_of(env);
-    lines_.listen();
     Expected<std::string> done = usage_error("");
     {
       const nb::gil_scoped_release others_may_run;
