@@ -209,13 +209,17 @@ class Episode:
 
         tables.check_frames(frames)
         own = ("fact", "template")
-        column = lambda slot: f"slot_{slot}" if slot in own else slot  # noqa: E731
+
+        def column(slot: str) -> str:
+            return f"slot_{slot}" if slot in own else slot
+
         found, slots_of_template = self._core.facts(pattern or "", env)
         rows = [
             {"fact": index, "template": template} | {column(name): value for name, value in slots.items()}
             for index, template, slots in found
         ]
-        return tables.frame(tables.from_rows(rows, (*own, *map(column, slots_of_template))), frames)
+        columns = (*own, *(column(slot) for slot in slots_of_template))
+        return tables.frame(tables.from_rows(rows, columns), frames)
 
     def fact_list(self, pattern: str | None = None, *, env: str | None = None) -> list[dict[str, Any]]:
         """The same as a list of dicts of slots, without a table: for programs that look often.

@@ -92,6 +92,21 @@ class Vector(unittest.TestCase):
         *_, infos = env.step(np.array([infos["preferred"][0], forbidden]))
         np.testing.assert_array_equal(infos["invalid"], [False, True])
 
+    def test_a_program_needs_no_guard_and_workers_that_die_are_reported(self):
+        program = """
+from cxlab.learn import RCLLDispatchVectorEnv
+env = RCLLDispatchVectorEnv(2, processes=2, until=30.0)
+print("begun", len(env.reset(seed=1)[0]))
+env._workers[1].kill()
+env._workers[1].join()
+try:
+    env.step(env.single_action_space.sample())
+except RuntimeError as error:
+    print(error)
+"""
+        done = subprocess.run([sys.executable, "-"], input=program, capture_output=True, text=True)
+        self.assertEqual((done.stdout, done.stderr), ("begun 2\na worker process has ended by itself\n", ""))
+
     def test_what_a_worker_raises_is_raised(self):
         env = vector(2, scenario="rcll/game", processes=1)
         with self.assertRaisesRegex(cxlab.InputError, "expected rules that ask"):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from types import ModuleType
 from typing import Any, Unpack
 
 import gymnasium
@@ -43,6 +45,17 @@ Memory = dict[str, Any]
 def _views(memory: Memory, count: int) -> Arrays:
     """The shared memory as arrays, a row for each environment."""
     return {name: np.frombuffer(memory[name], dtype=kind).reshape(count, *shape) for name, (kind, shape) in _SHARED.items()}
+
+
+@contextlib.contextmanager
+def _without_main() -> Iterator[None]:
+    """Workers need nothing of the program that starts them. So they do not run it again, and it needs no `if __name__ == "__main__"`."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _work(pipe: Connection, memory: Memory, count: int, rows: range, scenario: str, settings: dict[str, Any]) -> None:
@@ -84,7 +97,7 @@ def _work(pipe: Connection, memory: Memory, count: int, rows: range, scenario: s
                 pipe.send({row: info for row, info in more.items() if info})
             except Exception as error:
                 pipe.send(error)
-    except (EOFError, KeyboardInterrupt):  # the learner is gone, or has heard the same Ctrl-C
+    except (EOFError, OSError, KeyboardInterrupt):  # the learner is gone, or has heard the same Ctrl-C
         pass
     for game in games.values():
         game.close()
@@ -142,7 +155,8 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         for rows in self._rows:
             pipe, end = context.Pipe()
             worker = context.Process(target=_work, args=(end, memory, num_envs, rows, scenario, dict(settings)), daemon=True)
-            worker.start()
+            with _without_main():
+                worker.start()
             end.close()
             self._workers.append(worker)
             self._pipes.append(pipe)
@@ -181,7 +195,7 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
             for pipe, request in zip(self._pipes, requests, strict=True):
                 pipe.send(request)
             answers = [pipe.recv() for pipe in self._pipes]
-        except (EOFError, BrokenPipeError) as error:
+        except (EOFError, OSError) as error:
             self.close()
             raise RuntimeError("a worker process has ended by itself") from error
         for answer in answers:
