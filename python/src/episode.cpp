@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -109,7 +110,8 @@ class PlayedEpisode {
     lines_.listen();
     in_stretches(
         [&](const auto& pause) {
-          return session_->step(end, [&] { return ++played == ticks || play_->has_raised() || pause(); });
+          const auto stop = [&] { return ++played == ticks || play_->has_raised() || pause(); };
+          return session_->step(end, std::cref(stop));  // a reference fits into std::function without memory of its own
         },
         [&](bool goes_on) {
           note_state();
