@@ -71,7 +71,7 @@ class Debugger final : public cx::RunControl, public cx::LogSink {
     Look look;
     LookJson look_json = {};
     WhyNot why_not = {};
-    std::span<const WorldQuestion> world_questions = {};  ///< a command or question of ours hides one of that name
+    std::span<const WorldQuestion> world_questions = {};  ///< one with the name of a command is hidden
     AskWorld ask_world = {};
   };
   void watch(Knowledge knowledge) { knows_ = std::move(knowledge); }

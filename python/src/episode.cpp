@@ -6,6 +6,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -104,7 +105,8 @@ class PlayedEpisode {
     if (ticks && *ticks <= 0) return {now_, played, over_};
     in_stretches(
         [&](const auto& pause) {
-          return session_->step(end, [&] { return ++played == ticks || play_->has_raised() || pause(); });
+          const auto stop = [&] { return ++played == ticks || play_->has_raised() || pause(); };
+          return session_->step(end, std::cref(stop));  // a reference fits into std::function without memory of its own
         },
         [&] {
           note_state();
