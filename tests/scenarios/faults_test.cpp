@@ -22,7 +22,8 @@ class Faults : public EpisodeTest, public testing::WithParamInterface<const char
     return write(name + ".yaml",
                  "schema: 1\nworld: {kind: rcll, down: false, orders: [{base_color: BASE_RED, cap_color: CAP_GREY}]}\n"
                  "tier: " +
-                     tier + "\nduration_s: " + std::to_string(duration_s) + "\nstimuli:\n" + goals + "faults:\n" + faults);
+                     tier + "\nduration_s: " + std::to_string(duration_s) + "\nstimuli:\n" + goals + "faults:\n" +
+                     faults);
   }
   static std::string goal(double at, const std::string& robot, const std::string& skill, const std::string& target) {
     const std::string type = skill == "drive_to" ? "DriveTo" : skill == "pick" ? "Pick" : "Place";
@@ -266,12 +267,12 @@ TEST_P(Faults, AnInstructionIsLostAndOneComesLate) {
 }
 
 TEST_P(Faults, ARobotInMaintenanceLosesItsPieceAndItsGoalAndComesBack) {
-  const std::string goals =
-      goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") + goal(30, "robot1", "drive_to", "C-BS-INPUT") +
-      goal(35, "robot1", "drive_to", "C-BS-INPUT") + goal(60, "robot1", "drive_to", "C-BS-INPUT");
+  const std::string goals = goal(1, "robot1", "pick", "C-CS1-SHELF-LEFT") +
+                            goal(30, "robot1", "drive_to", "C-BS-INPUT") +
+                            goal(35, "robot1", "drive_to", "C-BS-INPUT") + goal(60, "robot1", "drive_to", "C-BS-INPUT");
   auto episode =
-      load(floor("off", goals, "  - {kind: robot_maintenance, at: 33, robot: robot1, seconds: 20}\n", GetParam(), 90), {},
-           "run");
+      load(floor("off", goals, "  - {kind: robot_maintenance, at: 33, robot: robot1, seconds: 20}\n", GetParam(), 90),
+           {}, "run");
   begin(*episode);
   const auto& floor = dynamic_cast<const sim::World&>(*episode->stage().worlds.front());
   const auto y = [&] { return floor.robot(sim::RobotId{0}).pose_in_world.y; };
