@@ -37,7 +37,8 @@ struct TestOptions {
   lab::PackageOptions packages;
   double patience_s = 60;
   int jobs = 1;
-  bool stop = false, load_once = false, last_failed = false, accept = false, quiet = false, verbose = false, watch = false, json = false;
+  bool stop = false, load_once = false, last_failed = false, accept = false, quiet = false, verbose = false,
+       watch = false, json = false;
 };
 
 // --- What a person reads

@@ -137,8 +137,7 @@ std::vector<std::string> defined_by(const Form& form) {
 bool is_declaration(const Form& form) {
   if (form.head != "deffunction") return false;
   const Term tree = tree_of(form);
-  return std::ranges::count_if(tree.items, &Term::is_list) == 1 &&
-         tree.items.back().is_list();
+  return std::ranges::count_if(tree.items, &Term::is_list) == 1 && tree.items.back().is_list();
 }
 
 }  // namespace

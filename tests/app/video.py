@@ -17,7 +17,7 @@ GAME = SOURCE / "scenarios/rcll/game.yaml"
 TURTLES = SOURCE / "scenarios/turtlesim/figures.yaml"
 
 
-# Mesa compiles its shaders anew at each start, which takes as long as thirty pictures. This driver of Mesa compiles nothing.
+# Mesa compiles its shaders at each start, which takes as long as thirty pictures. This driver of Mesa compiles nothing.
 FEW_PICTURES = {"GALLIUM_DRIVER": "softpipe"}
 
 
