@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cxlab::statistics {
+namespace cxlab::statistics::sequential_test {
 namespace {
 
 using testing::ElementsAre;
@@ -91,4 +91,4 @@ TEST(Decide, LeavesGamesWithoutAFigureOut) {
 }
 
 }  // namespace
-}  // namespace cxlab::statistics
+}  // namespace cxlab::statistics::sequential_test

@@ -1,6 +1,6 @@
 #include "fixture.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::plans_test {
 namespace {
 
 using ::testing::AllOf;
@@ -488,4 +488,4 @@ TEST_F(ManagerTest, EachCauseOfAMissingPlanIsAWarningOnce) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::plans_test

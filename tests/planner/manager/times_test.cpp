@@ -2,7 +2,7 @@
 
 #include "fixture.h"
 
-namespace cxlab::planner {
+namespace cxlab::planner::times_test {
 namespace {
 
 using ::testing::Contains;
@@ -203,4 +203,4 @@ TEST_F(ManagerTimes, AnOrderingWithoutALatestTimeHasMinusOne) {
 }
 
 }  // namespace
-}  // namespace cxlab::planner
+}  // namespace cxlab::planner::times_test

@@ -2,7 +2,7 @@
 
 #include "tests/support/game_story.h"
 
-namespace cxlab::rcll {
+namespace cxlab::rcll::jump_test {
 namespace {
 
 using Deeds = void (*)(GameStory&);
@@ -155,4 +155,4 @@ INSTANTIATE_TEST_SUITE_P(Games, JumpingTime, testing::ValuesIn(kGames), [](const
 });
 
 }  // namespace
-}  // namespace cxlab::rcll
+}  // namespace cxlab::rcll::jump_test

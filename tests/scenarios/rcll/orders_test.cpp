@@ -8,7 +8,7 @@
 
 #include "scenarios/rcll/game/game.h"
 
-namespace cxlab::rcll {
+namespace cxlab::rcll::orders_test {
 namespace {
 
 constexpr int kGames = 1000;
@@ -220,4 +220,4 @@ TEST(ListedOrders, AreTakenAsTheyStandAndPricesStayThoseOfTheSeed) {
 }
 
 }  // namespace
-}  // namespace cxlab::rcll
+}  // namespace cxlab::rcll::orders_test
