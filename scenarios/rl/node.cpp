@@ -64,10 +64,10 @@ Status add_trainer(const ServerSpec& spec, const StageSetup& setup, Stage& stage
   options.log = setup.log;
   if (!config.model.empty()) {
     const std::filesystem::path file = setup.scenario.resolve(config.model);
-    if (setup.keep)
-      if (Status s = setup.keep(file.string(), file); !s) return s;
     auto text = read_file(file);
     if (!text) return input_error("model: " + text.error().message, file.string());
+    if (setup.keep)
+      if (Status s = setup.keep("rl/" + file.filename().string(), file); !s) return s;
     auto table = QTable::from_text(*text, options.rates, file.string());
     if (!table) return table.error();
     options.model = *std::move(table);

@@ -37,6 +37,7 @@ OVERRIDES = "overrides.clp:2: deftemplate 'pddl-action' is defined already in "
 UNANSWERED = "on the topic choices/made: the rules choose by themselves"
 SHOWN = {"scenarios/rcll/external.yaml": UNANSWERED, "scenarios/rcll/agent/params/external.yaml": UNANSWERED,
          "scenarios/rcll/rl.yaml": "nobody answer", "scenarios/rcll/agent/params/trainer.yaml": UNANSWERED,
+         "scenarios/rcll/agent/params/trainer.yaml": "service cx_rl_node/get_status not available, abort request.",  # nobody trains
          "scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
          "docs/examples/blocksworld/params/helpers.yaml": OVERRIDES, "docs/examples/blocksworld/helpers.yaml": OVERRIDES}
 # Another planner's program has to be installed.

@@ -112,13 +112,14 @@ class Training(Lab):
         self.train("max_episodes=60")
         config = self.write("asks/params/asks.yaml", CONFIG)
         self.write("asks/asks.clp", ASKS)
-        arguments = [CXLAB, "env", config, "--package", f"asks={self.folder / 'asks'}", "--with", "cx_rl_node", "--out", "none",
+        arguments = [CXLAB, "env", config, "--package", f"asks={self.folder / 'asks'}", "--with", "cx_rl_node", "--out", self.folder / "asked",
                      "--param", "cx_rl_node.rl_mode=EXECUTION"]
         done = subprocess.run([*arguments, "--param", f"cx_rl_node.model={self.out / 'model.json'}"], text=True, timeout=60,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn("mode EXECUTION loaded TRUE", done.stdout)
         self.assertIn("chosen three", done.stdout)
+        self.assertIn('"nodes/rl/model.json"', (self.folder / "asked/files/index.jsonl").read_text())
 
     def test_short_steps_of_an_episode_have_an_end(self):
         self.train("max_episodes=3", "max_steps=2")

@@ -221,9 +221,9 @@ class SweepStatistics(Lab):
                 ("median(points) >= 3", "which is no requirement"),
                 ("mean(point) >= 3", "has no metric 'point'"),
                 ("not worse than", "which is no requirement"),
-                ("not worse than lomg", "no strategy and no earlier sweep 'lomg', did you mean 'long'?"),
+                ("not worse than lomg", "(a sweep gets a name by 'earlier: {NAME: FOLDER}'); did you mean 'long'?"),
                 ("not worse than long by -1", "expected a number of at least 0 after 'by'"),
-                ("'sort: mean(sim_time_s) >= 3'", "there is no strategy 'sort', did you mean 'short'?"),
+                ("'sort: mean(sim_time_s) >= 3'", "there is no strategy 'sort'; there are long, short, same; did you mean 'short'?"),
                 ("'long: not worse than long'", "no other strategy is compared with 'long'"),
                 ("{a: b}", "found a map, expected a text"),
                 ("[mean(sim_time_s) >= 3, mean(sim_time_s) >= 3]", "twice, expected it once")):

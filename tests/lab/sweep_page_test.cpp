@@ -184,7 +184,8 @@ TEST_F(SweepPageTest, WrongNamesAreErrors) {
     const auto made = sweep_page(sweep, nullptr, options, catalogue());
     return made ? "none" : made.error().text();
   };
-  EXPECT_THAT(error({.metric = "appels"}), HasSubstr("no row has a metric 'appels', did you mean 'apples'?"));
+  EXPECT_THAT(error({.metric = "appels"}),
+              HasSubstr("no row has a metric 'appels'; there are apples, red, rotten; did you mean 'apples'?"));
   EXPECT_THAT(error({.against = "thrid"}), HasSubstr("there is no strategy 'thrid'"));
 }
 
