@@ -36,8 +36,7 @@ MORE = (
 OVERRIDES = "overrides.clp:2: deftemplate 'pddl-action' is defined already in "
 UNANSWERED = "on the topic choices/made: the rules choose by themselves"
 SHOWN = {"scenarios/rcll/external.yaml": UNANSWERED, "scenarios/rcll/agent/params/external.yaml": UNANSWERED,
-         "scenarios/rcll/rl.yaml": "nobody answer", "scenarios/rcll/agent/params/trainer.yaml": UNANSWERED,
-         "scenarios/rcll/agent/params/trainer.yaml": "service cx_rl_node/get_status not available, abort request.",  # nobody trains
+         "scenarios/rcll/rl.yaml": "nobody answer", "scenarios/rcll/agent/params/trainer.yaml": UNANSWERED + "|cx_rl_node/get_status not available",
          "scenarios/turtlesim/boundary_late.yaml": "service turtle1/teleport_absolute not available, abort request.",
          "docs/examples/blocksworld/params/helpers.yaml": OVERRIDES, "docs/examples/blocksworld/helpers.yaml": OVERRIDES}
 # Another planner's program has to be installed.
@@ -88,7 +87,7 @@ class Examples(unittest.TestCase):
                     shown = SHOWN.get(shlex.split(command)[2])
                     if shown:
                         self.assertTrue(complaints, "it is there to show one")
-                        complaints = [line for line in complaints if shown not in line]
+                        complaints = [line for line in complaints if not re.search(shown, line)]
                     self.assertEqual((done.returncode, complaints), (0, []))
                     result = json.loads(done.stdout)
                     self.assertEqual(result["rule_errors"], [])
