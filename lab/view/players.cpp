@@ -206,7 +206,7 @@ Expected<Descriptor> Players::connect_to_run(const fs::path& run) {
 
 std::optional<Error> Players::end_of(int number) {
   const Json answer = answer_to(Json{{"verb", "look"}, {"number", number}});
-  if (!answer.is_object()) return bug_error("the process that starts others does not answer");
+  if (!answer.is_object()) return error_from_starter(answer);
   for (const char* why : {"ended", "error"})
     if (answer.contains(why)) return run_error(answer.value(why, ""));
   return std::nullopt;
@@ -217,7 +217,7 @@ Expected<std::string> Players::compare(const fs::path& a, const fs::path& b) {
   const Json look{{"verb", "look"}, {"number", answer.is_object() ? answer.value("number", 0) : 0}};
   for (answer.erase("number"); answer.is_object() && answer.empty(); answer = answer_to(look))
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  if (!answer.is_object()) return bug_error("the process that starts others does not answer");
+  if (!answer.is_object()) return error_from_starter(answer);
   if (answer.contains("answer")) return answer.value("answer", "");
   return run_error("the runs cannot be compared: " + answer.value(answer.contains("ended") ? "ended" : "error", ""));
 }
