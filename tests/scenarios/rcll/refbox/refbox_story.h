@@ -133,10 +133,14 @@ class RefboxStory : private bus::TestBus {
 
   void run_until(double seconds) {
     loop_->set_end(from_seconds(seconds));
-    while (loop_->now() < from_seconds(seconds)) ASSERT_TRUE(loop_->tick());
+    while (loop_->now() < from_seconds(seconds))
+      ASSERT_TRUE(every_tick_ && loop_->ticks() > 0 ? loop_->tick_at(loop_->now() + scenario_.tick) : loop_->tick());
   }
   void run_for(double seconds) { run_until(now() + seconds); }
   double now() const { return std::max(0.0, to_seconds(loop_->now())); }
+  /// From now on also the ticks at which nothing is due.
+  void take_every_tick() { every_tick_ = true; }
+  std::int64_t ticks() const { return loop_->ticks(); }
 
   const std::vector<std::string>& warnings() const { return log_.lines; }
   bus::Bus& bus() { return bus_; }
@@ -174,6 +178,7 @@ class RefboxStory : private bus::TestBus {
   std::map<net::LinkId, pb::StreamReader> readers_;
   Player player_{*this};
   std::optional<Loop> loop_;
+  bool every_tick_ = false;
 };
 
 }  // namespace cxlab::rcll

@@ -59,6 +59,39 @@ TEST(Refbox, SpeaksAtTheRatesOfTheLeague) {
   EXPECT_THAT(cyan.heard, SizeIs(machines.size() + 15));
 }
 
+/// Programs come at times of their own: what is due to one of them is due to no other part of the game.
+TEST(Refbox, SaysTheSameAtTheSameTimesWhereTimeJumps) {
+  WorldConfig config = RefboxStory::game();
+  OrderConfig later = config.orders[0];
+  later.activate_at = 20.4;
+  config.orders.push_back(later);
+  const auto play = [&config](bool every_tick, std::int64_t& ticks) {
+    RefboxStory story(config, LeagueClientConfig{.port_shift = 1000});
+    if (every_tick) story.take_every_tick();
+    story.run_until(0.3);
+    std::vector<RefboxStory::Program*> programs{&story.open(kPublicWay), &story.open(kCyanWay, kLeagueKey),
+                                                &story.open(kRobot1), &story.open({5444, 5445})};
+    story.run_until(0.46);
+    programs.push_back(&story.open_stream());
+    story.run_until(1.26);
+    story.say(*programs[1], "PrepareMachine",
+              "team_color: CYAN machine: 'C-BS' instruction_bs { side: OUTPUT color: BASE_RED }");
+    story.run_until(40);
+    ticks = story.ticks();
+    std::vector<std::string> said;
+    for (std::size_t i = 0; i < programs.size(); ++i) {
+      EXPECT_THAT(programs[i]->heard, Not(IsEmpty())) << i;
+      for (const RefboxStory::Heard& heard : programs[i]->heard)
+        said.push_back(std::to_string(i) + " at " + std::to_string(heard.at) + ": " + heard.type + ' ' + heard.text);
+    }
+    return said;
+  };
+  std::int64_t all = 0, few = 0;
+  const std::vector<std::string> said = play(true, all);
+  EXPECT_THAT(play(false, few), ::testing::ElementsAreArray(said));
+  EXPECT_LT(few * 3, all);
+}
+
 TEST(Refbox, SaysWhatTheFactorySays) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
