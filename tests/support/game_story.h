@@ -88,6 +88,7 @@ class GameStory : private bus::TestBus {
   }
 
   sim::SpotId spot(const std::string& name) const { return *world_.plan().find_spot(name); }
+  bool nothing_at(const std::string& name) const { return world_.at(spot(name)) == nullptr; }
   /// R1 takes what lies there, or puts what it holds.
   void take(const std::string& from) {
     go_to(from);

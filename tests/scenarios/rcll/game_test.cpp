@@ -44,6 +44,54 @@ TEST(BaseStation, ABaseIsReadyAfterDispensingAndTheBelt) {
   EXPECT_EQ(story.state("C-BS"), "IDLE");
 }
 
+TEST(Game, WhatLastsForATimeLastsForItToTheTick) {
+  struct Wait {
+    const char* what;
+    void (*deeds)(GameStory&);
+    bool (*lasts)(const GameStory&);
+    double seconds;
+  };
+  const Wait kWaits[]{
+      {"an empty shelf",
+       [](GameStory& story) {
+         for (const char* slot : {"C-CS1-SHELF-LEFT", "C-CS1-SHELF-MIDDLE", "C-CS1-SHELF-RIGHT"}) {
+           story.take(slot);
+           story.world().drop(sim::RobotId{0});
+         }
+       },
+       [](const GameStory& story) { return story.nothing_at("C-CS1-SHELF-LEFT"); }, 20.02},  // the next tick sees it
+      {"BROKEN", [](GameStory& story) { story.instruct("{machine: C-DS, operation: RESET}"); },
+       [](const GameStory& story) { return story.state("C-DS") == "BROKEN"; }, 30},
+      {"WAIT-IDLE",
+       [](GameStory& story) {
+         story.carry_out("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+         story.take("C-BS-OUTPUT");
+       },
+       [](const GameStory& story) { return story.state("C-BS") == "WAIT-IDLE"; }, 5},
+      {"DOWN",
+       [](GameStory& story) {
+         for (const auto& machine : story.factory().machines())
+           if (machine->name() == "C-BS") machine->add_down({from_seconds(3), from_seconds(7.5)});
+       },
+       [](const GameStory& story) { return story.state("C-BS") == "DOWN"; }, 4.5},
+      {"a station that nothing comes to",
+       [](GameStory& story) { story.instruct("{machine: C-CS1, operation: RETRIEVE_CAP}"); },
+       [](const GameStory& story) { return story.state("C-CS1") == "PREPARED"; }, 20.02},
+  };
+  for (const Wait& wait : kWaits) {
+    WorldConfig config = GameStory::quiet_game();
+    config.shelf_refill_s = 20;
+    GameStory story(config);
+    wait.deeds(story);
+    const auto tick_until = [&](bool lasts) {
+      for (int i = 0; i < 3000 && wait.lasts(story) != lasts; ++i) story.run_for(0);
+      return story.now();
+    };
+    const double begin = tick_until(true);
+    EXPECT_NEAR(tick_until(false) - begin, wait.seconds, 1e-6) << wait.what;
+  }
+}
+
 TEST(BaseStation, CanGiveAtItsInput) {
   GameStory story;
   EXPECT_EQ(story.carry_out("{machine: C-BS, side: INPUT, base_color: BASE_SILVER}").code, 0);
