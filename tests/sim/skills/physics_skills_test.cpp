@@ -647,6 +647,49 @@ TEST_P(SkillOfBodies, PassesThroughItsPhasesAndEnds) {
   EXPECT_EQ(log, c.wanted);
 }
 
+/// What pushes the robot aside would let it drive back while its fingers or its arm work.
+TEST(PhysicsSkills, TheBaseStandsWhileArmOrFingersWorkAtAPiece) {
+  using enum SkillPhase;
+  for (const SkillKind kind : {kPick, kPlace, kDiscard}) {
+    Floor f;
+    const char* spot = "C-BS-OUTPUT";
+    f.stand_at(f.spot(spot).align_in_world);
+    f.bodies.put(f.spot(spot).rest_in_world);
+    if (kind != kPick) f.play(f.goal(kPick, spot));
+    SkillGoal goal = f.goal(kind, spot);
+    if (kind == kDiscard) goal.target.clear();
+    std::vector<SkillPhase> stood;
+    SkillPhase last = kDrive;
+    Pose2 before, at_work;
+    double began = 0;
+    f.before_sense = [&](double now) {
+      const SkillPhase phase = f.skills.phase();
+      Pose2& here = f.robot().pose_in_world;
+      if (phase == kApproach) {
+        if (last != kApproach) began = now;
+        // Where it works it is pushed on and on, less than would be too far.
+        if (kind != kDiscard)
+          at_work = f.spot(spot).work_in_world;
+        else if (now < began + 1.5)
+          at_work = here;
+        if (now >= began + 1.5 && distance(here.position(), at_work.position()) < 0.008)
+          here = {at_work.x, at_work.y + 0.006, at_work.yaw};
+      }
+      if (phase == last && (phase == kLower || phase == kGrip || phase == kLift || phase == kRelease)) {
+        EXPECT_EQ(here.y, before.y) << to_string(phase) << " at " << now;
+        if (stood.empty() || stood.back() != phase) stood.push_back(phase);
+      }
+      before = here;
+      last = phase;
+    };
+    f.play(goal);
+    const auto phases = kind == kPick    ? std::vector{kLower, kGrip, kLift}
+                        : kind == kPlace ? std::vector{kLower, kRelease}
+                                         : std::vector{kRelease};
+    EXPECT_EQ(stood, phases);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Table, SkillOfBodies, testing::ValuesIn(cases()),
                          [](const auto& row) { return std::string(row.param.name); });
 
