@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "planner/ground/reachable.h"
 #include "planner/ground/relaxation.h"
 #include "planner/pddl/parser.h"
 #include "planner/pddl/text.h"
@@ -29,6 +30,12 @@ class Grounded {
     Expected<GroundTask> made = ground(task_);
     EXPECT_TRUE(made);
     ground_ = std::move(*made);
+  }
+
+  /// Actions with arguments that are looked at when the problem is written out.
+  std::size_t bindings() const {
+    Budget unlimited;
+    return find_reachable(task_, 1000, unlimited)->bindings.size();
   }
 
   const GroundTask& operator*() const { return ground_; }
@@ -76,6 +83,44 @@ TEST(Ground, AParameterThatNothingReadsIsNotEnumerated) {
     (:action work :parameters (?who) :precondition () :effect (done)))",
                       "(:objects a b c) (:init) (:goal (done))");
   EXPECT_EQ(task->actions.size(), 1u);
+}
+
+TEST(Ground, ArgumentsThatMustBeEqualOrDifferentAreBoundSo) {
+  const auto bindings = [](const std::string& precondition) {
+    return Grounded(R"((:constants b) (:predicates (at ?x) (seen ?x ?y ?z))
+      (:action go :parameters (?x) :precondition () :effect (at ?x))
+      (:action see :parameters (?x ?y ?z) :precondition )" +
+                        precondition + " :effect (seen ?x ?y ?z))",
+                    "(:objects a c) (:init) (:goal (seen a b c))")
+        .bindings();
+  };
+  EXPECT_EQ(bindings("()"), 27u);
+  EXPECT_EQ(bindings("(= ?x ?y)"), 9u);
+  EXPECT_EQ(bindings("(not (= ?x ?y))"), 18u);
+  EXPECT_EQ(bindings("(and (not (= ?x ?y)) (not (= ?y ?z)) (not (= ?x ?z)))"), 6u);
+  EXPECT_EQ(bindings("(= ?z b)"), 9u);
+  EXPECT_EQ(bindings("(and (at ?x) (at ?y) (at ?z) (not (= ?x ?y)) (not (= ?y ?z)) (not (= ?x ?z)))"), 3u + 6u)
+      << "of going, and of what facts give";
+  EXPECT_EQ(bindings("(and (at ?x) (= ?x ?y) (= ?z b))"), 3u + 3u);
+}
+
+TEST(Ground, RulesWhoseConditionsNeverHoldAreLeftOut) {
+  const auto axioms = [](const std::string& condition) {
+    return Grounded(R"((:functions (height)) (:predicates (on) (locked) (key) (lit) (seen))
+      (:derived (lit) )" +
+                        condition + R"()
+      (:action switch :parameters () :effect (on))
+      (:action sink :parameters () :effect (decrease (height) 1))
+      (:durative-action unlock :parameters () :duration (= ?duration 1) :condition (at end (and (key) (locked)))
+       :effect (at start (key)))
+      (:action look :parameters () :precondition (and (lit) (<= (height) 0)) :effect (seen)))",
+                    "(:init (= (height) 5)) (:goal (seen))")
+        ->axioms.size();
+  };
+  EXPECT_EQ(axioms("(on)"), 1u);
+  EXPECT_EQ(axioms("(or (on) (< (height) 3))"), 2u);
+  EXPECT_EQ(axioms("(or (on) (> (height) 6))"), 1u) << "it only sinks";
+  EXPECT_EQ(axioms("(or (on) (key))"), 1u) << "what gives it can begin and never end";
 }
 
 TEST(Ground, KeepsTheFirstOfEqualActions) {

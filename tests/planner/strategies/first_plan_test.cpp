@@ -263,5 +263,37 @@ TEST(HappeningStrategy, ProvesThatCopiesWhoseEndsLoseAllNeverCount) {
   EXPECT_TRUE(proved);
 }
 
+TEST(HappeningStrategy, MomentsThatDifferOnlyInUnreadCostsAreOneUntilPlansAreCompared) {
+  // Three tiles on a ring of four places only go round: two of them never change their order.
+  Prepared ring(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))
+    (:durative-action slide :parameters (?t ?p ?q) :duration (= ?duration 1)
+     :condition (and (at start (at ?t ?p)) (at start (empty ?q)) (at start (next ?p ?q)))
+     :effect (and (at end (at ?t ?q)) (at end (empty ?p)) (at start (not (at ?t ?p))) (at start (not (empty ?q)))
+      (at end (increase (total-cost) 1)))))",
+                R"((:objects a b c n e s w) (:init (at a n) (at b e) (at c s) (empty w) (= (total-cost) 0)
+     (next n e) (next e s) (next s w) (next w n) (next e n) (next s e) (next w s) (next n w))
+    (:goal (and (at b n) (at a e) (at c s))) (:metric minimize (total-cost)))");
+  HappeningStrategy first(*ring, false);
+  EXPECT_FALSE(first.run({0, 50'000}));
+  EXPECT_TRUE(first.exhausted());
+
+  // Equally long ways to the same place, in any order: the last one may be the cheapest.
+  for (const auto& costs : {std::vector{9, 4, 1}, {9, 1, 4}, {4, 9, 1}, {4, 1, 9}, {1, 9, 4}, {1, 4, 9}}) {
+    std::string ways = "(:functions (cost)) (:predicates (home) (there) (done))\n";
+    for (const int cost : costs)
+      ways += "(:durative-action go-" + std::to_string(cost) +
+              " :parameters () :duration (= ?duration 2) :condition (at start (home)) :effect (and (at start (not "
+              "(home))) (at end (there)) (at end (increase (cost) " +
+              std::to_string(cost) + "))))\n";
+    Prepared trip(ways + "(:action look :parameters () :precondition (there) :effect (done))",
+                  "(:init (home) (= (cost) 0)) (:goal (done)) (:metric minimize (cost))");
+    ASSERT_TRUE(trip->offer(trip->whole, trip.list({"(go-9)", "(look)"})));
+    HappeningStrategy better(*trip, true);
+    for (std::uint64_t round = 0; round < 20 && !better.exhausted(); ++round) better.run({round, 20'000});
+    EXPECT_TRUE(better.exhausted());
+    EXPECT_EQ(trip->best.cost(), 1) << ways;
+  }
+}
+
 }  // namespace
 }  // namespace cxlab::planner
