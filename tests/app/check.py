@@ -96,6 +96,14 @@ class Check(Lab):
         self.assertEqual(self.findings("scenario.yaml"), found)
         self.assertIn("did you mean 'time'?", found[0]["message"])
 
+    def test_a_plugin_of_another_library_may_assert_and_read_anything(self):
+        self.agent("(defrule seen (counted ?n) => (assert (heard ?n)))\n")
+        self.assertEqual(codes(self.findings("scenario.yaml")), ["never-asserted", "never-read"])
+        config = self.folder / "agent.yaml"
+        config.write_text(config.read_text().replace("ros_msgs", "own").replace("cx::RosMsgsPlugin", "escape::Plugin"))
+        self.write("rules/cxlab_plugins.yaml", f"library: {os.environ['ESCAPE']}\nplugins:\n  - class: escape::Plugin\n")
+        self.check("scenario.yaml")
+
     def test_a_form_that_is_not_closed_is_an_error_with_its_line(self):
         self.write("open.clp", "\n(defrule open (x)\n")
         self.assertRegex(self.check("open.clp", expect=3).stderr, r"^error: open.clp:2: ")
