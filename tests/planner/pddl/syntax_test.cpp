@@ -19,6 +19,15 @@ std::string error_of(std::string_view text) {
   return syntax ? "no error" : syntax.error().text();
 }
 
+TEST(Syntax, AnExcerptIsCutAfterSixtyCharacters) {
+  const auto cut = [](const std::string& text) { return excerpt(read_syntax(text, "a.pddl")->root); };
+  const std::string sixty(60, 'x');
+  EXPECT_EQ(cut("(a " + sixty + "y)"), "(a " + sixty + ")");
+  EXPECT_EQ(cut("(a " + sixty + "y b)"), "(a " + sixty + " ...)");
+  EXPECT_EQ(cut("(a (" + sixty + " b) c)"), "(a (" + sixty + " ...) ...)");
+  EXPECT_EQ(cut("(a " + sixty.substr(4) + " b)"), "(a " + sixty.substr(4) + " b)");
+}
+
 TEST(Syntax, AListWithoutEndIsReportedWhereItBegins) {
   EXPECT_EQ(error_of("(define\n  (domain\n  foo)\n"),
             "a.pddl:1: found the end of the file, expected a ')' for the list that begins here");

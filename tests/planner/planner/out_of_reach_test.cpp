@@ -104,6 +104,17 @@ TEST(OutOfReach, Numbers) {
       "action gives a value to (fuel), and in :init (fuel) has no value");
 }
 
+TEST(OutOfReach, AComparisonSaysWhichWayItsNumberWouldHaveToMove) {
+  for (const auto& [move, goals] :
+       {std::pair{"raises", std::vector{"(> (n) 3)", "(>= (n) 3)", "(not (< (n) 3))", "(not (<= (n) 3))"}},
+        {"lowers", {"(< (n) 0)", "(<= (n) 0)", "(not (> (n) 0))", "(not (>= (n) 0))"}}})
+    for (const std::string goal : goals)
+      EXPECT_EQ(why(std::string("(:predicates (x)) (:functions (n)) (:action other :effect (") +
+                        (std::string(move) == "raises" ? "decrease" : "increase") + " (n) 1))",
+                    "(:init (= (n) 1)) (:goal " + goal + ")"),
+                "the goal " + goal + " is out of reach: no action " + move + " (n), and in :init (n) is 1");
+}
+
 TEST(OutOfReach, NumbersThatMoveButNotFarEnough) {
   EXPECT_EQ(
       why("(:predicates (x)) (:functions (n) (k)) (:action less :effect (decrease (k) 1))",

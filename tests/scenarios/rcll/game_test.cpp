@@ -530,6 +530,38 @@ TEST(Result, AnOrderIsDeliveredWhenItsFirstProductIs) {
             R"([{"id":1,"complexity":"C0","ordered":0.0,"delivered_at":3.78,"correct":true,"points":60}])");
 }
 
+TEST(Result, EachRobotHasItsOwnWorkAndItsOwnDuty) {
+  GameStory story;
+  story.run_until(100);
+  const sim::RobotStats stats[]{{"robot1", 50, 20, 5, 7, 2}, {"robot2", 0, 0, 0, 0, 0}, {"robot3", 99, 1, 0, 9, 4}};
+  Maintenance::Robot duties[3];
+  duties[1].duty = RobotDuty::kDisqualified;
+  duties[2].cycles = 2;
+  Result result;
+  report_robots(stats, duties, story.world(), result);
+  const auto entry = [](const char* work, const char* duty) {
+    return std::string(work) + R"(,"contacts":0,"state":")" + duty;
+  };
+  EXPECT_EQ(result.at("robots"),
+            "[" +
+                entry(R"({"name":"robot1","busy_s":50.0,"drive_s":20.0,"wait_s":5.0,"skills":7,"failures":2)",
+                      R"(ACTIVE","maintenances":0},)") +
+                entry(R"({"name":"robot2","busy_s":0.0,"drive_s":0.0,"wait_s":0.0,"skills":0,"failures":0)",
+                      R"(DISQUALIFIED","maintenances":0},)") +
+                entry(R"({"name":"robot3","busy_s":99.0,"drive_s":1.0,"wait_s":0.0,"skills":9,"failures":4)",
+                      R"(ACTIVE","maintenances":2}])"));
+  EXPECT_EQ(result.score_board,
+            "robot1   at work  50 %, driving  20 %, 7 skills, 2 failed, 0 contacts\n"
+            "robot2   at work   0 %, driving   0 %, 0 skills, 0 failed, 0 contacts, disqualified\n"
+            "robot3   at work  99 %, driving   1 %, 9 skills, 4 failed, 0 contacts, 2 in maintenance\n");
+  EXPECT_THAT(result.tallies, ElementsAre("skills failed: robot1 2 of 7, robot3 4 of 9"));
+  EXPECT_THAT(result.warnings, testing::IsEmpty());
+  Result idle;
+  report_robots({&stats[1], 1}, {&duties[1], 1}, story.world(), idle);
+  EXPECT_THAT(idle.tallies, testing::IsEmpty());
+  EXPECT_THAT(idle.warnings, ElementsAre("no robot was given a skill in the whole game"));
+}
+
 // --- The referee alone
 
 MachineEvent delivered(const sim::FloorPlan& plan, const std::string& machine, double at, const sim::Stack& stack) {
