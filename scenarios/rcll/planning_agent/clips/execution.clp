@@ -69,6 +69,13 @@
   (assert (instruction (id ?id) (machine ?machine) (operation ?operation) (color ?color) (order ?order)))
   ?id)
 
+(deffunction instruct-delivery (?station ?order)
+  "Have the product of an order delivered, unless the station was told so already; returns the number of the instruction."
+  (delayed-do-for-all-facts ((?i instruction)) (and (eq ?i:operation "DELIVER") (= ?i:order ?order))
+    (if (neq ?i:state FAILED) then (return ?i:id))
+    (retract ?i))
+  (instruct ?station "DELIVER" "" ?order))
+
 (deffunction begin-work (?action ?params)
   "Begin the job or instruction of an action; returns its number."
   (bind ?a (nth$ 1 ?params))
@@ -89,7 +96,7 @@
     (case retrieve-cap then (instruct ?m "RETRIEVE_CAP" "" 0))
     (case mount-ring then (instruct ?b "MOUNT_RING" (ring-of (order-of ?a) (nth$ 3 ?params)) 0))
     (case mount-cap then (instruct ?b "MOUNT_CAP" "" 0))
-    (case deliver then (instruct ?b "DELIVER" "" (order-of ?a)))
+    (case deliver then (instruct-delivery ?b (order-of ?a)))
     (default 0)))
 
 (defrule work-at-once
@@ -111,6 +118,16 @@
   =>
   (assert (picked ?id))
   (if ?*SUB-ACTIONS* then (apply-part ?action pick ?params)))
+
+(defrule work-deliver-at-once
+  "A product has come to the idle delivery station: instruct the station before the PDDL manager has been asked, because
+   somebody may take what lies on the belt."
+  (declare (salience 10))
+  (step (action bring-to-delivery) (params ?product ? ?ds ?) (state RUNNING) (work ?work))
+  (job (id ?work) (step DONE) (purpose MOVE))
+  (machine (name =(machine-named ?ds)) (state IDLE))
+  =>
+  (instruct-delivery (machine-named ?ds) (order-of ?product)))
 
 (deffunction piece-placed (?step ?id)
   "Note that the piece of a step lies at its place: the step is done."
