@@ -62,19 +62,25 @@ def count_stays(run, products, counts):
 
 
 def count_rest(run, counts):
-    """Adds up how long robots have no skill, and how much of it falls into the making of a plan."""
-    idle, since, planning = set(), 0.0, False
+    """Adds up how long robots have no skill, and how much of it falls into the making of a plan.
+
+    A wish for a plan that ends without one, because there is no order yet, does not count.
+    """
+    idle, since, planning, waited = set(), 0.0, False, 0.0
     for t, kind, data in records(run):
         counts["idle"] += (t - since) * len(idle)
-        counts["planning"] += (t - since) * len(idle) * planning
+        waited += (t - since) * len(idle) * planning
         since = t
         if kind == "skill" and data["event"] in ("start", "end"):
             (idle.discard if data["event"] == "start" else idle.add)(data["robot"])
         elif kind == "decision" and "slots" in data:
             what = data["slots"].get("what", "").strip('"')
             counts["plans"] += what == "plan"
-            if what == "plan" or what.startswith(("work for the orders", "go on as before")):
-                planning = what == "plan"
+            if what == "plan":
+                planning, waited = True, 0.0
+            elif what.startswith(("work for the orders", "go on as before")):
+                counts["planning"] += waited
+                planning, waited = False, 0.0
 
 
 def line_of(name, counts):
