@@ -126,7 +126,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
   for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
   return {[words = std::move(words)](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-            return found_text(text, "one of: " + some_of(words, words.size()) + did_you_mean(text, words));
+            return found_text(text, "one of: " + some_of_and_nearest(text, words));
           },
           '{' + list + '}'};
 }
@@ -192,14 +192,14 @@ std::string missing_command(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::App* sub : command.get_subcommands(nullptr)) names.push_back(sub->get_name());
   const std::vector<std::string> rest = command.remaining();
-  if (rest.empty()) return "a command is missing" + (command.get_parent() ? ": " + some_of(names, names.size()) : "");
-  return found_text(rest.front(), "one of: " + some_of(names, names.size()) + did_you_mean(rest.front(), names));
+  if (rest.empty()) return "a command is missing" + (command.get_parent() ? ": " + some_of(names) : "");
+  return found_text(rest.front(), "one of: " + some_of_and_nearest(rest.front(), names));
 }
 
 /// One of its words if there are only some, else what its description says.
 std::string what_it_takes(const CLI::Option& option) {
   const std::vector<std::string> words = words_of(option);
-  return words.empty() ? option.get_description() : "one of " + some_of(words, words.size());
+  return words.empty() ? option.get_description() : "one of " + some_of(words);
 }
 
 /// With all names of the option that a message begins with, where CLI11 says one.

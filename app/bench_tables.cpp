@@ -75,7 +75,7 @@ int show(const ShowOptions& options) {
   const std::string& format = options.written();
   if (format == "csv" && options.table.empty())
     return fail(usage_error("--format csv prints one table; expected --table with one of: " +
-                            some_of(kTables, kTables.size())));
+                            some_of(kTables)));
   const auto rows = lab::read_rows(options.sweep, catalogue());
   if (!rows) return fail(rows.error());
   std::vector<Table> tables;

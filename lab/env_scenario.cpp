@@ -112,7 +112,7 @@ Status check_companions(const EnvOptions& options, const Catalogue& catalogue, c
     for (const WorldKind* kind : catalogue.worlds) known.emplace_back(kind->name);
     for (const NodeKind* kind : catalogue.nodes) known.emplace_back(kind->name);
     return usage_error("--with: " +
-                       found_text(name, "one of: " + known_companions(catalogue) + did_you_mean(name, known)));
+                       found_text(name, "one of: " + known_companions(catalogue) + did_you_mean(name, known, "; ")));
   }
   return {};
 }
@@ -220,7 +220,7 @@ Expected<Stimulus> transition(const Scenario& scenario, const std::string& text)
   const std::vector<std::string> known{"configure", "activate", "deactivate", "cleanup", "shutdown"};
   if (std::ranges::find(known, name) == known.end())
     return usage_error("--transition: " + found_text(name, "configure, activate, deactivate, cleanup or shutdown" +
-                                                               did_you_mean(name, known)));
+                                                               did_you_mean(name, known, "; ")));
   if (where + 1 == parts->second.size()) return usage_error("--transition: " + found_text(text, form));
   const std::string node =
       where == std::string::npos ? manager_node(scenario.agents.front()).full_name() : parts->second.substr(where + 1);

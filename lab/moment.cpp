@@ -91,8 +91,7 @@ Status Moment::play(SimTime end) {
 SimTime Moment::t() const { return std::max(SimTime::zero(), replay_.episode->now()); }
 
 std::string no_environment(const std::string& name, const std::vector<std::string>& known) {
-  return "the run has no environment '" + name + "'; it has " + some_of(known, known.size()) +
-         did_you_mean(name, known, "; ");
+  return "the run has no environment '" + name + "'; it has " + some_of_and_nearest(name, known);
 }
 
 inspect::Inspector inspector_of(cx::Environment& environment, Episode& episode, inspect::Timelines& timelines) {
@@ -157,7 +156,7 @@ Expected<TwoMoments::Environments> TwoMoments::environments(const std::string& n
   }
   for (const inspect::Inspector& one : *of_b) out.only_in_b.push_back(one.name());
   if (!out.both.empty()) return out;
-  const auto list = [](const std::vector<std::string>& names) { return some_of(names, names.size()); };
+  const auto list = [](const std::vector<std::string>& names) { return some_of(names); };
   return input_error("the runs have no environment in common: a has " + list(out.only_in_a) + ", b has " +
                      list(out.only_in_b));
 }

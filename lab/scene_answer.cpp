@@ -97,7 +97,7 @@ std::string SceneAnswer::text(const std::string& command, std::size_t width) con
   for (const Entity& entity : chosen_.entities)
     if (entity.state.empty() && std::ranges::find(kinds, entity.kind) == kinds.end()) kinds.push_back(entity.kind);
   return out + '\n' + std::to_string(left_out) + " more without a state: " + command + " KIND lists them (" +
-         some_of(kinds, kinds.size()) + ")\n";
+         some_of(kinds) + ")\n";
 }
 
 Expected<Json> scene_json(Run::SceneAt seen, const std::string& what) {

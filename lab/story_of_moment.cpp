@@ -132,7 +132,7 @@ class Writer {
     if (found->size() > 1) {
       std::vector<std::string> names;
       for (const cx::Environment* one : *found) names.push_back(one->unique_name());
-      return usage_error("the run has several environments: choose one with --env: " + some_of(names, names.size()));
+      return usage_error("the run has several environments: choose one with --env: " + some_of(names));
     }
     environment_ = found->front();
     stream_ = moment_->episode().journal().stream_name(environment_->engine().stream());

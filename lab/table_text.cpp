@@ -261,8 +261,7 @@ Status sort_table(Table& table, const std::string& key) {
   for (const Column& column : table.columns) keys.push_back(column.key);
   const auto found = std::ranges::find(keys, key);
   if (found == keys.end())
-    return usage_error("--sort: there is no column '" + key + "'; there are " + some_of(keys, keys.size()) +
-                       did_you_mean(key, keys, "; "));
+    return usage_error("--sort: there is no column '" + key + "'; there are " + some_of_and_nearest(key, keys));
   const auto at = static_cast<std::size_t>(found - keys.begin());
   const bool text = table.columns[at].kind == CellKind::kText;
   std::ranges::stable_sort(table.rows, [&](const auto& a, const auto& b) {

@@ -99,4 +99,8 @@ std::string some_of(const std::vector<std::string>& names, std::size_t most) {
   return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
 }
 
+std::string some_of_and_nearest(const std::string& word, const std::vector<std::string>& names, std::size_t most) {
+  return some_of(names, most) + did_you_mean(word, names, "; ");
+}
+
 }  // namespace cxlab

@@ -107,6 +107,9 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates,
                          std::string_view separator = ", ");
 /// "a, b and 3 more": the first `most` of the names.
-std::string some_of(const std::vector<std::string>& names, std::size_t most);
+std::string some_of(const std::vector<std::string>& names, std::size_t most = std::string::npos);
+/// "a, b; did you mean 'a'?": the names that `word` could have been, and the nearest; for the end of a message.
+std::string some_of_and_nearest(const std::string& word, const std::vector<std::string>& names,
+                                std::size_t most = std::string::npos);
 
 }  // namespace cxlab

@@ -46,7 +46,7 @@ Status check_value(const std::string& name, const Term& slot, const Value& value
     for (auto item = facet.items.begin() + 1; item != facet.items.end(); ++item) words.push_back(item->text);
     if (facet.head() == "type" && !has_word(words, types)) {
       const bool other = (value.is(ValueType::kSymbol) && has_word(words, std::array<std::string_view, 1>{"STRING"}));
-      return input_error(found + "; its type is " + some_of(words, words.size()) +
+      return input_error(found + "; its type is " + some_of(words) +
                          (other ? ": write \"" + value.print() + '"' : ""));
     }
     const bool about_it =
@@ -54,7 +54,7 @@ Status check_value(const std::string& name, const Term& slot, const Value& value
         (value.is(ValueType::kString) && facet.head() == "allowed-strings") ||
         ((value.is(ValueType::kSymbol) || value.is(ValueType::kString)) && facet.head() == "allowed-lexemes");
     if (about_it && std::ranges::count(words, value.print()) == 0)
-      return input_error(found + "; it holds " + some_of(words, 12) + did_you_mean(value.print(), words, "; "));
+      return input_error(found + "; it holds " + some_of_and_nearest(value.print(), words, 12));
   }
   return {};
 }
@@ -96,7 +96,7 @@ Status check_names(const Pattern& pattern, const RuleEngine& engine) {
   const std::vector<std::string> named = pattern.slot_names();
   if (slots && named.empty() && !pattern.constants().empty())
     return input_error("template '" + name + "' has slots; write (" + name + " (SLOT VALUE)), with one of " +
-                       some_of(known, known.size()));
+                       some_of(known));
   for (const std::string& slot : named) {
     if (std::ranges::count(named, slot) > 1) return input_error("slot '" + slot + "' is in the pattern twice");
     if (!slots) return input_error("template '" + name + "' has no slots: its facts are ordered");

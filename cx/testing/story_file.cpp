@@ -190,7 +190,7 @@ void replace(const yaml::Value& key, StorySpec& spec) {
   if (const auto list = lists.find(word); list != lists.end()) return list->second();
   std::vector<std::string> words;
   for (const auto& [name, forgets] : lists) words.push_back(name);
-  key.fail(found_text(word, "some of: " + some_of(words, words.size()) + did_you_mean(word, words)));
+  key.fail(found_text(word, "some of: " + some_of_and_nearest(word, words)));
 }
 
 void read_story(yaml::Map& map, StorySpec& spec) {

@@ -286,7 +286,7 @@ Map& Map::read_word(std::string_view key, std::string& field, const std::vector<
       return *this;
     }
     if (!v.is_scalar()) return *this;  // reported already
-    v.fail(found_text(word, "one of: " + some_of(words, words.size()) + did_you_mean(word, words)));
+    v.fail(found_text(word, "one of: " + some_of_and_nearest(word, words)));
   }
   return *this;
 }
@@ -351,7 +351,7 @@ void Map::finish() {
       missing_.erase(missing);
       continue;
     }
-    what += near.empty() ? "; known are: " + some_of(asked_, asked_.size()) : ", did you mean '" + near + "'?";
+    what += near.empty() ? "; known are: " + some_of(asked_) : ", did you mean '" + near + "'?";
     (near.empty() ? far_off : close_by)
         .emplace_back(value_.path_.empty() ? key : value_.path_ + '.' + key, std::move(what),
                       item.first.Mark().line + 1);

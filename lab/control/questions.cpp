@@ -318,8 +318,7 @@ std::optional<Expected<Json>> Debugger::ask(const std::string& name, const Json&
     std::vector<std::string> names;
     for (const Question& one : questions()) names.emplace_back(one.name);
     for (const WorldQuestion& one : knows_.world_questions) names.emplace_back(one.name);
-    return input_error("there is no question '" + name + "'; it is one of " + some_of(names, names.size()) +
-                       did_you_mean(name, names, "; "));
+    return input_error("there is no question '" + name + "'; it is one of " + some_of_and_nearest(name, names));
   }
   using Of = Question::Of;
   if (shown_ && question->of != Of::kPlace) return std::nullopt;

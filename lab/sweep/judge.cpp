@@ -165,8 +165,7 @@ Status check_names(const Requirement& requirement, const std::vector<std::string
   };
   const std::string& of = requirement.strategy;
   if (!of.empty() && std::ranges::find(strategies, of) == strategies.end())
-    return wrong("there is no strategy '" + of + "'; there are " + some_of(strategies, 8) +
-                 did_you_mean(of, strategies, "; "));
+    return wrong("there is no strategy '" + of + "'; there are " + some_of_and_nearest(of, strategies, 8));
   if (requirement.kind != Requirement::Kind::kNotWorse) return {};
   if (std::ranges::find(names, requirement.than) == names.end())
     return wrong("there is no strategy and no earlier sweep '" + requirement.than + "'; there are " +
@@ -336,8 +335,7 @@ Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, c
   for (const Contestant& contestant : sorted.order)
     if (std::ranges::find(names, contestant.second) == names.end()) names.push_back(contestant.second);
   if (!against.empty() && std::ranges::find(names, against) == names.end())
-    return input_error("there is no strategy '" + against + "'; there are " + some_of(names, 8) +
-                       did_you_mean(against, names, "; "));
+    return input_error("there is no strategy '" + against + "'; there are " + some_of_and_nearest(against, names, 8));
   for (const Contestant& contestant : sorted.order) {
     const auto& [scenario, strategy] = contestant;
     const std::string first = against.empty() ? sorted.strategies_in(scenario).front() : against;

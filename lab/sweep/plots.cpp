@@ -218,8 +218,8 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
   const auto all = lines_of(rows, metric, catalogue);
   if (!all) return all.error();
   if (!against.empty() && std::ranges::find(all->strategies, against) == all->strategies.end())
-    return input_error("there is no strategy '" + against + "'" + did_you_mean(against, all->strategies) +
-                       "; there are " + some_of(all->strategies, 8));
+    return input_error("there is no strategy '" + against + "'; there are " +
+                       some_of_and_nearest(against, all->strategies, 8));
   const std::vector<PlotLine>& lines = all->lines;
   Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), all->least, all->most);
   bool some_only = false;

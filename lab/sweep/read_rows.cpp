@@ -204,8 +204,7 @@ Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string
   if (wanted.empty()) wanted = first;
   if (names.empty()) return input_error("no row has a figure that could be compared");
   if (std::ranges::find(names, wanted) == names.end())
-    return input_error("no row has a metric '" + wanted + "'; there are " + some_of(names, names.size()) +
-                       did_you_mean(wanted, names, "; "));
+    return input_error("no row has a metric '" + wanted + "'; there are " + some_of_and_nearest(wanted, names));
   MetricOfRows out{wanted, wanted};
   for (const Row& row : rows)
     if (const WorldKind* world = catalogue.find_world(row.world))

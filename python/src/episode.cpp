@@ -298,12 +298,11 @@ class PlayedEpisode {
     if (meant.size() == 1) return *found;
     if (meant.size() > 1)
       raise(
-          usage_error(found_text(*name, "one of " + some_of(meant, meant.size()) + ", which share that name"), "env"));
+          usage_error(found_text(*name, "one of " + some_of(meant) + ", which share that name"), "env"));
     if (!name && all.size() == 1) return *all.front();
     if (names.empty()) raise(usage_error("the episode has no environment of rules", "env"));
-    const std::string known = "of " + some_of(names, names.size());
-    if (!name) raise(usage_error(found_expected("none", "one " + known), "env"));
-    raise(usage_error(found_text(*name, "one " + known + did_you_mean(*name, names)), "env"));
+    if (!name) raise(usage_error(found_expected("none", "one of " + some_of(names)), "env"));
+    raise(usage_error(found_text(*name, "one of " + some_of_and_nearest(*name, names)), "env"));
   }
 
   static void check_pattern(const explain::Pattern& pattern, const cx::Environment& environment) {

@@ -96,8 +96,7 @@ class RecordedRun {
     if (run_->finished && !stream.empty() && !run_->stream_hashes.contains(stream)) {
       std::vector<std::string> known;
       for (const auto& [name, hash] : run_->stream_hashes) known.push_back(name);
-      raise(input_error("the run has no stream '" + stream + "'; it has " + some_of(known, 10) +
-                        did_you_mean(stream, known, "; ")));
+      raise(input_error("the run has no stream '" + stream + "'; it has " + some_of_and_nearest(stream, known, 10)));
     }
     const lab::Stretch stretch = stretch_of(start, end);
     filter.from = stretch.from;
@@ -150,8 +149,7 @@ class RecordedRun {
     std::vector<std::string> known;
     for (int i = 0; i <= static_cast<int>(RecordKind::kError); ++i)
       known.emplace_back(to_string(static_cast<RecordKind>(i)));
-    return usage_error("kind: " + found_text(word, "one of " + some_of(known, known.size())) +
-                       did_you_mean(word, known, "; "));
+    return usage_error("kind: " + found_text(word, "one of " + some_of_and_nearest(word, known)));
   }
 
   lab::Stretch stretch_of(const Seconds& start, const Seconds& end) const {

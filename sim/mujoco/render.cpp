@@ -117,8 +117,7 @@ Status Renderer::choose(const mjModel& model, std::string_view camera) {
   camera_.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, (name + "/view").c_str());
   if (camera_.fixedcamid >= 0) return {};
   const std::vector<std::string> known = cameras();
-  return input_error("no camera '" + name + "', expected one of: " + some_of(known, known.size()) +
-                     did_you_mean(name, known));
+  return input_error("no camera '" + name + "', expected one of: " + some_of_and_nearest(name, known));
 }
 
 Expected<const Picture*> Renderer::draw(const PhysicsGate& world, std::string_view name, const Legend& legend) {

@@ -129,7 +129,7 @@ Expected<WorldAnswer> answer_machines(const AskedRun& run) {
     std::vector<std::string> known;
     for (const MachineStory& machine : story->machines) known.push_back(machine.name);
     return usage_error("there is no machine '" + std::string(run.about) + "' of a team that plays; there are " +
-                       some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
+                       some_of_and_nearest(std::string(run.about), known));
   }
   Table table{"machines", "", {{"machine", "machine"}}, {}};
   for (const auto& [state, title] : kShares) {

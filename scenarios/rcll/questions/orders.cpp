@@ -284,7 +284,7 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
     for (const Order& order : story->orders()) known.push_back(std::to_string(order.id));
     if (std::ranges::find(known, run.about) == known.end())
       return usage_error("there is no order '" + std::string(run.about) + "' in this game; it has " +
-                         some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
+                         some_of_and_nearest(std::string(run.about), known));
   }
   const bool two_teams = story->teams.size() > 1;
   Table orders{"orders",

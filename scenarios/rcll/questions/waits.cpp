@@ -47,7 +47,7 @@ Expected<WorldAnswer> answer_waits(const AskedRun& run) {
     std::vector<std::string> known;
     for (const RobotStory& robot : story->robots) known.push_back(robot.name);
     return usage_error("there is no robot '" + std::string(run.about) + "' in this game; it has " +
-                       some_of(known, known.size()) + did_you_mean(std::string(run.about), known, "; "));
+                       some_of_and_nearest(std::string(run.about), known));
   }
   Table waits{"waits",
               "",

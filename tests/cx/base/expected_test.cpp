@@ -92,6 +92,9 @@ TEST(DidYouMean, IsTheEndOfAMessage) {
   EXPECT_EQ(did_you_mean("tset", {"test"}), ", did you mean 'test'?");
   EXPECT_EQ(did_you_mean("tset", {"test"}, "; "), "; did you mean 'test'?");
   EXPECT_EQ(did_you_mean("tset", {"snapshot"}), "");
+  EXPECT_EQ(some_of_and_nearest("tset", {"run", "test", "view"}), "run, test, view; did you mean 'test'?");
+  EXPECT_EQ(some_of_and_nearest("tset", {"run", "view", "test"}, 1), "run and 2 more; did you mean 'test'?");
+  EXPECT_EQ(some_of_and_nearest("bench", {"run", "test"}), "run, test");
 }
 
 TEST(Messages, SayWhatWasFoundAndWhatWasExpected) {

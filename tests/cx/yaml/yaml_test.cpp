@@ -195,7 +195,7 @@ TEST(Yaml, AStructIsReadByTheKeysThatItLists) {
   EXPECT_EQ(car.length, 4);
   EXPECT_EQ(car.width, 2);
   EXPECT_EQ(read("paint: bleu\n", car),
-            "s.yaml:1: paint: found 'bleu', expected one of: red, blue, did you mean 'blue'?");
+            "s.yaml:1: paint: found 'bleu', expected one of: red, blue; did you mean 'blue'?");
   EXPECT_EQ(read("wheels:\n  - {nam: b}\n", car),
             "s.yaml:2: wheels[0]: key 'name' is missing, did you mean it by 'nam'?");
   EXPECT_EQ(read("size:\n  lenght: 1\n", car), "s.yaml:2: unknown key 'lenght' in 'size', did you mean 'length'?");
