@@ -225,11 +225,11 @@ std::string explained(const CLI::App& command, const CLI::ParseError& error) {
     return text.substr(0, times) + ": given " + text.substr(text.rfind(' ') + 1) + " times, expected once";
   if (text.find(": 1 required ") != std::string::npos && text.ends_with(" missing"))
     return text.substr(0, text.find(": ")) + ": its value is missing";
+  if (const std::size_t given = text.find(" was given a disallowed flag override"); given != std::string::npos)
+    return (given == 1 ? "-" : "--") + text.substr(0, given) + ": takes no value";
   const std::size_t equals = text.find(" = ");
   if (!text.starts_with(begin) || equals == std::string::npos) return text;
   const std::string name = text.substr(begin.size(), equals - begin.size()), found = text.substr(equals + 3);
-  const CLI::Option* option = command.get_option_no_throw(name);
-  if (option && option->get_expected_max() == 0) return name + ": takes no value";
   return name + ": " + expected(found, "a number");
 }
 
@@ -243,6 +243,12 @@ int usage_exit(const CLI::App& app, const CLI::ParseError& error) {
   const int code = fail(usage_error(with_all_names(*at, explained(*at, error))));
   std::fprintf(stderr, "%s --help says more\n", command.c_str());
   return code;
+}
+
+void refuse_values_of_flags(CLI::App& app) {
+  for (CLI::Option* option : app.get_options())
+    if (option->get_expected_max() == 0) option->disable_flag_override();
+  for (CLI::App* command : app.get_subcommands(nullptr)) refuse_values_of_flags(*command);
 }
 
 Status check_values(const CLI::App& app) {

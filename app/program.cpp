@@ -157,6 +157,7 @@ int run(int argc, char** argv) {
   add_man(app, action);
   if (Status s = add_world_questions(app, action); !s) return fail(s.error());
   if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
+  refuse_values_of_flags(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
