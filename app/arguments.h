@@ -71,6 +71,8 @@ void add_trust_programs(CLI::App& command, bool& trust);
 
 /// Exit code of a command line that cannot be used; 0 after `--help` and `--version`.
 int usage_exit(const CLI::App& app, const CLI::ParseError& error);
+/// `--quiet=3` and `--quiet=false` become errors; CLI11 would count them or turn the flag off.
+void refuse_values_of_flags(CLI::App& app);
 /// Fails where an argument is empty, which nothing takes.
 Status check_values(const CLI::App& app);
 /// Fails if the first argument is no command: CLI11 would only say that one is missing.

@@ -74,8 +74,7 @@ void print_errors(const std::string& sweep, std::vector<lab::Row> rows) {
 int show(const ShowOptions& options) {
   const std::string& format = options.written();
   if (format == "csv" && options.table.empty())
-    return fail(usage_error("--format csv prints one table; expected --table with one of: " +
-                            some_of(kTables)));
+    return fail(usage_error("--format csv prints one table; expected --table with one of: " + some_of(kTables)));
   const auto rows = lab::read_rows(options.sweep, catalogue());
   if (!rows) return fail(rows.error());
   std::vector<Table> tables;

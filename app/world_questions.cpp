@@ -71,8 +71,7 @@ Status add_world_questions(CLI::App& app, Action& action) {
                           "Sorts the first table by the column of this key in JSON: numbers from the greatest");
       command->add_flag("--json", ask->json, "Prints the answer as JSON");
       const std::vector<std::string> worlds = lab::worlds_with(catalogue(), name);
-      command->footer("For runs of the world " + some_of(worlds) + ".\nExamples:\n" +
-                      std::string(question.examples));
+      command->footer("For runs of the world " + some_of(worlds) + ".\nExamples:\n" + std::string(question.examples));
       command->callback([ask, &action] { action = [ask] { return answer(*ask); }; });
     }
   return {};

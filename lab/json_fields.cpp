@@ -33,9 +33,7 @@ void check_time(const char* name, double time, const Json& in) {
 
 Json::other_error unknown_word(const char* name, const Json& found, const std::vector<std::string>& words) {
   return Json::other_error::create(
-      500,
-      "'" + std::string(name) + "': " + found_text(found.get<std::string>(), "one of: " + some_of(words)),
-      &found);
+      500, "'" + std::string(name) + "': " + found_text(found.get<std::string>(), "one of: " + some_of(words)), &found);
 }
 
 }  // namespace cxlab::lab

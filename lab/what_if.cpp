@@ -41,9 +41,7 @@ std::optional<std::string> parameter_of(const bus::NodeName& node, const std::st
   return std::nullopt;
 }
 
-std::string list(const std::vector<std::string>& names) {
-  return names.empty() ? "none" : some_of(names);
-}
+std::string list(const std::vector<std::string>& names) { return names.empty() ? "none" : some_of(names); }
 
 std::vector<std::string> nodes_of(const Scenario& scenario) {
   std::vector<std::string> nodes;

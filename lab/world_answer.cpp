@@ -10,13 +10,11 @@ namespace {
 Error unknown_question(const Run& run, const WorldKind& world, const std::string& name) {
   const std::string of_world = "the world of this run, " + std::string(world.name) + ", has no question '" + name + "'";
   const std::vector<std::string> worlds = worlds_with(*run.catalogue, name);
-  if (!worlds.empty())
-    return input_error(of_world + "; it is one of " + some_of(worlds), run.folder.string());
+  if (!worlds.empty()) return input_error(of_world + "; it is one of " + some_of(worlds), run.folder.string());
   std::vector<std::string> known;
   for (const WorldQuestion& one : world.questions) known.emplace_back(one.name);
-  return input_error(
-      of_world + (known.empty() ? "" : "; it answers " + some_of_and_nearest(name, known)),
-      run.folder.string());
+  return input_error(of_world + (known.empty() ? "" : "; it answers " + some_of_and_nearest(name, known)),
+                     run.folder.string());
 }
 
 }  // namespace

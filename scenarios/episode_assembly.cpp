@@ -349,8 +349,7 @@ Status Episode::check_stimuli() {
       if (offered.providers > 0 && offered.name.ends_with(service))
         known.push_back(offered.name.substr(0, offered.name.size() - service.size()));
     if (std::ranges::find(known, node) == known.end())
-      return usage_error(found_expected("the node '" + node + "'",
-                                        "one of: " + some_of_and_nearest(node, known)),
+      return usage_error(found_expected("the node '" + node + "'", "one of: " + some_of_and_nearest(node, known)),
                          stimulus.origin.source, stimulus.origin.line);
   }
   return {};

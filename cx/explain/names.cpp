@@ -46,8 +46,7 @@ Status check_value(const std::string& name, const Term& slot, const Value& value
     for (auto item = facet.items.begin() + 1; item != facet.items.end(); ++item) words.push_back(item->text);
     if (facet.head() == "type" && !has_word(words, types)) {
       const bool other = (value.is(ValueType::kSymbol) && has_word(words, std::array<std::string_view, 1>{"STRING"}));
-      return input_error(found + "; its type is " + some_of(words) +
-                         (other ? ": write \"" + value.print() + '"' : ""));
+      return input_error(found + "; its type is " + some_of(words) + (other ? ": write \"" + value.print() + '"' : ""));
     }
     const bool about_it =
         facet.head() == "allowed-values" || (value.is(ValueType::kSymbol) && facet.head() == "allowed-symbols") ||

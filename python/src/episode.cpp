@@ -297,8 +297,7 @@ class PlayedEpisode {
     }
     if (meant.size() == 1) return *found;
     if (meant.size() > 1)
-      raise(
-          usage_error(found_text(*name, "one of " + some_of(meant) + ", which share that name"), "env"));
+      raise(usage_error(found_text(*name, "one of " + some_of(meant) + ", which share that name"), "env"));
     if (!name && all.size() == 1) return *all.front();
     if (names.empty()) raise(usage_error("the episode has no environment of rules", "env"));
     if (!name) raise(usage_error(found_expected("none", "one of " + some_of(names)), "env"));
