@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """How fast games are played whose choices are made from Python: decisions and games a second, and the time of a reset.
 
-    PYTHONPATH=build/release/python benchmarks/learning.py [--games 40] [--processes 2] [--interval 1] [--envs 16]
+    PYTHONPATH=build/release/python benchmarks/learning.py [--games 40] [--processes 2] [--threads 2] [--interval 1] [--envs 16]
 
 With `--interval` the rules ask for an order each time so many seconds have passed, also where none can begin. `choices` counts the decisions that
 have more than one option. `games` plays them one after the other in each process (cxlab.learn.play_all), which is how train_dispatcher.py trains; `vector` is the
-vector environment of the package with so many environments, `async` gymnasium.vector.AsyncVectorEnv with an environment a process (both only
+vector environment of the package with so many environments in `--threads`, `async` gymnasium.vector.AsyncVectorEnv with an environment a process (both only
 where Gymnasium is installed). All take the option that the rules prefer, and no journal is kept. Each game is a whole one of the timed tier.
 """
 
@@ -79,6 +79,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--games", type=int, default=40)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--threads", type=int, default=2, help="of the vector")
     parser.add_argument("--interval", type=float)
     parser.add_argument("--envs", type=int, nargs="*", default=[16], help="environments of the vector")
     arguments = parser.parse_args()
@@ -101,9 +102,9 @@ def main():
     register()
     name, settings = "cxlab/RCLLDispatch-v0", {"journal": "none", "interval": arguments.interval}
     for envs in arguments.envs:
-        made = gymnasium.make_vec(name, envs, processes=arguments.processes, **settings)
+        made = gymnasium.make_vec(name, envs, threads=arguments.threads, **settings)
         rate, games = vector(made, max(arguments.games, 2 * envs))
-        print(f"vector   {rate:8.0f} decisions/s {games:6.2f} games/s with {envs} environments in {arguments.processes} processes")
+        print(f"vector   {rate:8.0f} decisions/s {games:6.2f} games/s with {envs} environments in {arguments.threads} threads")
     made = gymnasium.vector.AsyncVectorEnv([lambda: gymnasium.make(name, **settings)] * arguments.processes, shared_memory=True)
     rate, games = vector(made, arguments.games)
     print(f"async    {rate:8.0f} decisions/s {games:6.2f} games/s with AsyncVectorEnv of {arguments.processes}")

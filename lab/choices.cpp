@@ -1,6 +1,10 @@
 #include "lab/choices.h"
 
+#include <algorithm>
+#include <atomic>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace cxlab::lab {
 
@@ -76,6 +80,30 @@ Expected<const Choice*> ChoiceEpisode::next_choice(const std::function<bool()>& 
     if (!step) return step.error();
   }
   return chooser_->first();
+}
+
+Status ChoiceEpisode::play_on(std::span<ChoiceEpisode* const> episodes, std::size_t threads,
+                              const std::function<bool()>& pause) {
+  threads = std::clamp<std::size_t>(threads, 1, std::max<std::size_t>(episodes.size(), 1));
+  std::vector<Status> ends(episodes.size());
+  // Each thread has a share of the episodes. What it does not get to is taken by those that are ready.
+  const auto begin_of = [&](std::size_t share) { return share * episodes.size() / threads; };
+  std::vector<std::atomic<std::size_t>> next(threads);
+  for (std::size_t share = 0; share < threads; ++share) next[share] = begin_of(share);
+  const auto play = [&](std::size_t own) {
+    for (std::size_t i = 0; i < threads; ++i) {
+      const std::size_t share = (own + i) % threads;
+      for (std::size_t at; (at = next[share]++) < begin_of(share + 1);)
+        if (const auto choice = episodes[at]->next_choice(pause); !choice) ends[at] = choice.error();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t own = 1; own < threads; ++own) others.emplace_back(play, own);
+    play(0);
+  }
+  const auto failed = std::ranges::find_if(ends, [](const Status& end) { return !end; });
+  return failed == ends.end() ? Status() : *failed;
 }
 
 Status ChoiceEpisode::choose(std::int64_t option) {

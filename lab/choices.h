@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,11 @@ class ChoiceEpisode {
   /// The answer to that choice. A usage error if that option does not exist or may not be chosen.
   Status choose(std::int64_t option);
   Session& session() { return *session_; }
+
+  /// Plays each of them on to its next choice, in so many threads at once; `pause` is asked by all of them. The error
+  /// of the first that has one; the others are played on all the same.
+  static Status play_on(std::span<ChoiceEpisode* const> episodes, std::size_t threads,
+                        const std::function<bool()>& pause = {});
 
  private:
   class Chooser;

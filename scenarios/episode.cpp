@@ -168,12 +168,24 @@ Result Episode::close(RunStatus status, std::optional<Error> failure) {
   return out;
 }
 
-Result Episode::result() const {
+Result Episode::reported(std::string only) const {
   Result out = initial_result(scenario_);
+  out.only = std::move(only);
   out.sim_time = std::max(now(), SimTime::zero());
   out.ticks = loop_->ticks();
   stage_->report(out);
   for (const auto& report : stage_->reports) report(out);
+  return out;
+}
+
+std::string Episode::result_at(const std::string& path) const {
+  const Result part = reported(section_of_path(path));
+  const bool has_section = std::ranges::find(part.sections, part.only, &Result::Section::key) != part.sections.end();
+  return (has_section ? part : result()).at(path);
+}
+
+Result Episode::result() const {
+  Result out = reported();
   out.deterministic = out.deterministic && !options_.spec.sockets && seats_.empty();
   for (const auto& agent : agents_) out.deterministic = out.deterministic && agent->deterministic();
   for (const auto& agent : agents_)

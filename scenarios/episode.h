@@ -135,6 +135,8 @@ class Episode {
   Status replay_log_status() const { return inputs_->log_status(); }
   /// The result so far, without the measurements of the caller.
   Result result() const;
+  /// The same as `result().at(path)`. For a path in a section of the world, only that section is made.
+  std::string result_at(const std::string& path) const;
 
  private:
   Episode(Scenario scenario, EpisodeOptions options);
@@ -158,6 +160,8 @@ class Episode {
   void write_scene(SimTime next);
   /// Writes the inputs so far to the log. Returns whether all files could be written so far.
   Status write_out();
+  /// What the world and the nodes beside it say. `only`: see `Result::only`.
+  Result reported(std::string only = {}) const;
   /// Does what the program of the recorded run did after the last tick.
   Status repeat_acts();
 

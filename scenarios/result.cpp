@@ -113,8 +113,10 @@ std::vector<std::string> Result::all_warnings() const {
   return all;
 }
 
+std::string section_of_path(const std::string& path) { return path.substr(0, path.find_first_of(".[")); }
+
 std::string Result::at(const std::string& path) const {
-  const auto section = std::ranges::find(sections, path.substr(0, path.find_first_of(".[")), &Section::key);
+  const auto section = std::ranges::find(sections, section_of_path(path), &Section::key);
   const Json value =
       value_at(section == sections.end() ? result_json(*this) : Json{{section->key, section_json(*section)}}, path);
   return value.is_null() ? std::string() : json_text(value);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct Result {
   double wall_time_s = 0, physics_wall_s = 0, real_time_factor = 0, peak_rss_mb = 0;  ///< measured by the caller
   std::int64_t ticks = 0, steps = 0, plans = 0, replans = 0;
   std::vector<Section> sections;  ///< that world and nodes declare (catalogue.h), and what else they set
+  std::string only;               ///< the one section that is asked for; empty: the whole result
   std::string score_board;        ///< lines for a terminal; a world adds its own
   std::vector<RuleErrorResult> rule_errors;
   std::vector<std::string> warnings;  ///< given parameters that nothing read, and errors that rules printed
@@ -46,6 +48,8 @@ struct Result {
   std::string journal_hash, physics_hash;
   std::vector<std::pair<std::string, std::string>> stream_hashes;  ///< name -> hash, by name
 
+  /// Whether that section is asked for: a world need not make the others.
+  bool wants(std::string_view key) const { return only.empty() || only == key; }
   /// Fills the section of that key, or adds it after the others. Text that is no JSON becomes a string.
   void set(const std::string& key, std::string json);
   std::string to_json() const;  ///< pretty-printed, UTF-8
@@ -55,6 +59,8 @@ struct Result {
   std::string at(const std::string& path) const;
 };
 
+/// "teams" of "teams.CYAN.points".
+std::string section_of_path(const std::string& path);
 /// "completed", "stopped", ...
 const char* to_string(RunStatus status);
 /// What a result has before anything is played: the scenario's name, seed and tier, and the sections of its world and

@@ -30,7 +30,8 @@ struct Stage {
   std::vector<std::function<void(Result&)>> reports;  ///< of nodes beside the world: what they add to the result
   /// The inputs of the physics since the last call, for the input log.
   virtual std::string take_inputs() { return {}; }
-  /// Adds the world's sections, the lines of the score board, the steps and the physics hash.
+  /// Adds the world's sections, the lines of the score board, the steps and the physics hash. It may leave out what
+  /// `Result::wants` does not ask for.
   virtual void report(Result&) const {}
 };
 

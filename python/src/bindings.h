@@ -110,16 +110,19 @@ class InUse {
 /// How long Python waits for the lock of the interpreter, at most, and for a look at Ctrl-C.
 constexpr auto kStretch = std::chrono::milliseconds(50);
 
-/// Calls `play(pause)` without the lock of the interpreter until it ends by itself, not because `pause` said so. After
-/// each call it calls `after()`, raises the error of `play`, and looks for Ctrl-C.
+/// Calls `play(pause)` without the lock of the interpreter until it ends by itself, not because `pause` said so, which
+/// any thread may ask. After each call it calls `after()`, raises the error of `play`, and looks for Ctrl-C.
 template <class F, class After>
 auto in_stretches(F play, After after) {
   using Clock = std::chrono::steady_clock;
   while (true) {
-    bool paused = false;
+    std::atomic<bool> paused = false;
     auto played = [&] {
       const nb::gil_scoped_release others_may_run;
-      return play([&paused, until = Clock::now() + kStretch] { return paused = Clock::now() >= until; });
+      return play([&paused, until = Clock::now() + kStretch] {
+        if (Clock::now() < until) return false;
+        return paused = true;
+      });
     }();
     after();
     auto value = value_or_raise(std::move(played));

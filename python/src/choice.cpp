@@ -1,6 +1,7 @@
 // Episodes that stop where rules leave a choice to Python (lab/choices.h).
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,21 @@ class ChoicesAtPlay {
     return choice_ != nullptr;
   }
 
+  /// Plays each of these on to its next choice, in so many threads.
+  static void play_on(const std::vector<ChoicesAtPlay*>& all, std::size_t threads) {
+    std::deque<InUse> in_use;
+    std::vector<lab::ChoiceEpisode*> episodes;
+    for (ChoicesAtPlay* one : all) {
+      in_use.emplace_back(one->play_);
+      episodes.push_back(&one->played());
+      one->choice_ = nullptr;
+    }
+    in_stretches([&](const auto& pause) -> Expected<bool> {
+      if (Status s = lab::ChoiceEpisode::play_on(episodes, threads, pause); !s) return s.error();
+      return true;
+    });
+  }
+
   void choose(std::int64_t option) {
     const InUse in_use(play_);
     check(played().choose(option));
@@ -76,7 +92,7 @@ class ChoicesAtPlay {
   /// What the result has so far at that path, as JSON; empty: nothing.
   std::string result_at(const std::string& path) {
     const InUse in_use(play_);
-    return played().session().episode().result().at(path);
+    return played().session().episode().result_at(path);
   }
 
   nb::object render(int width, int height, const std::string& camera, bool caption) {
@@ -120,6 +136,7 @@ void bind_choice(nb::module_& module) {
            nb::kw_only(), nb::arg("scenario"), nb::arg("assignments"), nb::arg("until").none(), nb::arg("journal"),
            nb::arg("out"), nb::arg("force"), nb::arg("topic"))
       .def("next", &ChoicesAtPlay::next)
+      .def_static("play_on", &ChoicesAtPlay::play_on, nb::arg("episodes"), nb::arg("threads"))
       .def("choose", &ChoicesAtPlay::choose, nb::arg("option"))
       .def("result_at", &ChoicesAtPlay::result_at, nb::arg("path"))
       .def("render", &ChoicesAtPlay::render, nb::arg("width"), nb::arg("height"), nb::arg("camera"), nb::arg("caption"))

@@ -214,9 +214,10 @@ bool GameStage::is_known(sim::RobotId robot, sim::StationId station) const {
 }
 
 void GameStage::report(Result& result) const {
-  report_game(*factory_, result);
-  report_robots(fleet_->stats(), factory_->maintenance().robots(), *floor_, result);
-  if (physics_) {
+  if (result.wants("teams")) report_teams(*factory_, result);
+  if (result.wants("orders") || result.wants("deliveries")) report_orders(*factory_, result);
+  if (result.wants("robots")) report_robots(fleet_->stats(), factory_->maintenance().robots(), *floor_, result);
+  if (physics_ && result.only.empty()) {
     result.steps = physics_->gate().steps();
     result.physics_hash = hash_text(physics_->physics_hash());
   }

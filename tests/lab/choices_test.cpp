@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "folder.h"
 #include "lab/replay.h"
 #include "scenarios/share.h"
@@ -100,6 +102,80 @@ TEST_F(ChoicesTest, TheRunReplaysWithoutTheCallerAndDependsOnWhatWasChosen) {
   }
   EXPECT_NE(journals[0], journals[1]);
   EXPECT_EQ(journals[1], journals[2]);
+}
+
+TEST_F(ChoicesTest, ManyEpisodesArePlayedOnInAnyNumberOfThreads) {
+  const auto alone = episode("alone");
+  while (!next(*alone).kind.empty()) ASSERT_TRUE(alone->choose(1));
+  ASSERT_FALSE(alone->session().close().failure);
+  for (const std::size_t threads : {0u, 1u, 2u, 3u, 9u}) {
+    std::vector<std::unique_ptr<ChoiceEpisode>> all;
+    std::vector<ChoiceEpisode*> open;
+    for (int i = 0; i < 5; ++i)
+      open.push_back(all.emplace_back(episode(std::to_string(threads) + "-" + std::to_string(i))).get());
+    int choices = 0;
+    for (; !open.empty(); ++choices) {
+      ASSERT_TRUE(ChoiceEpisode::play_on(open, threads));
+      std::erase_if(open, [](ChoiceEpisode* one) { return one->session().over(); });
+      for (ChoiceEpisode* one : open) ASSERT_TRUE(one->choose(1)) << "it has a choice that nobody played to";
+    }
+    EXPECT_EQ(choices, 3);
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_FALSE(all[static_cast<std::size_t>(i)]->session().close().failure);
+      EXPECT_EQ(read(std::to_string(threads) + "-" + std::to_string(i) + "/journal.jsonl"),
+                read("alone/journal.jsonl"));
+    }
+  }
+  EXPECT_TRUE(ChoiceEpisode::play_on({}, 2));
+}
+
+TEST_F(ChoicesTest, OfManyEpisodesTheFirstErrorIsToldAndTheOthersArePlayedOn) {
+  const auto first = episode("first"), last = episode("last");
+  scenario("failing",
+           content_of(find_share().packages / "cxlab_choices/clips/choices.clp") +
+               "(defrule fails (time ?t&:(> ?t 0.7)) => (+ (nth$ 1 (create$ a)) 1))\n",
+           {"ros_msgs"});
+  auto failing = ChoiceEpisode::load({.out = "none"}, loaded("failing"));
+  ASSERT_TRUE(failing) << failing.error().text();
+  const std::vector<ChoiceEpisode*> all = {first.get(), failing->get(), last.get()};
+  const Status played = ChoiceEpisode::play_on(all, 2);
+  ASSERT_FALSE(played);
+  EXPECT_EQ(played.error().kind, ErrorKind::kRun) << played.error().text();
+  for (const auto* one : {&first, &last}) EXPECT_TRUE((*one)->choose(0));
+}
+
+TEST_F(ChoicesTest, APauseEndsAllThreadsAndTheyGoOnFromThere) {
+  const auto one = episode("one"), two = episode("two");
+  const std::vector<ChoiceEpisode*> all = {one.get(), two.get()};
+  ASSERT_TRUE(ChoiceEpisode::play_on(all, 2, [] { return true; }));
+  for (ChoiceEpisode* each : all) {
+    EXPECT_FALSE(each->choose(0)) << "one tick is too early for a choice";
+    EXPECT_GE(each->session().episode().now(), SimTime::zero());
+  }
+  ASSERT_TRUE(ChoiceEpisode::play_on(all, 2));
+  for (ChoiceEpisode* each : all) EXPECT_TRUE(each->choose(0));
+}
+
+TEST(Choices, APathOfTheResultOfAGameIsAtEachChoiceThatOfTheWholeResult) {
+  auto scenario =
+      Scenario::load(*find_scenario("rcll/external"), shipped(), {{"tier=timed", "test"}, {"seed=1", "test"}});
+  ASSERT_TRUE(scenario) << scenario.error().text();
+  PlayOptions options{.out = "none"};
+  options.spec.journal = JournalLevel::kNone;
+  auto game = ChoiceEpisode::load(options, *std::move(scenario));
+  ASSERT_TRUE(game) << game.error().text();
+  const Episode& episode = (*game)->session().episode();
+  std::set<std::string> points;
+  for (auto choice = (*game)->next_choice(); choice && *choice; choice = (*game)->next_choice()) {
+    const Result whole = episode.result();
+    for (const char* path : {"teams", "teams.CYAN.points", "teams.CYAN.by_kind.ring", "teams.PINK.points", "orders",
+                             "orders[0].points", "deliveries", "deliveries[0].time", "robots", "robots[2].skills",
+                             "ticks", "sim_time_s", "journal_hash", "warnings", "nothing.here", ""})
+      ASSERT_EQ(episode.result_at(path), whole.at(path)) << path << " at " << to_seconds(episode.now()) << " s";
+    points.insert(whole.at("teams.CYAN.points"));
+    ASSERT_TRUE((*game)->choose((*choice)->preferred));
+  }
+  EXPECT_GT(points.size(), 10u);
 }
 
 }  // namespace

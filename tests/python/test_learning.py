@@ -15,6 +15,7 @@ import cxlab
 import numpy as np
 from cxlab import UsageError, _cxlab
 from cxlab.learn import Choice, ChoiceGame, LinearPolicy, play, play_all, shipped_policy
+from cxlab.learn.choices import play_on
 from cxlab.learn.features import KINDS, OPTION, SITUATION
 from cxlab.learn.games import OPTIONS, SIZE, Games, at_interval, mask_of, observation_of, shown_options
 from cxlab.learn.policy import preferred, term_values
@@ -74,6 +75,32 @@ class OfTheRules(unittest.TestCase):
 
     def test_who_never_begins_an_order_delivers_nothing(self):
         self.assertEqual(play(lambda choice: len(choice.options) - 1, 1, until=600.0)["teams"]["CYAN"]["by_kind"]["cap"], 0)
+
+
+class ManyAtOnce(unittest.TestCase):
+    def test_games_that_threads_play_on_are_those_that_are_played_alone(self):
+        alone = [choices(seed, journal="decisions")[1]["journal_hash"] for seed in (1, 2, 3)]
+        for threads in (1, 2, 5):
+            games = [ChoiceGame(seed=seed, tier="timed", until=SHORT, journal="decisions") for seed in (1, 2, 3)]
+            playing = list(games)
+            while playing:
+                play_on(playing, threads)
+                before = [game.now for game in playing]
+                choice_of = {game: game.next() for game in playing}
+                self.assertEqual([game.now for game in playing], before, "next plays nothing any more")
+                playing = [game for game in playing if choice_of[game] is not None]
+                for game in playing:
+                    game.choose(choice_of[game].preferred)
+            self.assertEqual([game.close()["journal_hash"] for game in games], alone)
+
+    def test_a_game_twice_or_a_closed_one_is_refused(self):
+        game = ChoiceGame(seed=1, tier="timed", until=SHORT)
+        with self.assertRaisesRegex(UsageError, "in use"):
+            play_on([game, game], 2)
+        self.assertEqual(game.next().kind, choices(1)[0][0].kind)
+        game.close()
+        with self.assertRaisesRegex(UsageError, "closed"):
+            play_on([game], 2)
 
 
 class OnDisk(unittest.TestCase):

@@ -36,7 +36,7 @@ def vector(count, **more):
 
 
 class Vector(unittest.TestCase):
-    """Many games in worker processes are those that single environments play."""
+    """Many games in threads are those that single environments play."""
 
     def test_each_row_is_the_single_environment_with_its_seed_and_actions(self):
         singles, ends = {}, {}
@@ -54,9 +54,9 @@ class Vector(unittest.TestCase):
                 played.append(env.reset())
             singles[row] = played
             env.close()
-        for processes in (1, 2):
-            with self.subTest(processes=processes):
-                env = vector(3, processes=processes)
+        for threads, ahead in ((1, True), (2, True), (3, False)):
+            with self.subTest(threads=threads, ahead=ahead):
+                env = vector(3, threads=threads, ahead=ahead)
                 self.addCleanup(env.close)
                 randoms = [np.random.default_rng(row) for row in range(3)]
                 seen, infos = env.reset(seed=7)
@@ -92,28 +92,27 @@ class Vector(unittest.TestCase):
         *_, infos = env.step(np.array([infos["preferred"][0], forbidden]))
         np.testing.assert_array_equal(infos["invalid"], [False, True])
 
-    def test_a_program_needs_no_guard_and_workers_that_die_are_reported(self):
-        program = """
-from cxlab.learn import RCLLDispatchVectorEnv
-env = RCLLDispatchVectorEnv(2, processes=2, until=30.0)
-print("begun", len(env.reset(seed=1)[0]))
-env._workers[1].kill()
-env._workers[1].join()
-try:
-    env.step(env.single_action_space.sample())
-except RuntimeError as error:
-    print(error)
-"""
-        done = subprocess.run([sys.executable, "-"], input=program, capture_output=True, text=True)
-        self.assertEqual((done.stdout, done.stderr), ("begun 2\na worker process has ended by itself\n", ""))
+    def test_a_step_that_raises_ends_the_games_and_reset_begins_others(self):
+        env = vector(2)
+        self.addCleanup(env.close)
+        env.reset(seed=1)
+        with self.assertRaises(IndexError):
+            env.step(np.zeros(1, dtype=np.int64))
+        with self.assertRaisesRegex(cxlab.UsageError, "call reset"):
+            env.step(np.zeros(2, dtype=np.int64))
+        seen, _ = env.reset(seed=1)
+        single = RCLLDispatchEnv(**SHORT)
+        self.addCleanup(single.close)
+        np.testing.assert_array_equal(seen[0], single.reset(seed=1)[0])
 
-    def test_what_a_worker_raises_is_raised(self):
-        env = vector(2, scenario="rcll/game", processes=1)
+    def test_what_a_game_raises_is_raised_and_wrong_arguments_are_told(self):
+        env = vector(2, scenario="rcll/game")
         with self.assertRaisesRegex(cxlab.InputError, "expected rules that ask"):
             env.reset(seed=1)
+        env.close()
         with self.assertRaisesRegex(cxlab.UsageError, "closed"):
             env.reset(seed=1)
-        for wrong, says in ((lambda: vector(0), "num_envs: found 0"), (lambda: vector(1, processes=0), "processes: found 0"),
+        for wrong, says in ((lambda: vector(0), "num_envs: found 0"), (lambda: vector(1, threads=0), "threads: found 0"),
                             (lambda: vector(1, out="x"), "one game"), (lambda: vector(1, render_mode="rgb_array"), "no picture")):
             with self.subTest(says), self.assertRaisesRegex(cxlab.UsageError, says):
                 wrong()

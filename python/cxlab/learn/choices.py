@@ -6,7 +6,7 @@ import contextlib
 import os
 import pickle
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
 
@@ -158,3 +158,8 @@ class ChoiceGame:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         with contextlib.suppress(CxlabError) if error else contextlib.nullcontext():
             self.close()
+
+
+def play_on(games: Iterable[ChoiceGame], threads: int) -> None:
+    """Play each of the games on to its next choice, in so many threads at once. Their `next` returns it without playing then."""
+    _cxlab.ChoiceEpisode.play_on([game._core for game in games], threads)

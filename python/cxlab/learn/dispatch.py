@@ -43,13 +43,20 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin a game. With `seed` it is the game of that seed (as `cxlab run --seed` plays it); without, seeds follow from the
         last one that was given."""
+        return self._begin(*self._seeds(seed))
+
+    def _seeds(self, seed: int | None) -> tuple[int, int]:
+        """The seeds of the game to begin now and of the one after it."""
         super().reset(seed=seed)
         if seed is None and self._following is not None:
             seed = self._following
         elif seed is None:
             seed = int(self.np_random.integers(SEEDS))
         self._following = int(self.np_random.integers(SEEDS))
-        self._games.begin(seed, self._following)
+        return seed, self._following
+
+    def _begin(self, seed: int, following: int) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        self._games.begin(seed, following)
         return self._seen(seed=seed)
 
     def _seen(self, **info: Any) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -60,7 +67,10 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
         return observation_of(choice), info
 
     def step(self, action: np.int64) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        good = self._games.answer(int(action))
+        return self._seen_after(self._games.answer(int(action)))
+
+    def _seen_after(self, good: bool) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """What a step returns; `good`: whether the mask allowed its action."""
         reward = float(self._games.points())
         observation, info = self._seen()
         if not good:

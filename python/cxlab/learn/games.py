@@ -74,6 +74,7 @@ class Settings(TypedDict, total=False):
         tier: "timed" (the default) or "physics".
         team: whose points count ("CYAN").
         ahead: a thread makes the next game ready while one is played (True).
+        pool: the threads that make games ready; None: each environment has one of its own.
         until: end of an episode, s; None: the game's.
         interval: s between two choices of an order, also where none can begin; None: only where one can. Of the rule agent.
         set, out, journal: as for `cxlab.Episode`; `out` is replaced by each game.
@@ -82,6 +83,7 @@ class Settings(TypedDict, total=False):
     tier: str
     team: str
     ahead: bool
+    pool: ThreadPoolExecutor | None
     until: float | None
     interval: float | None
     set: Mapping[str, Any]
@@ -91,7 +93,7 @@ class Settings(TypedDict, total=False):
 
 class Games:
     """Games one after the other. While one is played, a thread makes the next one ready up to its first choice, if its seed is
-    known; which game is played never depends on that."""
+    known; which game is played never depends on that. The thread is one of `pool`, or one of its own."""
 
     def __init__(
         self,
@@ -101,6 +103,7 @@ class Games:
         team: str = "CYAN",
         ahead: bool = True,
         interval: float | None = None,
+        pool: ThreadPoolExecutor | None = None,
         **more: Any,
     ) -> None:
         self.team = team
@@ -110,7 +113,9 @@ class Games:
         if more.get("out") is not None:  # one folder, for one game at a time
             more["force"], ahead = True, False
         self._scenario, self._more = scenario, more
-        self._pool = ThreadPoolExecutor(1, "cxlab-next-game") if ahead else None
+        self._own_pool = ThreadPoolExecutor(1, "cxlab-next-game") if ahead and pool is None else None
+        self._pool = pool or self._own_pool
+        self._ahead = ahead
         self._next: tuple[int, Future[tuple[ChoiceGame, Choice | None]]] | None = None
         self.game: ChoiceGame | None = None
         self.choice: Choice | None = None
@@ -120,20 +125,25 @@ class Games:
         game = ChoiceGame(self._scenario, seed=seed, **self._more)
         return game, game.next()
 
+    def make_ready(self, seed: int) -> None:
+        """Let a thread make the game of a seed ready, for `begin`."""
+        if self._pool is not None and (self._next is None or self._next[0] != seed):
+            self._drop_next()
+            self._next = (seed, self._pool.submit(self._load, seed))
+
     def begin(self, seed: int, following: int | None) -> None:
         """Begin the game of a seed; `following` is the seed of the next one."""
         self._end_game()
-        ready, self._next = self._next, None
-        if ready is not None and ready[0] == seed:
-            self.game, self.choice = ready[1].result()
+        if self._next is not None and self._next[0] == seed:
+            ready, self._next = self._next[1], None
+            self.game, self.choice = ready.result()
         else:
-            if ready is not None:
-                ready[1].add_done_callback(_drop)
+            self._drop_next()
             self.game, self.choice = self._load(seed)
         self._check()
         self._points = 0
-        if self._pool is not None and following is not None:
-            self._next = (following, self._pool.submit(self._load, following))
+        if self._ahead and following is not None:
+            self.make_ready(following)
 
     def _check(self) -> None:
         """Rules that ask nothing leave nothing to learn, and a team that does not play never gets a point."""
@@ -144,14 +154,24 @@ class Games:
         if self.team not in teams:
             raise UsageError(f"found '{self.team}', expected one of {', '.join(teams) or 'a world with teams'}", "team")
 
-    def answer(self, action: int) -> bool:
-        """Answer the choice, and play on to the next one. False: the mask forbids the action, and the rules' option was taken."""
+    def choose(self, action: int) -> bool:
+        """Answer the choice. False: the mask forbids the action, and the rules' option was taken."""
         game, choice = self.game, self.choice
         if game is None or choice is None:
             raise RuntimeError("the game is over; call reset()")
         good = 0 <= action < OPTIONS and bool(mask_of(choice)[action])
         game.choose(int(shown_options(choice)[action]) if good else choice.preferred)
-        self.choice = game.next()
+        return good
+
+    def play_on(self) -> None:
+        """Play on to the next choice."""
+        assert self.game is not None
+        self.choice = self.game.next()
+
+    def answer(self, action: int) -> bool:
+        """Answer the choice, and play on to the next one."""
+        good = self.choose(action)
+        self.play_on()
         return good
 
     def points(self) -> int:
@@ -169,14 +189,18 @@ class Games:
             self.game.close()
         self.game = self.choice = None
 
-    def close(self) -> None:
-        self._end_game()
+    def _drop_next(self) -> None:
         if self._next is not None:
             self._next[1].add_done_callback(_drop)
             self._next = None
-        if self._pool is not None:
-            self._pool.shutdown(wait=True)
-            self._pool = None
+
+    def close(self) -> None:
+        self._end_game()
+        self._drop_next()
+        self._ahead = False
+        if self._own_pool is not None:
+            self._own_pool.shutdown(wait=True)
+            self._pool = self._own_pool = None
 
 
 def _drop(ready: Future[tuple[ChoiceGame, Choice | None]]) -> None:

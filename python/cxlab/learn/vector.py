@@ -1,15 +1,10 @@
-"""Many games at once: `cxlab/RCLLDispatch-v0` as a vector environment of Gymnasium, in worker processes that share their arrays."""
+"""Many games at once: `cxlab/RCLLDispatch-v0` as a vector environment of Gymnasium, whose games are played in threads."""
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import os
-import sys
-from collections.abc import Iterator, Sequence
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
-from types import ModuleType
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Unpack
 
 import gymnasium
@@ -19,92 +14,16 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from cxlab.errors import UsageError
+from cxlab.learn.choices import play_on
+from cxlab.learn.dispatch import RCLLDispatchEnv
 from cxlab.learn.games import OPTIONS, SIZE, Settings
 
-# What workers and the learner share: names, types and shapes of a row for each environment.
-_SHARED: dict[str, tuple[str, tuple[int, ...]]] = {
-    "observation": ("<f4", (SIZE,)),
-    "action_mask": ("?", (OPTIONS,)),
-    "action": ("<i8", ()),
-    "reward": ("<f8", ()),
-    "terminated": ("?", ()),
-    "truncated": ("?", ()),
-    "invalid": ("?", ()),
-    "preferred": ("<i8", ()),
-    "now": ("<f8", ()),
-    "kind": ("<U16", ()),
-    "who": ("<U32", ()),
-}
-_OF_CHOICE = ("kind", "who", "preferred", "now")
-_STEP, _CLOSE = b"s", b"c"
-
-Arrays = dict[str, NDArray[Any]]
-Memory = dict[str, Any]
-
-
-def _views(memory: Memory, count: int) -> Arrays:
-    """The shared memory as arrays, a row for each environment."""
-    return {name: np.frombuffer(memory[name], dtype=kind).reshape(count, *shape) for name, (kind, shape) in _SHARED.items()}
-
-
-@contextlib.contextmanager
-def _without_main() -> Iterator[None]:
-    """Workers need nothing of the program that starts them. So they do not run it again, and it needs no `if __name__ == "__main__"`."""
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
-
-
-def _work(pipe: Connection, memory: Memory, count: int, rows: range, scenario: str, settings: dict[str, Any]) -> None:
-    """A worker: plays the environments of these rows, one after the other in each step."""
-    from cxlab.learn.dispatch import RCLLDispatchEnv
-
-    shared = _views(memory, count)
-    games = {row: RCLLDispatchEnv(scenario, **settings) for row in rows}
-    ended = dict.fromkeys(rows, False)
-
-    def show(row: int, seen: NDArray[np.float32], info: dict[str, Any]) -> dict[str, Any]:
-        """Put it into the arrays; what is not there every time is returned."""
-        shared["observation"][row] = seen
-        shared["action_mask"][row] = info.pop("action_mask")
-        shared["invalid"][row] = info.pop("invalid", False)
-        for name in _OF_CHOICE:
-            shared[name][row] = info.pop(name, "" if name in ("kind", "who") else 0)
-        return info
-
-    def begin(row: int, seed: int | None) -> dict[str, Any]:
-        ended[row] = False
-        shared["reward"][row] = 0.0
-        shared["terminated"][row] = shared["truncated"][row] = False
-        return show(row, *games[row].reset(seed=seed))
-
-    def step(row: int) -> dict[str, Any]:
-        if ended[row]:
-            return begin(row, None)
-        seen, reward, terminated, truncated, info = games[row].step(shared["action"][row])
-        shared["reward"][row] = reward
-        shared["terminated"][row], shared["truncated"][row] = terminated, truncated
-        ended[row] = terminated or truncated
-        return show(row, seen, info)
-
-    try:
-        while (asked := pipe.recv()) != _CLOSE:
-            try:
-                more = {row: step(row) if asked == _STEP else begin(row, asked[row]) for row in rows}
-                pipe.send({row: info for row, info in more.items() if info})
-            except Exception as error:
-                pipe.send(error)
-    except (EOFError, OSError, KeyboardInterrupt):  # the learner is gone, or has heard the same Ctrl-C
-        pass
-    for game in games.values():
-        game.close()
+# What `info` has of each choice: the type of its array, and the value of a game that is over.
+_OF_CHOICE: dict[str, tuple[Any, Any]] = {"kind": ("<U16", ""), "who": ("<U32", ""), "preferred": (np.int64, 0), "now": (np.float64, 0.0)}
 
 
 class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
-    """Games of `RCLLDispatchEnv` at once, several in each worker process: `gymnasium.make_vec("cxlab/RCLLDispatch-v0", num_envs=16)`.
+    """Games of `RCLLDispatchEnv` at once, played in threads of this process: `gymnasium.make_vec("cxlab/RCLLDispatch-v0", num_envs=16)`.
 
     Row i plays what an environment of its own would play with seed + i and the same actions. Observation: float32, shape
     (num_envs, 347). Action: int64, shape (num_envs,). An environment whose game has ended begins the next one in the next step, and
@@ -112,8 +31,8 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
     `_KEY`: where it holds.
 
     Args:
-        num_envs: games at once. In a step a worker plays a choice of each of its games, so more games wait less for each other.
-        processes: workers; by default one for each processor, but no more than games.
+        num_envs: games at once. A step plays a choice of each of them, so with more games threads wait less for each other.
+        threads: that play the games of a step; by default one for each processor, but no more than games.
         scenario, settings: as for `RCLLDispatchEnv`; `out` is for one game.
     """
 
@@ -123,15 +42,15 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         self,
         num_envs: int = 1,
         *,
-        processes: int | None = None,
+        threads: int | None = None,
         scenario: str = "rcll/external",
         render_mode: str | None = None,
         **settings: Unpack[Settings],
     ) -> None:
         if num_envs < 1:
             raise UsageError(f"found {num_envs}, expected 1 or more", "num_envs")
-        if processes is not None and processes < 1:
-            raise UsageError(f"found {processes}, expected 1 or more", "processes")
+        if threads is not None and threads < 1:
+            raise UsageError(f"found {threads}, expected 1 or more", "threads")
         if settings.get("out") is not None:
             raise UsageError("out is for one game: use RCLLDispatchEnv")
         if render_mode is not None:
@@ -141,25 +60,13 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         self.single_action_space = gymnasium.spaces.Discrete(OPTIONS)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        context = get_context("forkserver")
-        memory = {
-            name: context.RawArray(ctypes.c_byte, num_envs * int(np.prod(shape, dtype=int)) * np.dtype(kind).itemsize)
-            for name, (kind, shape) in _SHARED.items()
-        }
-        self._shared = _views(memory, num_envs)
+        self._threads = min(num_envs, threads or len(os.sched_getaffinity(0)))
+        self._own_pool = None if settings.get("pool") else ThreadPoolExecutor(self._threads, "cxlab-next-games")
+        settings["pool"] = settings.get("pool") or self._own_pool
+        self._envs = [RCLLDispatchEnv(scenario, **settings) for _ in range(num_envs)]
+        self._going = np.zeros(num_envs, dtype=bool)  # whose game is not over
+        self._masks = np.zeros((num_envs, OPTIONS), dtype=bool)
         self._begun = False
-        count = min(num_envs, processes or len(os.sched_getaffinity(0)))
-        self._rows = [range(first * num_envs // count, (first + 1) * num_envs // count) for first in range(count)]
-        self._workers = []
-        self._pipes: list[Connection] = []
-        for rows in self._rows:
-            pipe, end = context.Pipe()
-            worker = context.Process(target=_work, args=(end, memory, num_envs, rows, scenario, dict(settings)), daemon=True)
-            with _without_main():
-                worker.start()
-            end.close()
-            self._workers.append(worker)
-            self._pipes.append(pipe)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -169,60 +76,53 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         seeds = [seed + row for row in range(self.num_envs)] if isinstance(seed, int) else list(seed or [None] * self.num_envs)
         if len(seeds) != self.num_envs:
             raise UsageError(f"found {len(seeds)} seeds, expected one for each of the {self.num_envs} environments", "seed")
-        more = self._ask([{row: seeds[row] for row in rows} for rows in self._rows])
-        self._begun = True
-        return self._shared["observation"].copy(), self._infos(more)
+        self._going[:] = False
+        seen, *_, infos = self._played(seeds, {})
+        return seen, infos
 
     def step(
         self, actions: NDArray[np.int64]
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         if not self._begun:
             raise UsageError("found no games; call reset() first")
-        self._shared["action"][:] = actions
-        more = self._ask([_STEP] * len(self._pipes))
-        seen = (self._shared[name].copy() for name in ("observation", "reward", "terminated", "truncated"))
-        return (*seen, self._infos(more))  # type: ignore[return-value]
+        good = {row: self._envs[row]._games.choose(int(actions[row])) for row in np.flatnonzero(self._going)}
+        return self._played([None] * self.num_envs, good)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Bool, shape (num_envs, 16): which actions may be chosen."""
-        return self._shared["action_mask"].copy()
+        return self._masks.copy()
 
-    def _ask(self, requests: Sequence[Any]) -> dict[int, dict[str, Any]]:
-        """Let all workers work at once; what they report of some rows. Raises what a worker raised."""
+    def _played(
+        self, seeds: Sequence[int | None], good: dict[int, bool]
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Plays on where a choice was answered (`good`: whether with an action that the mask allows), and begins a game elsewhere."""
         if self.closed:
             raise UsageError("the environment is closed")
-        try:
-            for pipe, request in zip(self._pipes, requests, strict=True):
-                pipe.send(request)
-            answers = [pipe.recv() for pipe in self._pipes]
-        except (EOFError, OSError) as error:
-            self.close()
-            raise RuntimeError("a worker process has ended by itself") from error
-        for answer in answers:
-            if isinstance(answer, Exception):
-                self.close()
-                raise answer
-        return {row: info for answer in answers for row, info in answer.items()}
+        self._begun = False  # what raises leaves games in the middle of a step
+        begun = {row: self._envs[row]._seeds(seed) for row, seed in enumerate(seeds) if row not in good}
+        for row, (now, _) in begun.items():
+            self._envs[row]._games.make_ready(now)
+        play_on((self._envs[row]._games.game for row in good), self._threads)
+        rows = [env._seen_after(good[row]) if row in good else env._begin(*begun[row]) for row, env in enumerate(self._envs)]
+        self._begun = True
+        seen, rewards, terminated, truncated, infos = zip(*rows, strict=True)
+        ends = np.array(terminated), np.array(truncated)
+        self._going = ~(ends[0] | ends[1])
+        return np.stack(seen), np.array(rewards), *ends, self._infos(infos)
 
-    def _infos(self, more: dict[int, dict[str, Any]]) -> dict[str, Any]:
-        over = self._shared["terminated"] | self._shared["truncated"]
-        everywhere = np.ones(self.num_envs, dtype=bool)
-        infos: dict[str, Any] = {"action_mask": self._shared["action_mask"].copy(), "_action_mask": everywhere}
-        for name in _OF_CHOICE:
-            infos[name], infos[f"_{name}"] = self._shared[name].copy(), ~over
-        if self._shared["invalid"].any():
-            infos["invalid"] = infos["_invalid"] = self._shared["invalid"].copy()
-        for row, info in more.items():
-            infos = self._add_info(infos, info, row)
+    def _infos(self, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        self._masks = np.stack([info.pop("action_mask") for info in rows])
+        infos: dict[str, Any] = {"action_mask": self._masks.copy(), "_action_mask": np.ones(self.num_envs, dtype=bool)}
+        for name, (kind, none) in _OF_CHOICE.items():
+            infos[name] = np.array([info.pop(name, none) for info in rows], dtype=kind)
+            infos[f"_{name}"] = self._going.copy()
+        for row, info in enumerate(rows):
+            if info:
+                infos = self._add_info(infos, info, row)
         return infos
 
     def close_extras(self, **kwargs: Any) -> None:
-        for pipe in self._pipes:
-            with contextlib.suppress(OSError):
-                pipe.send(_CLOSE)
-            pipe.close()
-        for worker in self._workers:
-            worker.join(10)
-            if worker.is_alive():
-                worker.terminate()
-                worker.join()
+        for env in self._envs:
+            env.close()
+        if self._own_pool is not None:
+            self._own_pool.shutdown(wait=True)

@@ -57,11 +57,10 @@ std::string line(const char* format, Values... values) {
 
 }  // namespace
 
-void report_game(const Factory& factory, Result& result) {
-  const GameReferee& game = factory.referee();
-  Json teams = Json::object(), orders = Json::array(), deliveries = Json::array();
+void report_teams(const Factory& factory, Result& result) {
+  Json teams = Json::object();
   for (const Team team : kTeams) {
-    const Score& score = game.score(team);
+    const Score& score = factory.referee().score(team);
     teams[std::string(to_string(team))] = team_json(score);
     result.score_board +=
         line("%-8s %4lld points ", std::string(to_string(team)).c_str(), static_cast<long long>(score.total()));
@@ -71,6 +70,12 @@ void report_game(const Factory& factory, Result& result) {
             "  " + std::string(to_string(static_cast<PointKind>(kind))) + ' ' + std::to_string(score.by_kind[kind]);
     result.score_board += '\n';
   }
+  result.set("teams", json_text(teams));
+}
+
+void report_orders(const Factory& factory, Result& result) {
+  const GameReferee& game = factory.referee();
+  Json orders = Json::array(), deliveries = Json::array();
   for (const OrderState& state : game.orders())
     for (const Team team : factory.teams())
       if (!state.order.overtime || state.released) {
@@ -90,7 +95,6 @@ void report_game(const Factory& factory, Result& result) {
                orders.size() / factory.teams().size());
     }
   }
-  result.set("teams", json_text(teams));
   result.set("orders", json_text(orders));
   result.set("deliveries", json_text(deliveries));
 }

@@ -12,9 +12,11 @@
 
 namespace cxlab::rcll {
 
-/// Points, orders and deliveries.
-void report_game(const Factory& factory, Result& result);
-/// The robots, after the game's sections; contacts are counted by the floor.
+/// Points: the section `teams`.
+void report_teams(const Factory& factory, Result& result);
+/// The sections `orders` and `deliveries`.
+void report_orders(const Factory& factory, Result& result);
+/// The section `robots`; contacts are counted by the floor.
 void report_robots(std::span<const sim::RobotStats> robots, std::span<const Maintenance::Robot> duties,
                    const sim::World& floor, Result& result);
 // One of everything.

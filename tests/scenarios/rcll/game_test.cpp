@@ -498,7 +498,8 @@ TEST(Result, SaysWhatWasOrderedDeliveredAndEarned) {
   story.lay_before_delivery("BASE_RED", CapColor::kGrey);
   ASSERT_EQ(story.carry_out("{machine: C-DS, order_id: 2}").code, 0);
   Result result;
-  report_game(story.factory(), result);
+  report_teams(story.factory(), result);
+  report_orders(story.factory(), result);
   EXPECT_EQ(result.at("teams"),
             R"({"CYAN":{"points":23,"by_kind":{"delivery":20,"ring":0,"cap":10,"buffer":0,"payment":0,"late":-7,)"
             R"("competitive":0,"exploration":0,"penalty":0}},)"
@@ -525,7 +526,7 @@ TEST(Result, AnOrderIsDeliveredWhenItsFirstProductIs) {
     story.run_for(6);
   }
   Result result;
-  report_game(story.factory(), result);
+  report_orders(story.factory(), result);
   EXPECT_EQ(result.at("orders"),
             R"([{"id":1,"complexity":"C0","ordered":0.0,"delivered_at":3.78,"correct":true,"points":60}])");
 }
