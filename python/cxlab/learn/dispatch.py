@@ -67,10 +67,11 @@ class RCLLDispatchEnv(gymnasium.Env[NDArray[np.float32], np.int64]):
         return observation_of(choice), info
 
     def step(self, action: np.int64) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        return self._seen_after(self._games.answer(int(action)))
+        return self._played_on(self._games.choose(int(action)))
 
-    def _seen_after(self, good: bool) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """What a step returns; `good`: whether the mask allowed its action."""
+    def _played_on(self, good: bool) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """Plays on to the next choice; what a step returns. `good`: whether the mask allowed its action."""
+        self._games.play_on()
         reward = float(self._games.points())
         observation, info = self._seen()
         if not good:

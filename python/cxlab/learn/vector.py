@@ -22,6 +22,12 @@ from cxlab.learn.games import OPTIONS, SIZE, Settings
 _OF_CHOICE: dict[str, tuple[Any, Any]] = {"kind": ("<U16", ""), "who": ("<U32", ""), "preferred": (np.int64, 0), "now": (np.float64, 0.0)}
 
 
+def _begun(env: RCLLDispatchEnv, seeds: tuple[int, int]) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    """Begins a game; what a step returns that does so."""
+    seen, info = env._begin(*seeds)
+    return seen, 0.0, False, False, info
+
+
 class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArray[Any]]):
     """Games of `RCLLDispatchEnv` at once, played in threads of this process: `gymnasium.make_vec("cxlab/RCLLDispatch-v0", num_envs=16)`.
 
@@ -77,7 +83,7 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         if len(seeds) != self.num_envs:
             raise UsageError(f"found {len(seeds)} seeds, expected one for each of the {self.num_envs} environments", "seed")
         self._going[:] = False
-        seen, *_, infos = self._played(seeds, {})
+        seen, *_, infos = self._played(seeds, np.zeros(0, dtype=np.int64))
         return seen, infos
 
     def step(
@@ -85,25 +91,25 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         if not self._begun:
             raise UsageError("found no games; call reset() first")
-        good = {row: self._envs[row]._games.choose(int(actions[row])) for row in np.flatnonzero(self._going)}
-        return self._played([None] * self.num_envs, good)
+        return self._played([None] * self.num_envs, actions)
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Bool, shape (num_envs, 16): which actions may be chosen."""
         return self._masks.copy()
 
     def _played(
-        self, seeds: Sequence[int | None], good: dict[int, bool]
+        self, seeds: Sequence[int | None], actions: NDArray[np.int64]
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """Plays on where a choice was answered (`good`: whether with an action that the mask allows), and begins a game elsewhere."""
+        """Answers the choices of games that go on, and plays these to the next ones. Begins games in the other rows."""
         if self.closed:
             raise UsageError("the environment is closed")
         self._begun = False  # what raises leaves games in the middle of a step
+        good = {row: self._envs[row]._games.choose(int(actions[row])) for row in np.flatnonzero(self._going)}
         begun = {row: self._envs[row]._seeds(seed) for row, seed in enumerate(seeds) if row not in good}
         for row, (now, _) in begun.items():
             self._envs[row]._games.make_ready(now)
         play_on((self._envs[row]._games.game for row in good), self._threads)
-        rows = [env._seen_after(good[row]) if row in good else env._begin(*begun[row]) for row, env in enumerate(self._envs)]
+        rows = [env._played_on(good[row]) if row in good else _begun(env, begun[row]) for row, env in enumerate(self._envs)]
         self._begun = True
         seen, rewards, terminated, truncated, infos = zip(*rows, strict=True)
         ends = np.array(terminated), np.array(truncated)
