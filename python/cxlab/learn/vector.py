@@ -104,11 +104,12 @@ class RCLLDispatchVectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDAr
         if self.closed:
             raise UsageError("the environment is closed")
         self._begun = False  # what raises leaves games in the middle of a step
-        good = {row: self._envs[row]._games.choose(int(actions[row])) for row in np.flatnonzero(self._going)}
+        good = {int(row): self._envs[row]._games.choose(int(actions[row])) for row in np.flatnonzero(self._going)}
         begun = {row: self._envs[row]._seeds(seed) for row, seed in enumerate(seeds) if row not in good}
         for row, (now, _) in begun.items():
             self._envs[row]._games.make_ready(now)
-        play_on((self._envs[row]._games.game for row in good), self._threads)
+        games = (self._envs[row]._games.game for row in good)
+        play_on((game for game in games if game is not None), self._threads)
         rows = [env._played_on(good[row]) if row in good else _begun(env, begun[row]) for row, env in enumerate(self._envs)]
         self._begun = True
         seen, rewards, terminated, truncated, infos = zip(*rows, strict=True)
