@@ -10,6 +10,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/types.h"
 
+namespace fuzz_bag {
 namespace {
 
 using namespace cxlab;
@@ -88,7 +89,7 @@ void play(const std::string& bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(bag) {
   if (size == 0) return 0;
   const std::string text = fuzz::text_of(data + 1, size - 1);
   const char* names[] = {"every/msg/Kind", "rcll_interfaces/msg/MachineInfo", "visualization_msgs/msg/Marker",
@@ -99,3 +100,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   play(bytes);
   return 0;
 }
+
+}  // namespace fuzz_bag

@@ -11,6 +11,7 @@
 #include "cx/run/loop.h"
 #include "tests/fuzz/surroundings.h"
 
+namespace fuzz_configuration {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,7 +45,7 @@ void live(cxlab::cx::ManagerOptions options) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(configuration) {
   using namespace cxlab;
   if (size == 0) return 0;
   const fs::path config = fuzz::folder() / "config.yaml";
@@ -63,3 +64,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fs::remove_all(fuzz::folder() / "run", ignored);
   return 0;
 }
+
+}  // namespace fuzz_configuration

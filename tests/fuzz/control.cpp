@@ -8,9 +8,7 @@
 #include "lab/control/debugger.h"
 #include "tests/fuzz/surroundings.h"
 
-/// CLIPS forgets small blocks on errors of many functions.
-extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
-
+namespace fuzz_control {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,7 +50,8 @@ class Lines final : public lab::ControlLines {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+/// CLIPS forgets small blocks on errors of many functions.
+FUZZ_TARGET(control, "detect_leaks=0") {
   Lines lines(fuzz::text_of(data, size));
   lab::Debugger::Options of_debugger;
   of_debugger.begin_stopped = true;
@@ -86,3 +85,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   return 0;
 }
+
+}  // namespace fuzz_control

@@ -11,6 +11,7 @@
 #include "cx/bus/message.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace fuzz_definition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,7 +46,7 @@ void use(const cxlab::bus::MessageType& type) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(definition) {
   using namespace cxlab;
   if (size == 0 || size > 4096) return 0;
   const char* kinds[] = {"msg", "srv", "action"};
@@ -68,3 +69,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace fuzz_definition

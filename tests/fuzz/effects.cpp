@@ -22,11 +22,7 @@
 #include "tests/fuzz/folder.h"
 #include "tests/fuzz/fuzz.h"
 
-/// CLIPS forgets small blocks on errors of many functions. Stacks of each block, and 256 MB of freed blocks that each
-/// input touches again, would take a third of the time; ASAN_OPTIONS=malloc_context_size=9 shows who made and freed a
-/// block.
-extern "C" const char* __asan_default_options() { return "detect_leaks=0:malloc_context_size=1:quarantine_size_mb=16"; }
-
+namespace fuzz_effects {
 namespace {
 
 using cxlab::LoadMode;
@@ -975,7 +971,10 @@ extern "C" std::size_t LLVMFuzzerCustomCrossOver(const std::uint8_t* one, std::s
   return put(std::move(lines), out, most);
 }
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+/// CLIPS forgets small blocks on errors of many functions. Stacks of each block, and 256 MB of freed blocks that each
+/// input touches again, would take a third of the time; ASAN_OPTIONS=malloc_context_size=9 shows who made and freed a
+/// block.
+FUZZ_TARGET(effects, "detect_leaks=0:malloc_context_size=1:quarantine_size_mb=16") {
   const std::vector<std::string> lines = lines_of(cxlab::fuzz::text_of(data, size));
   if (lines.empty()) return 0;
   static const auto world = std::make_unique<World>();
@@ -987,3 +986,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   return 0;
 }
+
+}  // namespace fuzz_effects

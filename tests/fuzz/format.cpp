@@ -4,7 +4,9 @@
 #include "cx/engine/engine.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_format {
+
+FUZZ_TARGET(format) {
   using namespace cxlab;
   static const std::unique_ptr<RuleEngine> engine = *RuleEngine::create({});
   static const std::vector<Value> values{Value::integer(0),
@@ -26,3 +28,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(!text || text->is_text(), "format returns a text");
   return 0;
 }
+
+}  // namespace fuzz_format

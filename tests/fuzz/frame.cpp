@@ -9,6 +9,7 @@
 #include "cx/protobuf/wire.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace fuzz_frame {
 namespace {
 
 using namespace cxlab;
@@ -47,7 +48,7 @@ void read(const pb::Frame& frame) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(frame) {
   if (size == 0) return 0;
   const std::string bytes = fuzz::text_of(data + 1, size - 1);
   const auto cipher = static_cast<pb::Cipher>(data[0] % 5);
@@ -74,3 +75,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(frames * (pb::kFrameHeader + pb::kMessageHeader) <= bytes.size(), "no more frames than bytes");
   return 0;
 }
+
+}  // namespace fuzz_frame

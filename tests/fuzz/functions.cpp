@@ -11,9 +11,7 @@
 #include "cx/plugins/builtin.h"
 #include "tests/fuzz/surroundings.h"
 
-/// CLIPS forgets small blocks on errors of many functions.
-extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
-
+namespace fuzz_functions {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,7 +203,8 @@ void play(cxlab::RuleEngine& engine, Choices choices) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+/// CLIPS forgets small blocks on errors of many functions.
+FUZZ_TARGET(functions, "detect_leaks=0") {
   using namespace cxlab;
   if (size == 0) return 0;
   cx::ManagerOptions options;
@@ -223,3 +222,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   return 0;
 }
+
+}  // namespace fuzz_functions

@@ -7,7 +7,9 @@
 #include "cx/journal/input_log.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_input_log {
+
+FUZZ_TARGET(input_log) {
   using namespace cxlab;
   if (size == 0) return 0;
   std::string bytes = fuzz::text_of(data + 1, size - 1);
@@ -27,3 +29,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)log->status();
   return 0;
 }
+
+}  // namespace fuzz_input_log

@@ -3,7 +3,9 @@
 #include "cx/journal/journal_reader.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_journal {
+
+FUZZ_TARGET(journal) {
   using namespace cxlab;
   const auto record = parse_journal_line(fuzz::text_of(data, size));
   if (record)
@@ -12,3 +14,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::promise(!record.error().message.empty(), "an error says what it is");
   return 0;
 }
+
+}  // namespace fuzz_journal

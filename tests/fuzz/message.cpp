@@ -7,6 +7,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/types.h"
 
+namespace fuzz_message {
 namespace {
 
 std::string bytes_of(const cxlab::bus::Message& message) {
@@ -17,7 +18,7 @@ std::string bytes_of(const cxlab::bus::Message& message) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(message) {
   using namespace cxlab;
   if (size == 0) return 0;
   const char* names[] = {"every/msg/Kind", "rcll_interfaces/msg/MachineInfo", "geometry_msgs/msg/PoseStamped"};
@@ -45,3 +46,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(read.ok(), "the text of a message reads: " + (read ? std::string() : read.error().message));
   return 0;
 }
+
+}  // namespace fuzz_message

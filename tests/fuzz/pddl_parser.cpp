@@ -5,7 +5,9 @@
 #include "planner/pddl/text.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_pddl_parser {
+
+FUZZ_TARGET(pddl_parser) {
   using namespace cxlab::planner;
   using cxlab::fuzz::promise;
   const std::string text = cxlab::fuzz::text_of(data, size);
@@ -34,3 +36,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           "a problem that was written reads back the same:\n" + written_problem);
   return 0;
 }
+
+}  // namespace fuzz_pddl_parser

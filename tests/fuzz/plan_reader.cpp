@@ -4,6 +4,7 @@
 #include "planner/validator/validator.h"
 #include "tests/fuzz/fuzz.h"
 
+namespace fuzz_plan_reader {
 namespace {
 
 using namespace cxlab::planner;
@@ -36,7 +37,7 @@ const Task& task() {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(plan_reader) {
   static const Validator validator(task().domain, task().problem);
   const auto plan = parse_plan(cxlab::fuzz::text_of(data, size), "plan", task().domain, task().problem);
   if (!plan) {
@@ -54,3 +55,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           "a plan that was written reads back the same:\n" + written);
   return 0;
 }
+
+}  // namespace fuzz_plan_reader

@@ -7,7 +7,9 @@
 #include "cx/protobuf/types.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_proto {
+
+FUZZ_TARGET(proto) {
   using namespace cxlab;
   const std::string text = fuzz::text_of(data, size);
   pb::Types types([&](const std::string& file) -> Expected<std::optional<pb::Types::Source>> {
@@ -22,3 +24,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::promise(types.make(name) != nullptr, "there is a message of each type");
   return 0;
 }
+
+}  // namespace fuzz_proto

@@ -18,6 +18,7 @@
 #include "scenarios/stage.h"
 #include "tests/fuzz/surroundings.h"
 
+namespace fuzz_refbox {
 namespace {
 
 using namespace cxlab;
@@ -116,7 +117,7 @@ void Game::play(const std::uint8_t* data, std::size_t size) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(refbox) {
   // Making a game takes long, so one serves many inputs.
   fuzz::registry();  // outlives the game
   static std::unique_ptr<Game> game;
@@ -125,3 +126,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   game->play(data, size);
   return 0;
 }
+
+}  // namespace fuzz_refbox

@@ -5,7 +5,9 @@
 #include "cx/engine/form_reader.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_rules {
+
+FUZZ_TARGET(rules) {
   using namespace cxlab;
   const std::string text = fuzz::text_of(data, size);
   const FormReading reading = read_forms(text, "fuzz.clp");
@@ -24,3 +26,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::promise(error.line >= 1 && error.line <= lines, "an error has a line of the file");
   return 0;
 }
+
+}  // namespace fuzz_rules

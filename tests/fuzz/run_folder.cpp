@@ -11,6 +11,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/agent_text.h"
 
+namespace fuzz_run_folder {
 namespace {
 
 using namespace cxlab;
@@ -40,7 +41,7 @@ const fs::path& recorded() {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZ_TARGET(run_folder) {
   static constexpr const char* kFiles[] = {"manifest.json", "result.json", "files/index.jsonl", "inputs.bin",
                                            "journal.jsonl"};
   if (size == 0) return 0;
@@ -64,3 +65,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(write_file(file, whole).ok(), "the file is written back");
   return 0;
 }
+
+}  // namespace fuzz_run_folder

@@ -3,7 +3,9 @@
 #include "scenarios/shipped/catalogue.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_scenario {
+
+FUZZ_TARGET(scenario) {
   using namespace cxlab;
   const std::string text = fuzz::text_of(data, size);
   const std::size_t line = text.find('\n');
@@ -24,3 +26,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(again.ok() && again->to_yaml() == copy, "what is written is read again");
   return 0;
 }
+
+}  // namespace fuzz_scenario

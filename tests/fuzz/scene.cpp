@@ -7,7 +7,9 @@
 #include "scenarios/scene_log.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_scene {
+
+FUZZ_TARGET(scene) {
   using namespace cxlab;
   if (size < 2) return 0;
   std::string bytes = fuzz::text_of(data + 2, size - 2);
@@ -43,3 +45,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::promise(!reader->empty() || changes == 0, "nothing changes in an empty file");
   return 0;
 }
+
+}  // namespace fuzz_scene

@@ -3,7 +3,9 @@
 #include "scenarios/scenario.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_stimuli {
+
+FUZZ_TARGET(stimuli) {
   using namespace cxlab;
   const auto document = yaml::Document::parse(fuzz::text_of(data, size), "fuzz.yaml");
   if (!document) return 0;
@@ -15,3 +17,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace fuzz_stimuli

@@ -10,7 +10,9 @@
 #include "lab/sweep/suite.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_suite {
+
+FUZZ_TARGET(suite) {
   using namespace cxlab;
   static const std::unique_ptr<ScratchFolder> folder = *ScratchFolder::create();
   static const bool scenario =
@@ -19,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto file = folder->path() / "file.yaml";
   fuzz::promise(write_file(file, fuzz::text_of(data + 1, size - 1)).ok(), "the file is written");
   if (data[0] % 2 == 1) {
-    const auto stories = testing::read_stories(file);
+    const auto stories = cxlab::testing::read_stories(file);
     fuzz::promise(stories.ok() || !stories.error().message.empty(), "an error says what it is");
     return 0;
   }
@@ -31,3 +33,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)suite->check();
   return 0;
 }
+
+}  // namespace fuzz_suite

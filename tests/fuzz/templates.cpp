@@ -5,7 +5,9 @@
 #include "cx/template/template.h"
 #include "tests/fuzz/fuzz.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace fuzz_templates {
+
+FUZZ_TARGET(templates) {
   using namespace cxlab::templates;
   using cxlab::fuzz::promise;
   std::map<std::string, std::string> templates;
@@ -31,3 +33,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   promise(text.ok() == again.ok() && (!text || *text == *again), "a template gives the same text each time");
   return 0;
 }
+
+}  // namespace fuzz_templates
