@@ -436,10 +436,16 @@ class Access(View):
     def test_the_server_is_behind_the_wall(self):
         run = self.folder / "run"
         self.server.ask("facts", t=1)
+        checked = 0
         for task in Path(f"/proc/{self.server.process.pid}/task").iterdir():
-            status = (task / "status").read_text()
+            try:
+                status = (task / "status").read_text()
+            except (FileNotFoundError, ProcessLookupError):  # the thread of an answer that has been sent
+                continue
             self.assertIn("\nSeccomp:\t2\n", status, "of each thread")
             self.assertIn("\nNoNewPrivs:\t1\n", status)
+            checked += 1
+        self.assertGreater(checked, 0)
         # Landlock: a run that becomes a link out of the folder that was named is not read.
         shutil.copytree(run, self.folder / "runs/a")
         many = Server(self, "runs")

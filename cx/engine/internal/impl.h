@@ -12,6 +12,7 @@
 #include "cx/base/flat_table.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
+#include "cx/engine/rule_counts.h"
 #include "firing_chain.h"
 
 namespace cxlab {
