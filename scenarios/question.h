@@ -86,7 +86,7 @@ struct AskedRun {
   const std::vector<JournalRecord>& records;
   SimTime from{};          ///< what was over before is left out; 0: nothing
   SimTime to{};            ///< the run up to this time; at most its end
-  bool ended = false;      ///< `to` is the end of a run that was played to its end
+  bool ended = false;      ///< `to` is the end of a run that has ended, by itself or not
   std::string_view about;  ///< the argument; empty: everything
 };
 

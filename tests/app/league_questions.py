@@ -416,7 +416,7 @@ class Scene(unittest.TestCase):
         chance = random.Random(1)
         for game in GAMES:
             moves, end = list(referee(game, "piece")), int(result_of(game)["sim_time_s"])
-            for at in chance.sample(range(20, end), 12):
+            for at in chance.sample(range(20, end), 5):
                 with self.subTest(game, at=at):
                     entities = ask("scene", game, "--at", at)["entities"]
                     names = {e["id"]: e["name"] for e in entities}

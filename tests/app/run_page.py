@@ -72,8 +72,8 @@ class Pages(Lab):
         parts = sum(line["steps"][-1][1] for line in lines if line["part"])
         self.assertEqual(parts, sum(last.values()), "kinds add up")
 
-    def check(self, scenario, tier, teams=1):
-        run = self.play(scenario, "--tier", tier, "--seed", 5, name=f"{scenario}-{tier}".replace("/", "-"))
+    def check(self, scenario, tier, teams=1, options=()):
+        run = self.play(scenario, "--tier", tier, "--seed", 5, *options, name=f"{scenario}-{tier}".replace("/", "-"))
         page = RunPage(run)
         self.assertLess(len(page.text.encode()), LARGEST)
         self.assertEqual(page.run["end"], json.loads((run / "result.json").read_text())["sim_time_s"])
@@ -90,7 +90,7 @@ class Pages(Lab):
         self.check("rcll/game", "timed")
 
     def test_rule_agent_with_physics(self):
-        self.check("rcll/game", "physics")
+        self.check("rcll/game", "physics", options=("--until", 500))
 
     def test_planning_agent_in_the_timed_tier(self):
         self.check("rcll/planning", "timed")

@@ -12,8 +12,8 @@
 #include "cx/base/flat_table.h"
 #include "cx/engine/engine.h"
 #include "cx/engine/form_reader.h"
-#include "cx/engine/rule_counts.h"
 #include "firing_chain.h"
+#include "rule_counter.h"
 
 namespace cxlab {
 
