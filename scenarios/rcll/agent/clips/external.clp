@@ -252,7 +252,7 @@
   (game (begin ?zero))
   (time ?now)
   =>
-  (if (not (any-factp ((?c choice)) (eq ?c:kind take-job))) then (ask-for-job ?now ?zero)))
+  (ask-for-job ?now ?zero))
 
 (deffunction send-robot (?robot ?job)
   (bind ?name (fact-slot-value ?robot name))

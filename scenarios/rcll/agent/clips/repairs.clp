@@ -117,7 +117,6 @@
 
 (defrule repair-no-answer
   "The robot does not answer that it has stopped: count its skill as failed."
-  (cancelled ?goal)
   ?command <- (command (robot ?name) (state RUNNING) (handle ?handle) (goal-id ?goal))
   (under-way (goal-id ?goal) (since ?since))
   (time ?now&:(> ?now (+ ?since ?*LONGEST* ?*ANSWER*)))

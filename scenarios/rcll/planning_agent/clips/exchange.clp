@@ -9,8 +9,7 @@
 
 (deffunction same-beginning (?done ?rings ?others)
   "Whether both orders have these rings in common, and no cap is on the product."
-  (and (>= (length$ ?rings) ?done) (>= (length$ ?others) ?done)
-       (eq (subseq$ ?rings 1 ?done) (subseq$ ?others 1 ?done))))
+  (and (>= (length$ ?rings) ?done) (eq (subseq$ ?rings 1 ?done) (subseq$ ?others 1 ?done))))
 
 (deffunction is-worthless (?left ?begin ?end)
   "Whether no time is left for the product, or it will be so late that it loses all points that lateness can cost."
