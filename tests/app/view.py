@@ -623,17 +623,29 @@ class Live(View):
         self.assertIn("stopped", [event["event"] for event in events["events"]])
         server.go(**{"continue": True})
         self.assertEqual(self.run_.wait(20), 0)
-        seen = []
-        for _ in range(40):
-            events = server.get(f"/run/run/events?after={events['next']}")
-            seen += [event["event"] for event in events["events"]]
-            if not events["live"]:
-                break
-        self.assertIn("end", seen)
+        self.assertEqual(self.ends(server, events["next"]), 1)
         # The live run is a recorded run now.
         self.assertEqual(server.go(t=1)["live"], False)
         self.assertEqual(server.ask("facts", t=2)["facts"], self.answer("facts", "run", "--at", 2)["environments"][0]["facts"])
         self.assertEqual(json.loads((self.folder / "run/result.json").read_text())["deterministic"], True)
+
+    def ends(self, server, after):
+        """How often the events from here on tell of the end of the run."""
+        seen = []
+        for _ in range(40):
+            events = server.get(f"/run/run/events?after={after}")
+            after = events["next"]
+            seen += [event["event"] for event in events["events"]]
+            if not events["live"]:
+                break
+        return seen.count("end")
+
+    def test_a_run_that_is_killed_tells_of_its_end(self):
+        self.begin("--break")
+        server = Server(self, "run", "--live")
+        self.assertEqual(server.ask("where")["live"], True)
+        self.run_.kill()
+        self.assertEqual(self.ends(server, 0), 1)
 
     def test_speed_changes_nothing_but_the_clock(self):
         plain = self.play(out="plain")

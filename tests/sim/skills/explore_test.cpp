@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/ledger/ledger_world.h"
+
 namespace cxlab::sim {
 namespace {
 
@@ -58,6 +60,39 @@ TEST(Explore, AWallHides) {
   EXPECT_TRUE(reads_marker(plan, before_input(0.6), kMachine0)) << "before the wall";
   EXPECT_FALSE(sees_body(plan, {3, 0}, kMachine0));
   EXPECT_TRUE(sees_body(plan, {-3, 0}, kMachine0));
+}
+
+/// From where robot1 looks at the empty zone around (3.5, 3.5), and where it stands before.
+std::optional<Pose2> lookout_of(const Vec2& robot1, const Vec2& robot2) {
+  FloorPlan plan = one_machine();
+  plan.robots = {{"robot1", {robot1.x(), robot1.y(), 0}}, {"robot2", {robot2.x(), robot2.y(), 0}}};
+  const LedgerWorld world(plan);
+  Traffic traffic(plan);
+  return lookout(world, traffic, RobotId{0}, {3.5, 3.5});
+}
+
+TEST(Explore, ARobotLooksFromNearTheZoneButNotFromInsideIt) {
+  constexpr double kRounded = 1e-9;
+  const Vec2 zone(3.5, 3.5), away(-3, -3);
+  for (const double from : {0.0, 0.5, 0.9, 1.1, 1.4, 1.6, 3.0}) {
+    const auto place = lookout_of({zone.x() + from, zone.y()}, away);
+    ASSERT_TRUE(place) << from;
+    const double way = distance(place->position(), zone);
+    EXPECT_GE(way, 1.0 - kRounded) << from;
+    EXPECT_LE(way, 1.5 + kRounded) << from;
+    const bool stays = distance(place->position(), {zone.x() + from, zone.y()}) < kRounded;
+    EXPECT_EQ(stays, from > 1.0 && from < 1.5) << from;
+  }
+}
+
+TEST(Explore, ARobotLooksFromBesideAnother) {
+  const Vec2 here(4.7, 3.5), too_near(4.2, 3.5), near(4.7, 4.2);
+  const auto aside = lookout_of(here, too_near);
+  ASSERT_TRUE(aside);
+  EXPECT_GE(distance(aside->position(), too_near), 0.6);
+  const auto stays = lookout_of(here, near);
+  ASSERT_TRUE(stays);
+  EXPECT_NEAR(distance(stays->position(), here), 0, 1e-9);
 }
 
 }  // namespace

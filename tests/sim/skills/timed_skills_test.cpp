@@ -133,6 +133,43 @@ TEST(TimedMeans, OfShelfAndSlideFollowThoseOfPickAndPlace) {
             (std::vector<double>{7, 9, 5, 8}));
 }
 
+/// How long a pick, a place, another pick and a discard take, s.
+std::vector<double> handling_times(const TimedSkillsConfig& config) {
+  Floor floor(config);
+  std::vector<double> times;
+  SkillPhase last{};
+  for (int step = 0; step < 4; ++step) {
+    if (step % 2 == 0) floor.put("C-BS-OUTPUT");
+    step == 3 ? floor.skills.start({SkillKind::kDiscard, "", std::nullopt, {}}, floor.world.now())
+              : floor.start(step == 1 ? SkillKind::kPlace : SkillKind::kPick, step == 1 ? "C-RS1-INPUT" : "C-BS-OUTPUT");
+    do floor.tick([&](double now) {
+        const SkillPhase phase = floor.skills.phase();
+        if (phase == SkillPhase::kHandle && last != phase) times.push_back(to_seconds(floor.skills.next_due()) - now);
+        last = phase;
+      });
+    while (floor.skills.next_due() != kNever);
+  }
+  return times;
+}
+
+TEST(TimedMeans, EachKindOfSkillHasItsOwnSpread) {
+  TimedSkillsConfig exact = Floor::config();
+  exact.place_mean_s = 5;
+  const std::vector<double> means = handling_times(exact);
+  ASSERT_EQ(means.size(), 4U);
+  const auto varied = [&](double TimedSkillsConfig::* spread) {
+    TimedSkillsConfig config = exact;
+    config.*spread = 0.2;
+    const std::vector<double> times = handling_times(config);
+    std::vector<bool> out;
+    for (std::size_t i = 0; i < times.size(); ++i) out.push_back(std::abs(times[i] - means[i]) > 1e-6);
+    return out;
+  };
+  EXPECT_EQ(varied(&TimedSkillsConfig::pick_sigma_s), (std::vector{true, false, true, false}));
+  EXPECT_EQ(varied(&TimedSkillsConfig::place_sigma_s), (std::vector{false, true, false, false}));
+  EXPECT_EQ(varied(&TimedSkillsConfig::discard_sigma_s), (std::vector{false, false, false, true}));
+}
+
 TEST(TimedTransport, LooksAheadForBothPartsAndChecksItsGripOnTheWay) {
   TimedSkillsConfig config = Floor::config();
   config.pick_mean_s = 20;
