@@ -245,6 +245,32 @@ TEST(Ground, NumbersThatNothingReadsAreLeftOut) {
   EXPECT_EQ(significant_numbers(*task), (std::vector<char>{1, 0})) << "cost decides no action and comes last";
 }
 
+TEST(Ground, ANumberThatOnlyARateReadsStays) {
+  const Grounded task(R"((:functions (level) (speed))
+    (:action hurry :parameters () :effect (increase (speed) 1))
+    (:durative-action run :parameters () :duration (= ?duration 5) :condition () :effect (increase (level) (* #t (speed)))))",
+                      "(:init (= (level) 0) (= (speed) 1)) (:goal (>= (level) 10))");
+  EXPECT_EQ(task->numbers.size(), 2u);
+}
+
+TEST(Ground, SidesThatShareATermAreComparedAsTheyAre) {
+  // 2^53 + 1 is 2^53 where sums are rounded, so the sides are the same, though their terms differ by 1.
+  constexpr double kLarge = 9007199254740992;
+  using Step = GroundExpression::Step;
+  using Kind = GroundExpression::Kind;
+  const auto side = [&](int number, const Step& shared) {
+    GroundExpression out;
+    out.steps = {{Kind::kFunction, number, 0}, shared, {Kind::kAdd, -1, 0}};
+    return out;
+  };
+  const double numbers[] = {1, 0, kLarge};
+  for (const Step& shared :
+       {Step{Kind::kConstant, -1, kLarge}, Step{Kind::kDuration, -1, 0}, Step{Kind::kFunction, 2, 0}}) {
+    const auto more = GroundComparison::of(GroundComparison::Kind::kPositive, side(0, shared), side(1, shared));
+    EXPECT_FALSE(more.holds(numbers, kLarge)) << static_cast<int>(shared.kind);
+  }
+}
+
 TEST(Ground, EventsThatNothingTakesNoticeOfAreLeftOut) {
   const Grounded task(R"((:predicates (there) (open ?d) (dark)) (:functions (toll))
     (:action go :parameters (?d) :precondition (open ?d) :effect (and (there) (when (dark) (increase (toll) 1)))))",

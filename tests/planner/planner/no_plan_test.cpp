@@ -31,6 +31,11 @@ TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
   EXPECT_EQ(reason("", "(= (fuel b) 0)", "(full a)"), missing + "(fuel a)");
   EXPECT_EQ(reason("", "", "(and (full a) (>= (spare b) 1))"), missing + "(fuel a), (spare b)");
   EXPECT_EQ(reason("", "(= (fuel a) 0)", "(full a)"), "a plan");
+  EXPECT_EQ(
+      reason("(:action weigh :parameters (?c) :precondition (and (not (ready)) (<= (weight ?c) 3)) :effect (full ?c))",
+             "", "(full a)"),
+      missing + "(fuel a)")
+      << "weigh can never begin, whatever (weight a) is";
   EXPECT_EQ(reason("", "", "(>= (fuel a) 3)"), missing + "(fuel a)");
   EXPECT_EQ(reason("(:durative-action measure :parameters (?c) :duration (= ?duration (+ 1 (spare ?c))) :condition () "
                    ":effect (at end (full ?c)))",

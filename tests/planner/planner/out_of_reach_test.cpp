@@ -104,6 +104,30 @@ TEST(OutOfReach, Numbers) {
       "action gives a value to (fuel), and in :init (fuel) has no value");
 }
 
+TEST(OutOfReach, WhatChangesByItselfIsNoObstacle) {
+  for (const auto& [gate, init] : {std::pair{"(> (n) 3)", "(= (n) 1) (at 5 (= (n) 9))"},
+                                   {"(< (n) 0)", "(= (n) 1) (at 5 (= (n) -9))"},
+                                   {"(closed)", "(= (n) 1) (at 5 (closed))"},
+                                   {"(not (closed))", "(= (n) 1) (closed) (at 5 (not (closed)))"}})
+    EXPECT_EQ(
+        why(std::string("(:predicates (done) (tidy) (closed)) (:functions (n)) (:action work :precondition (and ") +
+                gate + " (tidy)) :effect (done))",
+            std::string("(:init ") + init + ") (:goal (done))"),
+        "the goal (done) is out of reach: only work (domain.pddl:2) makes it true, and needs (tidy); no action "
+        "makes it true, and :init lacks it");
+}
+
+TEST(OutOfReach, WhatCanBeginButNeverEndHelpsNobody) {
+  const std::string chain = R"((:predicates (p) (q) (never) (done))
+    (:durative-action first :parameters () :duration (= ?duration 1) :condition (at end (never)) :effect (at start (p)))
+    (:durative-action second :parameters () :duration (= ?duration 1) :condition (at end (p)) :effect (at start (q)))
+    (:action last :precondition (q) :effect (done)))";
+  EXPECT_EQ(why(chain, "(:init) (:goal (done))"),
+            "the goal (done) is out of reach: only last (domain.pddl:5) makes it true, and needs (q); only second "
+            "(domain.pddl:4) makes it true, and needs (p) at end; only first (domain.pddl:3) makes it true, and needs "
+            "(never) at end; no action makes it true, and :init lacks it");
+}
+
 TEST(OutOfReach, AComparisonSaysWhichWayItsNumberWouldHaveToMove) {
   for (const auto& [move, goals] :
        {std::pair{"raises", std::vector{"(> (n) 3)", "(>= (n) 3)", "(not (< (n) 3))", "(not (<= (n) 3))"}},

@@ -111,6 +111,27 @@ TEST(Timeline, AGoalMayEndAsSoonAsThePlanIsOver) {
   }
 }
 
+TEST(Timeline, EachEventThatComesTooEarlyForTheGoalAddsToTheLateness) {
+  Expected<Domain> domain =
+      parse_domain(R"((define (domain d) (:requirements :durative-actions) (:predicates (light) (warm) (in))
+    (:durative-action enter :parameters () :duration (= ?duration 4) :condition () :effect (at end (in)))))",
+                   "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem = parse_problem(
+      "(define (problem p) (:domain d) (:init (light) (warm) (at 1 (not (light))) (at 3 (not (warm)))) (:goal (and "
+      "(in) "
+      "(light) (warm))))",
+      "problem", *domain);
+  ASSERT_TRUE(problem);
+  const Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  const Touches touches(*task);
+  Timeline timeline(touches, true);
+  ASSERT_EQ(timeline.append(0, 4 * kSecond), 0);
+  EXPECT_TRUE(timeline.finish());
+  EXPECT_EQ(timeline.lateness(), (3 + 1) * kSecond + 2 * kSeparation);
+}
+
 /// How a search along the clock ends that takes the first plan which ends before `before`.
 SearchEnd search_along_the_clock(const std::string& domain_body, const std::string& problem_body,
                                  Micros before = DurationRange::kForever) {

@@ -140,9 +140,11 @@ std::vector<double> handling_times(const TimedSkillsConfig& config) {
   SkillPhase last{};
   for (int step = 0; step < 4; ++step) {
     if (step % 2 == 0) floor.put("C-BS-OUTPUT");
-    step == 3 ? floor.skills.start({SkillKind::kDiscard, "", std::nullopt, {}}, floor.world.now())
-              : floor.start(step == 1 ? SkillKind::kPlace : SkillKind::kPick, step == 1 ? "C-RS1-INPUT" : "C-BS-OUTPUT");
-    do floor.tick([&](double now) {
+    step == 3
+        ? floor.skills.start({SkillKind::kDiscard, "", std::nullopt, {}}, floor.world.now())
+        : floor.start(step == 1 ? SkillKind::kPlace : SkillKind::kPick, step == 1 ? "C-RS1-INPUT" : "C-BS-OUTPUT");
+    do
+      floor.tick([&](double now) {
         const SkillPhase phase = floor.skills.phase();
         if (phase == SkillPhase::kHandle && last != phase) times.push_back(to_seconds(floor.skills.next_due()) - now);
         last = phase;

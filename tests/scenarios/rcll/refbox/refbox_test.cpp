@@ -363,6 +363,29 @@ TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\"")) << "it has its name";
 }
 
+TEST(Refbox, NamesWithoutAColourAreForTheTeamsThatHaveNone) {
+  WorldConfig config = RefboxStory::game();
+  config.team = "BOTH";
+  RefboxStory story(config);
+  auto& all = story.open(kPublicWay);
+  auto& controller = story.open_stream();
+  for (const char* team :
+       {"number: 1 team_name: 'First' peer_name: 'F-1'", "number: 2 team_name: 'Second' peer_name: 'S-2'",
+        "number: 3 team_name: 'Third' peer_name: 'T-3'"}) {
+    story.say(all, "BeaconSignal", std::string("time { sec: 1 nsec: 0 } seq: 1 ") + team);
+    story.run_for(0.1);
+  }
+  story.run_until(6);
+  EXPECT_THAT(all.last_text("GameState"),
+              AllOf(HasSubstr("team_cyan: \"First\""), HasSubstr("team_magenta: \"Second\"")));
+  EXPECT_THAT(all.last_text("RobotInfo"), AllOf(HasSubstr("name: \"F-1\" team: \"First\""),
+                                                HasSubstr("name: \"S-2\" team: \"Second\""), Not(HasSubstr("T-3"))));
+  story.say(controller, "SetTeamName", "team_color: MAGENTA team_name: 'Others'");
+  story.run_until(8);
+  EXPECT_THAT(all.last_text("GameState"),
+              AllOf(HasSubstr("team_cyan: \"First\""), HasSubstr("team_magenta: \"Others\"")));
+}
+
 TEST(Refbox, ForgetsARobotEighteenMinutesAfterItsLastBeacon) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
@@ -659,6 +682,11 @@ TEST(RefboxRobots, OfBothTeamsHaveTheirNumbersAndPorts) {
   EXPECT_THAT(first.last_text("BeaconSignal"), HasSubstr("peer_name: \"robot4\" team_color: MAGENTA"));
   EXPECT_THAT(third.last_text("AgentTask"), HasSubstr("error_code: 102"));
   EXPECT_THAT(third.last_text("BeaconSignal"), HasSubstr("number: 3"));
+  story.say(first, "AgentTask",
+            "team_color: MAGENTA robot_id: 1 task_id: 6 explore_machine { machine_id: '' machine_point: '' waypoint: "
+            "'M_Z52' }");
+  story.run_for(40);
+  EXPECT_EQ(first.last_text("MachineReport"), "machines { zone: M_Z52 } team_color: MAGENTA");
 }
 
 TEST(RefboxRobots, SayWhatIsWrongWithATask) {
@@ -1055,6 +1083,22 @@ TEST_F(OutsideLeague, AnswersOfTheRobotEndASkill) {
     answer(row.answer);
     EXPECT_EQ(goal->status, row.status) << row.answer;
     EXPECT_EQ(goal->code, row.code) << row.answer;
+  }
+}
+
+TEST_F(OutsideLeague, AnExploreTellsWhatTheRobotReportsOfItsZone) {
+  for (const char* seen : {"C-RS1", "C-CS2"}) {
+    const auto goal = story_.send_goal("/outside/robot1/explore", "cxlab_skills/action/Explore", "{target: C_Z52}");
+    story_.run_for(0.1);
+    ++task_;
+    story_.say(robot_, "MachineReport",
+               "team_color: CYAN machines { name: 'C-BS' type: 'BS' zone: C_Z23 rotation: 45 } machines { name: '" +
+                   std::string(seen) + "' type: 'CS' zone: C_Z52 rotation: 90 }");
+    story_.run_for(0.1);
+    answer("successful: true");
+    EXPECT_EQ(goal->status, bus::GoalStatus::kSucceeded);
+    EXPECT_THAT(goal->text, AllOf(HasSubstr("zone: \"C_Z52\""), HasSubstr("machine: \"" + std::string(seen) + '"'),
+                                  HasSubstr("rotation: 90")));
   }
 }
 
