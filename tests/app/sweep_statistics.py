@@ -191,6 +191,7 @@ class SweepStatistics(Lab):
         self.write("twice/rows.csv", COLUMNS + "game,a,,1,completed,0,1,1,h\n" * 2)
         self.write("text.csv", COLUMNS + "game,a,,one,completed,0,1,1,h\n")
         self.write("short.csv", COLUMNS + "game,a\n")
+        self.write("lines.csv", COLUMNS + '"ga\nme",a,,1,completed,0,1,1,h\n\ngame,a\n')
         self.write("nothing.csv", COLUMNS)
         self.write("crashed.csv", COLUMNS + "game,a,,1,crashed,70,,,\n")
         (self.folder / "empty").mkdir()
@@ -201,6 +202,7 @@ class SweepStatistics(Lab):
                 ("twice/rows.csv: found two rows of game, a, seed 1, expected one", 3, "bench", "show", "twice"),
                 ("text.csv:2: found 'one' as seed, expected a whole number from 0", 3, "bench", "show", "text.csv"),
                 ("short.csv:2: found 2 fields, expected 9", 3, "bench", "show", "short.csv"),
+                ("lines.csv:5: found 2 fields, expected 9", 3, "bench", "show", "lines.csv"),
                 ("nothing.csv: found no row", 3, "bench", "show", "nothing.csv"),
                 ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
                 ("no row has a metric 'point'; there are points, late_s; did you mean 'points'?", 3, "bench", "show", "s", "--metric", "point"),
