@@ -43,6 +43,8 @@ class SweepStatistics(Lab):
         self.assertIn("answer: worse\n", self.cxlab("bench", "compare", "better", "old", code=1).stdout)
         self.sweep("several", [(strategy, seed, p + 60) for strategy in ("rules v2", "rules v3") for seed, p in enumerate(old)])
         self.assertIn("agent is in the old sweep only", self.cxlab("bench", "compare", "old", "several", code=3).stderr)
+        self.sweep("shifted", [("agent", seed + 10, p + 60) for seed, p in enumerate(old[10:])] + [("agent", 90, 600)])
+        self.assertIn("game, agent: 20 games are in both sweeps, and 11 in one only", self.cxlab("bench", "compare", "old", "shifted").stdout)
         line = json.loads(self.cxlab("bench", "compare", "old", "better", "--json").stdout)["differences"][0]
         differences = [60 + noise[seed] // 2 for seed in range(30)]
         self.assertAlmostEqual(line["difference"], sum(differences) / 30)
@@ -223,6 +225,7 @@ class SweepStatistics(Lab):
                 ("median(points) >= 3", "which is no requirement"),
                 ("mean(point) >= 3", "has no metric 'point'"),
                 ("not worse than", "which is no requirement"),
+                ("not worse than long in point", "has no metric 'point'"),
                 ("not worse than lomg", "(a sweep gets a name by 'earlier: {NAME: FOLDER}'); did you mean 'long'?"),
                 ("not worse than long by -1", "expected a number of at least 0 after 'by'"),
                 ("'sort: mean(sim_time_s) >= 3'", "there is no strategy 'sort'; there are long, short, same; did you mean 'short'?"),
