@@ -125,10 +125,7 @@ bool FaultySkills::goes_astray(SimTime now) {
 void FaultySkills::go_on(SimTime now) {
   astray_ = false;
   SkillGoal leg = leg_;
-  if (leg.kind == SkillKind::kDiscard) {
-    leg.target.clear();
-    leg.spot.reset();
-  }
+  if (leg.kind == SkillKind::kDiscard) leg.target.clear();
   skills_->start(leg, now);
 }
 

@@ -630,7 +630,7 @@ class Live(View):
         self.assertEqual(json.loads((self.folder / "run/result.json").read_text())["deterministic"], True)
 
     def ends(self, server, after):
-        """How often the events from here on tell of the end of the run."""
+        """How many of the events from here on report the end of the run."""
         seen = []
         for _ in range(40):
             events = server.get(f"/run/run/events?after={after}")
@@ -640,7 +640,7 @@ class Live(View):
                 break
         return seen.count("end")
 
-    def test_a_run_that_is_killed_tells_of_its_end(self):
+    def test_a_run_that_is_killed_reports_its_end(self):
         self.begin("--break")
         server = Server(self, "run", "--live")
         self.assertEqual(server.ask("where")["live"], True)

@@ -107,7 +107,6 @@ std::deque<LeagueRobot::Part> LeagueRobot::parts_of(const Skill& skill, const bu
 
 void LeagueRobot::take_cancel(const Skill& skill, const bus::Delivery& delivery) {
   link_.bus.answer_cancel(skill.server, delivery, true);
-  if (!active_ || goal_ != delivery.goal || !task_) return;
   canceled_ = true;
   Fields(*task_).set("cancel_task", true);
   channel_.send(*task_);

@@ -179,13 +179,12 @@ void RobotPeer::next_step() {
 }
 
 void RobotPeer::take_answer(const bus::Delivery& delivery) {
-  if (delivery.accepted || delivery.goal != goal_) return;
+  if (delivery.accepted) return;
   goal_.reset();
   end(number_of(SkillCode::kInternal));  // the robot is at work for somebody else
 }
 
 void RobotPeer::take_result(const bus::Delivery& delivery) {
-  if (delivery.goal != goal_) return;
   const Step step = steps_.front();
   context_.bus.forget_goal(actions_.at(step.action).client, *goal_);
   goal_.reset();
