@@ -118,16 +118,30 @@
     (case wait-for-window then AGENT) (case wait-until-it-works then AGENT)
     (default ROBOT)))
 
+(deffunction sides (?input ?output)
+  "The input of one machine and the output of another one, or of the same one; none: no side."
+  (create$ (if (eq ?input none) then (create$) else (sym-cat input- ?input))
+           (if (eq ?output none) then (create$) else (sym-cat output- ?output))))
+
 (deffunction objects-of (?name ?params)
-  "The product and the machines that a step uses; any number of steps can use the base station, or bring payments. Only its
-   delivery waits for the window of a product."
-  (if (eq ?name wait-for-window) then (return (create$ (sym-cat window- (nth$ 1 ?params)))))
-  (if (eq ?name pay-with-new-base) then (return (create$)))
-  (if (eq ?name pay-with-bare-base) then (return (create$ (sym-cat (nth$ 1 ?params)))))
-  (bind ?objects (if (eq ?name bring-to-delivery) then (create$ (sym-cat window- (nth$ 1 ?params))) else (create$)))
-  (foreach ?p ?params
-    (if (not (member$ (sym-cat ?p) (create$ bs s0 s1 s2 s3 s4))) then (bind ?objects (create$ ?objects (sym-cat ?p)))))
-  ?objects)
+  "The product and the sides of machines that a step uses. While a product lies at the output of a machine, the next one can come
+   to its input. Any number of steps can use the base station, or bring payments. Only its delivery waits for the window of a product."
+  (bind ?first (nth$ 1 ?params))
+  (bind ?second (nth$ 2 ?params))
+  (bind ?third (nth$ 3 ?params))
+  (switch ?name
+    (case bring-base then (create$ ?first (sides ?third none)))
+    (case transport then (create$ ?first (sides ?third ?second)))
+    (case bring-to-delivery then (create$ (sym-cat window- ?first) ?first (sides ?third ?second)))
+    (case deliver then (create$ ?first (sides ?second none)))
+    (case fetch-carrier then (sides ?first none))
+    (case retrieve-cap then (sides ?first ?first))
+    (case pay-with-bare-base then (sides none ?first))
+    (case discard-bare-base then (sides ?second ?first))
+    (case pay-with-new-base then (create$))
+    (case wait-for-window then (create$ (sym-cat window- ?first)))
+    (case wait-until-it-works then (sides ?first ?first))
+    (default (create$ ?first (sides ?second ?second)))))  ; mount-ring, mount-cap
 
 (deffunction points-at (?product ?at)
   "The points for the delivery of a product at this time of the game."

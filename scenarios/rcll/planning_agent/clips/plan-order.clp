@@ -24,7 +24,7 @@
   (if ?at then (replace$ ?users (+ ?at 1) (+ ?at 1) ?step) else (create$ ?users ?object ?step)))
 
 (deffunction order-steps ()
-  "Let each step wait for the last one before it that uses the same product or machine, and follow the last one of its robot."
+  "Let each step wait for the last one before it that uses the same product or side of a machine, and follow the last one of its robot."
   (bind ?users (create$))
   (foreach ?s (sort later-step (find-all-facts ((?s step)) (eq ?s:state OPEN)))
     (bind ?id (fact-slot-value ?s id))
@@ -84,7 +84,7 @@
   FALSE)
 
 (deffunction why-linked (?step)
-  "The other step that must use the product or machine first, as a reason; FALSE if there is none."
+  "The other step that must use the product, or a side of a machine, first, as a reason; FALSE if there is none."
   (do-for-all-facts ((?w waits-for)) (eq ?w:step (fact-slot-value ?step id))
     (bind ?first (step-that-is-not ?w:for RUNNING DONE))
     (if ?first then (return (str-cat ?first " uses its product or machine first"))))

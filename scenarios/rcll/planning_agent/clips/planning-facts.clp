@@ -54,7 +54,7 @@
   (slot time (type SYMBOL) (allowed-values START END ALL)))
 
 (deftemplate waits-for
-  "A step of the plan that begins after another one, because both use a product or machine."
+  "A step of the plan that begins after another one, because both use a product or the same side of a machine."
   (slot step (type SYMBOL))
   (slot for (type SYMBOL)))
 

@@ -267,7 +267,7 @@
   FALSE)
 
 (deffunction in-turn (?plan ?begun)
-  "Whether the plan has the step that began meanwhile, and no open step before it uses the same product or machine."
+  "Whether the plan has the step that began meanwhile, and no open step before it uses the same product or side of a machine."
   (bind ?action (fact-slot-value ?begun action))
   (bind ?params (fact-slot-value ?begun params))
   (do-for-fact ((?a pddl-action)) (and (eq ?a:plan ?plan) (eq ?a:name ?action) (eq (params-of ?a) ?params))

@@ -1,4 +1,5 @@
-; strategy.dispatch: partial-order. A step waits for those before it that use its product or machine, until they have begun.
+; strategy.dispatch: partial-order. A step waits for those before it that use its product or the same side of a machine, until they
+; have begun.
 
 (defrule dispatch-partial-order
   (declare (salience 20))
