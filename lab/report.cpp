@@ -155,8 +155,8 @@ Status write_report(const Played& played) {
   const auto records = read_journal(folder / "journal.jsonl", {.kinds = kRecordsOfQuestions});
   if (!records) return records.error();
   constexpr bool kEnded = true;  // by itself or not: no record follows
-  auto page = page_of_world(
-      played.scenario, {folder, played.scenario, *records, {}, played.result.sim_time, kEnded, {}}, played.result);
+  auto page = page_of_world(played.scenario,
+                            {folder, played.scenario, *records, {}, played.result.sim_time, kEnded, {}}, played.result);
   if (!page) return page.error();
   for (const Result::Section& section : page->data) report[section.key] = parse_json(section.json);
   report["decisions"] = decisions_of(*records);
