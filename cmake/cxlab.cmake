@@ -150,6 +150,27 @@ function(cxlab_core_test name target)
   endif()
 endfunction()
 
+# Makes a program of tests, build/<preset>/tests/<program>, whose SOURCES are compiled together; or adds SOURCES and DEPS to it.
+function(cxlab_test_program program)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS")
+  if(TARGET ${program})
+    _cxlab_note_dependencies(${program} ${arg_DEPS})
+    target_sources(${program} PRIVATE ${arg_SOURCES})
+    target_link_libraries(${program} PRIVATE ${arg_DEPS})
+    return()
+  endif()
+  # Code of cxlab in the program itself would call the inline functions that the linker finds first: those of the tests,
+  # which are not optimised.
+  cxlab_executable(${program} LINKED cxlab_shared SOURCES ${arg_SOURCES} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
+  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  target_compile_options(${program} PRIVATE -O0)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it collects its garbage at 128 MB by default, again and again
+    target_compile_options(${program} PRIVATE "SHELL:--param ggc-min-heapsize=500000")
+  endif()
+  cxlab_compile_together(${program})
+  cxlab_precompiled(precompiled_for_tests ${program} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
+endfunction()
+
 # One entry of ctest, label short or long: the tests in these sources, with the headers of tests/support. The target <name> makes its
 # program, build/<preset>/tests/<program>. Tests IN one program are compiled together, so that the templates of GoogleTest, JSON and the
 # standard library are made once for all of them. They find data under $CXLAB_SOURCE_DIR, by default the sources that they were made
@@ -168,23 +189,7 @@ function(cxlab_test name)
     add_custom_target(${name})
     add_dependencies(${name} ${program})
   endif()
-  if(TARGET ${program})
-    _cxlab_note_dependencies(${program} ${arg_DEPS})
-    target_sources(${program} PRIVATE ${arg_SOURCES} ${arg_ALONE})
-    target_link_libraries(${program} PRIVATE ${arg_DEPS})
-  else()
-    # Code of cxlab in the program itself would call the inline functions that the linker finds first: those of the tests,
-    # which are not optimised.
-    cxlab_executable(${program} LINKED cxlab_shared SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_support GTest::gmock GTest::gtest)
-    set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-    target_link_libraries(${program} PRIVATE test_main)
-    target_compile_options(${program} PRIVATE -O0)
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # it collects its garbage at 128 MB by default, again and again
-      target_compile_options(${program} PRIVATE "SHELL:--param ggc-min-heapsize=500000")
-    endif()
-    cxlab_compile_together(${program})
-    cxlab_precompiled(precompiled_for_tests ${program} HEADERS <gmock/gmock.h> <gtest/gtest.h> LIBRARIES GTest::gmock GTest::gtest)
-  endif()
+  cxlab_test_program(${program} SOURCES ${arg_SOURCES} ${arg_ALONE} DEPS ${arg_DEPS} test_main)
   if(arg_ALONE)
     set_source_files_properties(${arg_ALONE} TARGET_DIRECTORY ${program} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
