@@ -11,14 +11,10 @@ import time
 import unittest
 
 from gif import read_gif
-from lab import CXLAB, SOURCE, Lab
+from lab import CXLAB, FEW_PICTURES, SOURCE, Lab
 
 GAME = SOURCE / "scenarios/rcll/game.yaml"
 TURTLES = SOURCE / "scenarios/turtlesim/figures.yaml"
-
-
-# Mesa compiles its shaders at each start, which takes as long as thirty pictures. This driver of Mesa compiles nothing.
-FEW_PICTURES = {"GALLIUM_DRIVER": "softpipe"}
 
 
 @functools.cache

@@ -10,6 +10,9 @@ import unittest
 
 CXLAB = os.environ["CXLAB"]
 SOURCE = pathlib.Path(os.environ["CXLAB_SOURCE_DIR"])
+# For tests that draw few pictures: Mesa compiles its shaders at each start, which takes as long as thirty pictures. This driver
+# of Mesa compiles nothing.
+FEW_PICTURES = {"GALLIUM_DRIVER": "softpipe"}
 
 CONFIG = """/**:
   ros__parameters:
