@@ -142,7 +142,6 @@
   "The job of a step is done: the piece lies at its place."
   ?step <- (step (id ?id) (action ~discard-bare-base) (state RUNNING) (worker ROBOT) (work ?work))
   ?job <- (job (id ?work) (step DONE) (robot ""))
-  (picked ?id)
   =>
   (retract ?job)
   (piece-placed ?step ?id))

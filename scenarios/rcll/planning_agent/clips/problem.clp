@@ -47,7 +47,6 @@
 (defrule problem-numbers
   "An instance is loaded: ask for the numbers of its problem file."
   (loaded ?instance)
-  (not (pddl-get-numeric-fluents (instance ?instance)))
   =>
   (assert (pddl-get-numeric-fluents (instance ?instance))))
 

@@ -23,7 +23,7 @@
   "A robot needs a base, and its way over the input of the base station is shorter: it fetches the base there."
   (declare (salience 10))
   ?bs <- (machine (name ?name) (kind BS))
-  ?job <- (job (id ?id) (robot ?r&~"") (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
+  ?job <- (job (id ?id) (robot ?r) (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
   (held-up (job ?id) (step GO-FETCH))
   ?robot <- (robot (name ?r))
   ?goal <- (machine (name =(machine-of ?to)))
@@ -112,7 +112,7 @@
   (not (refining ?))
   ?bs <- (machine (name ?name) (kind BS))
   (not (reserved (machine ?name)))
-  (job (id ?id) (robot ?r&~"") (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
+  (job (id ?id) (robot ?r) (step GO-FETCH) (from ?from&:(eq ?from (output-of ?name))) (to ?to))
   (held-up (job ?id) (step GO-FETCH))
   (not (refined ?id))
   ?robot <- (robot (name ?r))
