@@ -288,7 +288,6 @@ std::optional<SkillResult> PhysicsSkills::sense_work(SimTime now) {
       if (base_at(goal_.pose, kBackedOff, kArrivedYaw) && state_.gripper.x() < kWithinHull) {
         if (failure_ != SkillCode::kNone) return end(failure_, now);
         if (next_) {  // the place looks whether the piece is still held
-          traffic_.withdraw(robot_, now);
           begin(*std::exchange(next_, std::nullopt), now);
           return std::nullopt;
         }

@@ -184,7 +184,6 @@ std::optional<SkillResult> TimedSkills::sense(SimTime now) {
     if (now < due_) return std::nullopt;
     const SkillCode code = handle();
     if (code != SkillCode::kNone || !next_) return end(code, now);
-    traffic_.withdraw(robot_, now);
     begin(*std::exchange(next_, std::nullopt), now);
     return std::nullopt;
   }

@@ -50,8 +50,9 @@ Traffic::Traffic(const FloorPlan& plan, const DriveLimits& limits)
 void Traffic::request(RobotId id, const Pose2& goal, std::optional<Segment> work, SimTime now) {
   Robot& robot = at(id);
   if (robot.moving && robot.purpose != Purpose::kYield) brake(index_of(id), now);
+  if (robot.working) robot.rest = footprint_at(robot.pose);
   robot.wants = true;
-  robot.arrived = robot.unreachable = false;
+  robot.working = robot.arrived = robot.unreachable = false;
   robot.goal = goal;
   robot.work = work;
   robot.order = ++last_order_;

@@ -21,9 +21,9 @@ class Traffic {
  public:
   explicit Traffic(const FloorPlan& plan, const DriveLimits& limits = {});
 
-  // --- Wishes of a robot. It has one request at a time; a new one replaces the old.
-  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until `withdraw`, and nobody
-  /// comes near.
+  // --- Wishes of a robot. It has one request at a time; a new one replaces the old, and ends its work.
+  /// The robot wants to stand at `goal`. With `work`, it then works within that footprint until its next wish, and
+  /// nobody comes near.
   void request(RobotId robot, const Pose2& goal, std::optional<Segment> work, SimTime now);
   /// Ends the request, or the work at its goal; a robot that drives for it brakes.
   void withdraw(RobotId robot, SimTime now);

@@ -654,6 +654,23 @@ TEST(Traffic, OneThatGivesUpItsWorkTakesTheRoomOfARobotOnly) {
   EXPECT_NEAR(floor.traffic.motion(kRobot2)->length(), 6, 0.01);
 }
 
+TEST(Traffic, OneAtWorkThatWantsToBeElsewhereEndsItsWork) {
+  Drivers floor(open_floor({{0, 3, 0}, {-3, 4.6, 0}}));
+  floor.traffic.request(kRobot1, {0, 4, 0}, Segment{{0, 4}, {0, 4.5}}, floor.now);
+  floor.until([&] { return floor.traffic.working(kRobot1); });
+  floor.traffic.set_speed(kRobot1, 0, floor.now);  // it cannot leave yet
+  floor.traffic.request(kRobot1, {0, 2, 0}, {}, floor.now);
+  EXPECT_FALSE(floor.traffic.working(kRobot1));
+  floor.traffic.request(kRobot2, {3, 4.6, 0}, {}, floor.now);
+  floor.traffic.plan(floor.now);  // in the same tick
+  ASSERT_TRUE(floor.traffic.moving(kRobot2));
+  EXPECT_NEAR(floor.traffic.motion(kRobot2)->length(), 6, 0.01);
+  floor.traffic.set_speed(kRobot1, 1, floor.now);
+  floor.until([&] { return floor.traffic.arrived(kRobot1); });
+  EXPECT_NEAR(floor.pose(kRobot1).y, 2, 1e-6);
+  EXPECT_FALSE(floor.traffic.working(kRobot1));
+}
+
 /// "robot1 waits for robot2; ...": those that wait, with whom they wait for, if it is known.
 std::string who_waits(const Drivers& floor, int robots) {
   std::string out;
