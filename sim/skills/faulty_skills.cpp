@@ -61,7 +61,7 @@ const Fault* FaultySkills::striking(FaultKind kind, const SkillGoal& goal, SimTi
   return timer ? &timer->fault() : nullptr;
 }
 
-/// All that was to happen to the last skill.
+/// All that was to happen to the skill.
 void FaultySkills::forget() {
   begins_at_ = fails_at_ = late_until_ = searches_until_ = kNever;
   begun_ = broken_off_ = cancelled_ = misplaced_ = astray_ = false;
@@ -168,20 +168,18 @@ void FaultySkills::cancel(SimTime now) {
 std::optional<SkillResult> FaultySkills::sense(SimTime now) {
   limit_speed(now);
   if (stalled() && cancelled_) {
-    begins_at_ = fails_at_ = kNever;
-    misplacing_ = nullptr;
+    forget();
     (void)skills_->sense(now);
     return SkillResult::cancel();
   }
   if (now >= fails_at_ && !cancelled_) {
     if (failing_->kind == FaultKind::kSkillFails) record(*failing_, now);
-    fails_at_ = kNever;
     if (stalled()) {
-      begins_at_ = kNever;
-      misplacing_ = nullptr;
+      forget();
       (void)skills_->sense(now);
       return failure();
     }
+    fails_at_ = kNever;
     broken_off_ = true;
     if (!searching()) skills_->cancel(now);
   }

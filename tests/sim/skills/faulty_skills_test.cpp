@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/skills/destination.h"
+
 namespace cxlab::sim::faulty_skills_test {
 namespace {
 
@@ -39,12 +41,14 @@ class Hand final : public WorldView {
   RobotState robot(RobotId id) const override {
     RobotState state;
     if (id == RobotId{0} && holds) state.held = PieceId{1};
+    state.pose_in_world = stands;
     return state;
   }
   bool belt_running(StationId) const override { return false; }
   const Piece* at(SpotId) const override { return nullptr; }
   const Piece* on_belt(StationId, double) const override { return nullptr; }
   bool holds = false;
+  Pose2 stands;
 };
 
 /// A skill that takes `lasts` and half a second to stop, and grasps as it ends if it is a pick; a transport is a pick
@@ -54,6 +58,7 @@ class Plain final : public RobotSkills {
   Plain(Log& log, Hand& hand, SimTime lasts) : log_(log), hand_(hand), lasts_(lasts) {}
   void start(const SkillGoal& goal, SimTime now) override {
     log_.push_back("start " + goal.target);
+    begun = goal;
     kind_ = goal.kind;
     part_ = kind_ == SkillKind::kTransport ? SkillKind::kPick : kind_;
     ends_at_ = now + lasts_;
@@ -96,6 +101,7 @@ class Plain final : public RobotSkills {
   SkillKind part() const override { return part_; }
   double remaining(SimTime) const override { return 3; }
   SimTime next_due() const override { return part_ == kind_ || ends_at_ == kNever ? ends_at_ : ends_at_ - lasts_ / 2; }
+  SkillGoal begun;
 
  private:
   Log& log_;
@@ -226,6 +232,86 @@ TEST(FaultySkills, AShortHaltEndsNoLongOne) {
   skills.start({SkillKind::kDriveTo, "A", std::nullopt, {}}, {});
   for (const double now : {1, 3}) (void)skills.sense(from_seconds(now));
   EXPECT_EQ(skills.next_due(), from_seconds(11));
+}
+
+/// The piece stays in the gripper, where the skill below has ended as a place.
+TEST(FaultySkills, NothingHappensAfterAPlaceThatEndedBeforeItBegan) {
+  for (const bool fails : {true, false}) {
+    Log calls;
+    Hand hand;
+    std::vector<Fault> faults(fails ? 3 : 2);
+    for (Fault& fault : faults) fault.at = from_seconds(3);
+    faults[0].kind = FaultKind::kPieceMisplaced;
+    faults[1].kind = FaultKind::kSkillStalls;
+    faults[1].duration = from_seconds(5);
+    if (fails) {
+      faults[2].kind = FaultKind::kSkillFails;
+      faults[2].after = from_seconds(1);
+    }
+    FaultLog sink(calls, faults);
+    Traffic traffic(hand.plan());
+    FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(1)), RobotId{0}, hand, traffic, faults, 1,
+                        sink);
+    const SkillGoal place{SkillKind::kPlace, "A", std::nullopt, {}};
+    skills.start(place, {});
+    ASSERT_TRUE(skills.sense(from_seconds(1)));
+    hand.holds = true;
+    skills.start(place, from_seconds(3));
+    if (!fails) skills.cancel(from_seconds(4));
+    const auto result = skills.sense(from_seconds(4));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->cancelled, !fails);
+    EXPECT_EQ(skills.next_due(), kNever);
+    for (const double now : {5, 20}) EXPECT_FALSE(skills.sense(from_seconds(now)));
+    EXPECT_TRUE(hand.holds);
+  }
+}
+
+TEST(FaultySkills, AnExploreThatGoesAstrayMissesTheLookoutAndNotTheZone) {
+  Log calls;
+  Hand hand;
+  std::vector<Fault> faults(1);
+  faults[0].kind = FaultKind::kPoseNoise;
+  faults[0].at = SimTime{};
+  faults[0].sigma_m = 1e-6;
+  FaultLog sink(calls, faults);
+  Traffic traffic(hand.plan());
+  auto plain = std::make_unique<Plain>(calls, hand, from_seconds(1));
+  const Plain& below = *plain;
+  FaultySkills skills(std::move(plain), RobotId{0}, hand, traffic, faults, 1, sink);
+  const SkillGoal explore{SkillKind::kExplore, "A", std::nullopt, {3, 0, 0}};
+  const Pose2 lookout = destination_of(explore, hand, traffic, RobotId{0}).pose;
+  ASSERT_GT(distance(lookout.position(), explore.pose.position()), 0.9);
+  skills.start(explore, {});
+  EXPECT_EQ(below.begun.kind, SkillKind::kDriveTo);
+  EXPECT_LT(distance(below.begun.pose.position(), lookout.position()), 1e-4);
+  EXPECT_FALSE(skills.sense(from_seconds(1)));
+  EXPECT_EQ(below.begun.kind, SkillKind::kExplore);
+  EXPECT_EQ(below.begun.pose.x, 3);
+}
+
+TEST(FaultySkills, APlaceThatWentAstrayIsMisplacedOnceItGoesOn) {
+  Log calls;
+  Hand hand;
+  hand.holds = true;
+  std::vector<Fault> faults(2);
+  for (Fault& fault : faults) fault.at = SimTime{};
+  faults[0].kind = FaultKind::kPoseNoise;
+  faults[0].sigma_m = 0.01;
+  faults[1].kind = FaultKind::kPieceMisplaced;
+  FaultLog sink(calls, faults);
+  Traffic traffic(hand.plan());
+  FaultySkills skills(std::make_unique<Plain>(calls, hand, from_seconds(2)), RobotId{0}, hand, traffic, faults, 1,
+                      sink);
+  skills.start({SkillKind::kPlace, "A", SpotId{1}, {3, 0, 0}}, {});
+  EXPECT_FALSE(skills.sense(from_seconds(1)));
+  EXPECT_TRUE(hand.holds) << "it drives";
+  hand.stands = {3, 0, 0};
+  EXPECT_FALSE(skills.sense(from_seconds(2)));
+  EXPECT_FALSE(hand.holds);
+  const auto result = skills.sense(from_seconds(4));
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->code, SkillCode::kSensorDisagreement);
 }
 
 struct Case {

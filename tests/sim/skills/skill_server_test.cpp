@@ -286,6 +286,15 @@ TEST_P(Skills, AnExploreSeesTheMachineOfAZone) {
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "M_Z37").seen, "M_Z37 M-RS2 330");
 }
 
+TEST_P(Skills, ARobotThatExploresKeepsItsArmWithinItsHull) {
+  const Heard& explore = send("robot1", SkillKind::kExplore, "C_Z26");
+  while (!explore.ended) {
+    tick();
+    ASSERT_NEAR(robot1().gripper.x(), 0, 0.02);
+  }
+  EXPECT_EQ(explore.code, 0);
+}
+
 TEST_P(Skills, AnExploreTakesZonesOnly) {
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "C_Z2").error, "'C_Z2' is not a zone; did you mean 'C_Z22'?");
   EXPECT_EQ(done("robot1", SkillKind::kExplore, "C-BS-INPUT").code, 103);
@@ -434,6 +443,21 @@ TEST_P(Skills, WhatARobotDoesIsSaidAlsoOffTheField) {
   world->bring_back(robot, {0.3, 4, 0});
   wait(0.1);
   EXPECT_EQ(fleet->doing(robot), "idle");
+}
+
+TEST_P(Skills, ASkillEndsInTheTickInWhichItsRobotIsCarriedOffTheField) {
+  Heard& drive = send("robot1", SkillKind::kDriveTo, "C_Z22");
+  wait(1);
+  world->take_off_field(RobotId{0}, {6.5, -0.6, 0});
+  tick();
+  EXPECT_TRUE(drive.ended);
+  EXPECT_EQ(drive.code, static_cast<int>(SkillCode::kOffField));
+  const KeptRecords::Record last = sink.of(RecordKind::kSkill).back();
+  EXPECT_NE(last.data.find("end"), std::string::npos);
+  EXPECT_EQ(last.t, world->now());
+  EXPECT_NEAR(fleet->stats()[0].busy_s, 1, 1e-9);
+  const Heard& refused = done("robot1", SkillKind::kDriveTo, "C_Z22");
+  EXPECT_EQ(refused.code, static_cast<int>(SkillCode::kOffField));
 }
 
 TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
