@@ -2,6 +2,11 @@
 
 #include "scenarios/rcll/rules/maintenance.h"
 
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
 #include "scenarios/rcll/rules/layout.h"
 #include "tests/support/game_story.h"
 
@@ -65,6 +70,44 @@ TEST(Maintenance, WhoFindsAllPlacesOfItsTeamTakenWaitsThoughThoseOfTheOthersAreF
   EXPECT_NEAR(first().x, 4.5, 1e-9);
 }
 
+TEST(Maintenance, EachRecordNamesTheTeamOfTheRobot) {
+  GameStory story(both_teams());
+  const bus::MessageType& type = **story.registry().message("rcll_interfaces/msg/SetRobotMaintenance");
+  const auto ask = [&](const char* team, int robot, bool begins) {
+    const bus::EndpointId requests =
+        *story.bus().advertise(story.agent(), std::string(team) + "/set_robot_maintenance", type);
+    bus::Message message(type);
+    message->set("team_color", team == std::string("/cyan") ? "CYAN" : "MAGENTA");
+    message->set("robot_number", robot).set("maintenance", begins);
+    story.bus().publish(requests, std::make_shared<bus::Message>(std::move(message)));
+    story.run_for(0.06);
+  };
+  for (const char* team : {"/cyan", "/magenta"})
+    for (const int robot : {1, 2, 1, 2}) ask(team, robot, true);  // the second time refused
+  story.run_for(110);
+  for (const char* team : {"/cyan", "/magenta"}) ask(team, 1, false);
+  story.run_for(40);
+  std::map<std::string, std::set<std::string>> robots;  // by team and state
+  for (const auto& record : story.records().of(RecordKind::kReferee)) {
+    const auto data = nlohmann::json::from_msgpack(record.data);
+    if (data.at("event") == "maintenance")
+      robots[data.at("team").get<std::string>() + ' ' + data.at("state").get<std::string>()].insert(
+          data.value("robot", "number " + std::to_string(data.value("number", 0))));
+  }
+  using Names = std::set<std::string>;
+  const std::map<std::string, Names> wanted{{"CYAN begin", {"robot1", "robot2"}},
+                                            {"CYAN refused", {"number 1", "number 2"}},
+                                            {"CYAN warning", {"robot1", "robot2"}},
+                                            {"CYAN end", {"robot1"}},
+                                            {"CYAN disqualified", {"robot2"}},
+                                            {"MAGENTA begin", {"robot4", "robot5"}},
+                                            {"MAGENTA refused", {"number 1", "number 2"}},
+                                            {"MAGENTA warning", {"robot4", "robot5"}},
+                                            {"MAGENTA end", {"robot4"}},
+                                            {"MAGENTA disqualified", {"robot5"}}};
+  EXPECT_EQ(robots, wanted);
+}
+
 TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {
   std::vector<sim::Fault> faults(3);
   for (std::size_t i = 0; i < faults.size(); ++i) {
@@ -95,6 +138,52 @@ TEST(Maintenance, JumpsFromEventToEventAndEndsInTheSameTick) {
     EXPECT_NE(text.find(state), std::string::npos) << state;
 }
 
+TEST(MachineFaults, APieceThatComesAfterTheFaultIsDueIsTakenAfterASecond) {
+  std::vector<sim::Fault> faults(1);
+  faults[0].kind = sim::FaultKind::kPieceTaken;
+  faults[0].at = std::chrono::seconds(2);
+  faults[0].machine = "C-BS";
+  GameStory story(GameStory::quiet_game(), 1, std::chrono::milliseconds(20), faults);
+  const auto lay = [&] {
+    const sim::Spot& spot = story.world().plan().spot(story.spot("C-BS-OUTPUT"));
+    EXPECT_TRUE(story.world().dispense(spot.station, spot.rest_in_station.x(), sim::Stack{1, {}, 0}));
+  };
+  story.run_until(5);
+  lay();
+  story.run_for(0.5);
+  EXPECT_FALSE(story.nothing_at("C-BS-OUTPUT"));
+  story.take("C-BS-OUTPUT");
+  story.world().drop(sim::RobotId{0});
+  story.run_until(8);
+  lay();
+  story.run_for(0.9);
+  EXPECT_FALSE(story.nothing_at("C-BS-OUTPUT")) << "another piece lies as long";
+  story.run_for(0.2);
+  EXPECT_TRUE(story.nothing_at("C-BS-OUTPUT"));
+}
+
+TEST(MachineFaults, OfInstructionsThatAreHeldUpOnlyTheCancelledOneIsNotAnswered) {
+  std::vector<sim::Fault> faults(2);
+  for (sim::Fault& fault : faults) {
+    fault.kind = sim::FaultKind::kInstructionLate;
+    fault.probability = 1;
+    fault.duration = std::chrono::seconds(4);
+  }
+  faults[0].machine = "C-BS";
+  faults[1].machine = "C-CS1";
+  GameStory story(GameStory::quiet_game(), 1, std::chrono::milliseconds(20), faults);
+  const std::size_t base = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  const std::size_t cap = story.instruct("{machine: C-CS1, operation: RESET}");
+  story.run_for(1);
+  story.cancel(base);
+  story.run_for(4);
+  EXPECT_EQ(story.outcome(base).status, bus::GoalStatus::kCanceled);
+  EXPECT_EQ(story.state("C-BS"), "PROCESSING") << "it comes all the same";
+  EXPECT_EQ(story.state("C-CS1"), "BROKEN");
+  EXPECT_TRUE(story.outcome(cap).ended);
+  EXPECT_EQ(story.outcome(cap).code, 0) << story.outcome(cap).error;
+}
+
 TEST(Pause, AnInstructionThatAFaultHoldsUpIsHeldUpInTheGamesTime) {
   std::vector<sim::Fault> faults(2);
   for (sim::Fault& fault : faults) {
@@ -108,12 +197,14 @@ TEST(Pause, AnInstructionThatAFaultHoldsUpIsHeldUpInTheGamesTime) {
   config.pauses = {{2, 10}};
   GameStory story(config, 1, std::chrono::milliseconds(20), faults);
   story.set_jumping(true);
-  story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
+  const std::size_t first = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
   story.run_until(13.9);
   EXPECT_EQ(story.state("C-BS"), "IDLE");
   story.run_until(14.2);
   EXPECT_EQ(story.state("C-BS"), "PROCESSING");
+  EXPECT_FALSE(story.outcome(first).ended) << "it was given once";
   story.run_until(30);
+  EXPECT_EQ(story.outcome(first).code, 0) << story.outcome(first).error;
   story.instruct("{machine: C-CS1, operation: RETRIEVE_CAP}");
   story.run_until(33.9);
   EXPECT_EQ(story.state("C-CS1"), "IDLE");

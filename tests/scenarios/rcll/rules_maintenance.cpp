@@ -206,6 +206,17 @@ std::span<const Row> maintenance_rows() {
         robot 2 to 4.0 0.5
         until 50.1
         robot 1 at 5.5 0.5)"},
+      {"maintenance: a place is taken up to 0.75 m around it",
+       R"(fault 10 1 40
+        fault 10 2 40
+        until 20
+        robot 3 to 5.24 0.5
+        until 50.1
+        robot 1 at 6.5 0.5
+        robot 2 at 5.5 -0.6
+        robot 3 to 4.74 0.5
+        wait 0.6
+        robot 2 at 5.5 0.5)"},
       {"maintenance: who finds all places taken waits, and is not disqualified for that",
        R"(fault 10 1 134
         fault 10 2 134

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/game_story.h"
+
 namespace cxlab::rcll {
 namespace {
 
@@ -29,6 +31,33 @@ TEST(Storage, FreeSlotsAreEmptyReachableAndNotTheOneThatIsAskedFor) {
   storage.at({3, 2}) = Storage::Content{};
   EXPECT_EQ(storage.free_slots({3, 2}).size(), 40u) << "nor the one behind it";
   EXPECT_THAT(storage.free_slots({3, 2}), testing::Not(testing::Contains(Slot{3, 3})));
+}
+
+/// Only what is blocked needs another slot.
+TEST(Storage, AStationThatIsFullServesSlotsThatNothingBlocks) {
+  WorldConfig config = GameStory::quiet_game();
+  config.production_s = 3000;
+  GameStory story(config);
+  story.set_jumping(true);
+  const auto storage = [&](const char* operation, int shelf, int slot) {
+    const Outcome outcome =
+        story.carry_out("{machine: C-SS, operation: " + std::string(operation) + ", shelf: " + std::to_string(shelf) +
+                        ", slot: " + std::to_string(slot) + "}");
+    story.run_for(6);
+    return outcome;
+  };
+  const sim::Spot& input = story.world().plan().spot(story.spot("C-SS-INPUT"));
+  for (const int slot : {3, 5, 7, 0, 2, 4, 6})
+    for (int shelf = 0; shelf < Storage::kShelves; ++shelf) {
+      ASSERT_TRUE(story.world().dispense(input.station, input.rest_in_station.x(), sim::Stack{1, {}, 0}));
+      ASSERT_EQ(storage("STORE", shelf, slot).code, 0) << "shelf " << shelf << ", slot " << slot;
+    }
+  const Outcome behind = storage("RETRIEVE", 0, 1);
+  EXPECT_EQ(behind.code, 103);
+  EXPECT_THAT(behind.error, testing::HasSubstr("a workpiece lies before shelf 0, slot 1, and no other slot is free"));
+  story.run_for(31);
+  EXPECT_EQ(storage("RETRIEVE", 0, 0).code, 0);
+  EXPECT_FALSE(story.nothing_at("C-SS-OUTPUT"));
 }
 
 }  // namespace

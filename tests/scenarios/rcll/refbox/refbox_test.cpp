@@ -147,6 +147,7 @@ TEST(Refbox, IsSilentWhereNobodyListens) {
   const auto& names = story.records().names();
   const auto stream = std::ranges::find(names, "node/refbox") - names.begin();
   EXPECT_THAT(story.records().of(static_cast<StreamId>(stream)), SizeIs(3)) << "it has joined, with its host";
+  EXPECT_LT(story.ticks(), 200) << "and time jumps";
 }
 
 TEST(Refbox, SpeaksToAgentsThatSendAndReceiveOnOnePort) {
@@ -229,6 +230,27 @@ TEST(Refbox, TellsControllersWhatLiesOnBelts) {
   EXPECT_THAT(said, HasSubstr("at_machine: \"C-CS1\""));
   EXPECT_THAT(said, HasSubstr("base_color: BASE_CLEAR"));
   EXPECT_EQ(count(said, "cap_color: CAP_GREY"), 1) << said;
+}
+
+TEST(Refbox, TellsControllersWhoseBeltAPieceLiesOn) {
+  WorldConfig config = RefboxStory::game();
+  config.team = "BOTH";
+  RefboxStory story(config);
+  auto& controller = story.open_stream();
+  for (const auto& [way, machine] :
+       {std::pair{kCyanWay, "CYAN machine: 'C-BS'"}, {kMagentaWay, "MAGENTA machine: 'M-BS'"}}) {
+    auto& team = story.open(way, kLeagueKey);
+    story.run_for(0.5);
+    story.say(team, "PrepareMachine",
+              std::string("team_color: ") + machine + " instruction_bs { side: OUTPUT color: BASE_BLACK }");
+  }
+  story.run_until(20);
+  const std::string said = controller.last_text("WorkpieceInfo");
+  const std::size_t magenta = said.find("\"M-BS\"");
+  ASSERT_NE(magenta, std::string::npos) << said;
+  EXPECT_EQ(count(said, "team_color: CYAN"), 1) << said;
+  EXPECT_EQ(count(said, "team_color: MAGENTA"), 1) << said;
+  EXPECT_LT(said.find("team_color: CYAN"), said.find("team_color: MAGENTA")) << "as their machines come: " << said;
 }
 
 TEST(Refbox, AnInstructionThatIsSaidAgainIsNoComplaint) {
@@ -352,13 +374,19 @@ TEST(Refbox, TellsControllersWhatPeopleShouldLookAfter) {
 TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   RefboxStory story;
   auto& all = story.open(kPublicWay);
+  story.say(all, "BeaconSignal",
+            "time { sec: 1 nsec: 0 } seq: 1 number: 2 team_name: '' team_color: CYAN peer_name: 'R-2'");
+  story.run_until(2);
+  EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"CYAN\"")) << "a beacon without a name tells none";
   story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 1 number: 2 team_name: 'Rules' peer_name: 'R-2'");
   story.run_until(6);
   EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\""));
   EXPECT_THAT(
       all.last_text("RobotInfo"),
-      HasSubstr("name: \"R-2\" team: \"Rules\" host: \"127.0.0.1\" last_seen { sec: 1767225600 nsec: 0 } number: 2"));
+      HasSubstr("name: \"R-2\" team: \"Rules\" host: \"127.0.0.1\" last_seen { sec: 1767225602 nsec: 20000000 } number: 2"));
   story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 2 number: 1 team_name: 'Others' peer_name: 'X'");
+  story.say(all, "BeaconSignal",
+            "time { sec: 1 nsec: 0 } seq: 3 number: 1 team_name: 'Others' team_color: CYAN peer_name: 'X'");
   story.run_until(8);
   EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\"")) << "it has its name";
 }
@@ -804,6 +832,30 @@ TEST(RefboxRobots, TasksThatRestAreCanceledAndReplacedAtOnce) {
   EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("task_id: 4"));
   EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("successful: true"));
   EXPECT_THAT(story.warnings(), IsEmpty());
+}
+
+TEST(RefboxRobots, AreStoppedOnceHoweverOftenThatIsSaid) {
+  RefboxStory story;
+  auto& robot = story.open(kRobot1);
+  story.run_until(1);
+  const std::string head = "team_color: CYAN robot_id: 1 task_id: 1 ";
+  story.say(robot, "AgentTask", head + "move { waypoint: 'M-Z75' }");
+  story.run_for(4);
+  for (int i = 0; i < 2; ++i) {
+    story.say(robot, "AgentTask", head + "pause_task: true");
+    story.say(robot, "AgentTask", head + "cancel_task: true");
+    story.run_for(0.1);
+  }
+  story.run_for(5);
+  EXPECT_THAT(robot.last_text("AgentTask"), HasSubstr("canceled: true"));
+  EXPECT_EQ(std::ranges::count_if(story.records().all(),
+                                  [](const auto& record) {
+                                    return record.data.find(
+                                               "op\xa6"
+                                               "cancel") != std::string::npos;
+                                  }),
+            1)
+      << "requests to cancel the skill";
 }
 
 TEST(RefboxRobots, OfTasksThatWaitTheLastIsDoneAndTheOthersAreCanceled) {
