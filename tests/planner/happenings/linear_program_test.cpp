@@ -50,6 +50,15 @@ TEST(LinearProgram, ReportsTheCellsThatItLooksAt) {
   EXPECT_GE(two, one + 2 * 16) << "it is added up";
 }
 
+TEST(LinearProgram, OfRowsThatEndAStepTogetherTheFirstDoes) {
+  // x ends at 2 by both rows: after the first nothing is left to gain, after the second y would move once more.
+  std::int64_t first = 0, last = 0;
+  EXPECT_THAT(minimize({{{1, 1}, 2}, {{1, -1}, 2}}, {-2, -1}, &first), near({2, 0}));
+  EXPECT_THAT(minimize({{{1, -1}, 2}, {{1, 1}, 2}}, {-2, -1}, &last), near({2, 0}));
+  EXPECT_EQ(first, 16 + 16 + 2 * 4) << "one exchange";
+  EXPECT_EQ(last, 16 + 2 * 16 + 3 * 4) << "two";
+}
+
 /// The best of all points where two of the constraints (those of x, y >= 0 included) hold with equality.
 std::optional<double> best_corner(std::vector<LinearRow> rows, const std::vector<double>& objective) {
   rows.push_back({{-1, 0}, 0});

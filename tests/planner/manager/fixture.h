@@ -136,6 +136,7 @@ class ManagerTest : public ::testing::Test, protected bus::TestBus {
       std::snprintf(number, sizeof number, "%g", e.real("value"));
       out.push_back(e.text("time_point") + ' ' + called(e.nested("function")) + ' ' + e.text("operator_type") + ' ' +
                     number);
+      EXPECT_EQ(e.nested("function").real("value"), e.real("value"));
     }
     return out;
   }

@@ -413,6 +413,19 @@ TEST_F(ManagerTest, NothingIsAskedOverAllOfWhatTakesNoTime) {
   EXPECT_THAT(check("{pddl_instance: x, name: act}"), ElementsAre("p"));
 }
 
+TEST_F(ManagerTest, DerivedFactsOverAllAreThoseAfterTheEffectsOfTheStart) {
+  start();
+  load_text(
+      "(define (domain d) (:predicates (lit) (dark) (seen)) (:derived (dark) (not (lit)))"
+      " (:durative-action glow :parameters () :duration (= ?duration 1) :condition (over all (not (dark)))"
+      " :effect (and (at start (lit)) (at end (seen))))"
+      " (:durative-action hide :parameters () :duration (= ?duration 1) :condition (over all (dark))"
+      " :effect (and (at start (lit)) (at end (seen)))))",
+      "(define (problem p) (:domain d) (:init))");
+  EXPECT_THAT(check("{pddl_instance: x, name: glow}"), ElementsAre("sat"));
+  EXPECT_THAT(check("{pddl_instance: x, name: hide}"), ElementsAre("dark"));
+}
+
 TEST_F(ManagerTest, QuestionsAreMeteredAndEnd) {
   start();
   std::string names;

@@ -60,6 +60,18 @@ TEST(FindPlan, ANumberThatNeverGetsAValueIsNamed) {
             "the goal is out of reach, judged by facts one by one and in pairs");
 }
 
+TEST(FindPlan, NumbersOfActionsThatCanNeverBeginAreNotNamed) {
+  const PlanAnswer found = answer(parse(R"((:predicates (full)) (:functions (fuel) (weight) (limit))
+    (:action fill :parameters () :precondition (>= (fuel) 1) :effect (full))
+    (:action weigh :parameters () :precondition (and (>= (limit) 5) (<= (weight) 3)) :effect (full))
+    (:action lower :parameters () :effect (decrease (limit) 1)))",
+                                        "(:init (= (limit) 1)) (:goal (full))"));
+  EXPECT_EQ(found.status, PlanStatus::kUnsolvable);
+  EXPECT_EQ(found.reason,
+            "the goal is out of reach, judged by facts one by one and in pairs; without a value in :init, and nothing "
+            "assigns one: (fuel)");
+}
+
 TEST(FindPlan, ProvesThatNoOrderWorks) {
   const PlanAnswer found = answer(parse(R"((:predicates (key) (a) (b))
     (:action open-a :parameters () :precondition (key) :effect (and (a) (not (key))))

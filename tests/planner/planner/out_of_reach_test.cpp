@@ -84,6 +84,14 @@ TEST(OutOfReach, QuantifiedGoals) {
             "(q b); no action makes it true, and :init lacks it; nearest is (q a)");
 }
 
+TEST(OutOfReach, OfObjectsThatLackAsMuchTheFirstIsNamed) {
+  EXPECT_EQ(why("(:predicates (p) (q ?x) (s ?x)) (:action make :parameters (?x) :precondition (and (q ?x) (s ?x)) "
+                ":effect (p))",
+                "(:objects a b c) (:init (s a) (q b)) (:goal (p))"),
+            "the goal (p) is out of reach: only make (domain.pddl:2) makes it true, and needs (q a); no action makes "
+            "it true, and :init lacks it; nearest is (q b)");
+}
+
 TEST(OutOfReach, Numbers) {
   const std::string tank = R"((:predicates (station) (there)) (:functions (fuel) (need))
     (:action use :precondition (> (fuel) 0) :effect (decrease (fuel) 1))

@@ -237,6 +237,32 @@ TEST(Stn, ALongChainAgreesWithTheTimelineAndNeedsFewDistances) {
   EXPECT_LT(stn.distances(), 400u);  // of 5,576 pairs that conflict
 }
 
+TEST(Stn, ARunningActionNeedNotKeepClearOfItself) {
+  Expected<Domain> domain = parse_domain(R"((define (domain d) (:requirements :durative-actions)
+    (:predicates (free) (used) (open) (done))
+    (:durative-action blink :parameters () :duration (>= ?duration 0.0005) :condition (at start (free))
+     :effect (and (at start (not (free))) (at end (free)) (at end (used))))
+    (:durative-action shut :parameters () :duration (= ?duration 1) :condition (over all (open))
+     :effect (and (at end (not (open))) (at end (done))))))",
+                                         "domain");
+  ASSERT_TRUE(domain);
+  Expected<Problem> problem = parse_problem(
+      "(define (problem p) (:domain d) (:init (free) (open)) (:goal (and (used) (done))))", "problem", *domain);
+  ASSERT_TRUE(problem);
+  Expected<GroundTask> task = ground({std::move(*domain), std::move(*problem)});
+  ASSERT_TRUE(task);
+  ASSERT_EQ(task->actions.size(), 2u);
+  const Touches touches(*task);
+  for (const auto& [action, lasts] : {std::pair{0, Micros{500}}, {1, kSecond}}) {
+    Stn stn(touches);
+    const int step = stn.begin(action, {lasts, lasts});
+    EXPECT_TRUE(stn.solve(kSeparation)) << action;
+    stn.finish(step);
+    ASSERT_TRUE(stn.solve(kSeparation)) << action;
+    EXPECT_EQ(stn.makespan(), lasts);
+  }
+}
+
 TEST(LazySearch, AStateIsAnotherOneAfterItsEvents) {
   // The door is open at the beginning and once again later: only then is there time to go in.
   Expected<Domain> domain =

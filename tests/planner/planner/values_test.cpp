@@ -48,6 +48,17 @@ TEST(Values, AConditionThatComputesANumberTooLargeDoesNotHold) {
             "shrink take");
 }
 
+TEST(Values, AnActionWhoseRateDividesByZeroIsInNoPlan) {
+  const PlanAnswer found = answer(parse(R"((:predicates (done)) (:functions (x) (a) (b))
+    (:action up :parameters () :effect (increase (a) 1))
+    (:durative-action flow :parameters () :duration (= ?duration 3) :condition ()
+     :effect (and (at end (done)) (increase (x) (* #t (/ (a) (b)))))))",
+                                        "(:init (= (x) 0) (= (a) 0) (= (b) 0)) "
+                                        "(:goal (and (done) (or (>= (x) 0) (< (x) 0))))"),
+                                  {.budget = 20'000});
+  EXPECT_FALSE(found.plan);
+}
+
 TEST(Values, AnActionWhoseOwnEffectLeavesItNoDurationWaitsForAnother) {
   // Lamps burn out; each item needs one that is lit, so beginnings and ends of lighting are steps of their own.
   EXPECT_EQ(steps(R"((:predicates (free) (lit) (fresh)) (:functions (least) (count))

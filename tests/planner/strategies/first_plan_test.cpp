@@ -263,6 +263,27 @@ TEST(HappeningStrategy, ProvesThatCopiesWhoseEndsLoseAllNeverCount) {
   EXPECT_TRUE(proved);
 }
 
+/// 0 / 0 until the divisor is raised. The validator refuses what is done before.
+TEST(HappeningStrategy, RatesAndConditionsThatAreNoNumbersRuleOutTheirActions) {
+  for (const char* action :
+       {":duration (= ?duration 3) :condition () :effect (and (at end (done)) (increase (x) (* #t (/ (a) (b)))))",
+        ":duration (= ?duration 3) :condition (at start (>= (/ (a) (b)) 0)) :effect (at end (done))",
+        ":duration (= ?duration 3) :condition (at end (not (< (/ (a) (b)) 0))) :effect (at end (done))"}) {
+    Prepared problem(
+        "(:predicates (done)) (:functions (x) (a) (b)) (:action raise :parameters () :effect (increase (b) 1)) "
+        "(:durative-action flow :parameters () " +
+            std::string(action) + ")",
+        "(:init (= (x) 0) (= (a) 0) (= (b) 0)) (:goal (and (done) (not (< (x) 0))))");
+    HappeningStrategy strategy(*problem, false);
+    for (std::uint64_t round = 0; round < 20 && !problem->best.exists(); ++round) strategy.run({round, 20'000});
+    ASSERT_TRUE(problem->best.exists()) << action;
+    PlanAnswer answer;
+    std::move(problem->best).report(answer);
+    EXPECT_EQ(answer.plan->steps.size(), 2u) << action;
+    EXPECT_EQ(answer.refused, 0) << answer.refusal;
+  }
+}
+
 TEST(HappeningStrategy, MomentsThatDifferOnlyInUnreadCostsAreOneUntilPlansAreCompared) {
   // Three tiles on a ring of four places only go round: two of them never change their order.
   Prepared ring(R"((:predicates (at ?t ?p) (empty ?p) (next ?p ?q)) (:functions (total-cost))

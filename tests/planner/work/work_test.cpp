@@ -1,6 +1,7 @@
 // The planner's answers to problems of each kind. The file answers.txt has a row for each problem: the verdict, the
-// quality of the first and the best plan, the bound, and behind the bar the units of work. Verdicts, plans and bounds
-// are compared exactly, units within a tenth. A change of a search, of a bound or of pruning shows here first, and the
+// quality of the first and the best plan, the bound, and behind the bar the units of work for both, how many plans each
+// were better than the last, and when the best one came. Verdicts, plans and bounds are compared exactly, units within
+// a tenth. A change of a search, of a bound or of pruning shows here first, and the
 // commit that changes a row says why. Properties of every answer, whatever the list says, are tested beside it. A run
 // writes the rows that it found to the file that the variable CXLAB_WRITE_ANSWERS names.
 
@@ -118,6 +119,17 @@ Drawn draw_kiln(RandomStream& random) {
   return {kDomain, problem_text(objects, init, goal)};
 }
 
+/// The same where everything lasts less than a second.
+Drawn draw_quick_kiln(RandomStream& random) {
+  Drawn made = draw_kiln(random);
+  const std::string duration = "(= ?duration ";
+  for (std::size_t at = 0; (at = made.domain.find(duration, at)) != std::string::npos;) {
+    made.domain.insert(made.domain.find(')', at), " 20)");
+    made.domain.insert(at += duration.size(), "(/ ");
+  }
+  return made;
+}
+
 /// Blocks are stacked; dipping one makes all above it red.
 Drawn draw_blocks(RandomStream& random) {
   constexpr const char* kDomain = R"((:predicates (on ?a ?b) (table ?a) (red ?a) (clear ?a) (above ?a ?b) (block ?a))
@@ -220,6 +232,7 @@ struct Kind {
 };
 constexpr Kind kKinds[]{{"transport", 4, draw_transport},
                         {"kiln", 3, draw_kiln},
+                        {"quick kiln", 3, draw_quick_kiln},
                         {"blocks", 3, draw_blocks},
                         {"tanks", 4, draw_tanks},
                         {"survey", 4, draw_survey},
@@ -238,11 +251,15 @@ std::string line(const char* format, Values... values) {
 struct Found {
   PlanAnswer answer;
   std::vector<TimedPlan> course;
+  std::int64_t last_units = 0;  ///< when the last one came
 };
 
 Expected<Found> answer_to(const Task& task, PlanOptions options) {
   Found found;
-  options.on_plan = [&](const TimedPlan& better, std::int64_t) { found.course.push_back(better); };
+  options.on_plan = [&](const TimedPlan& better, std::int64_t units) {
+    found.course.push_back(better);
+    found.last_units = units;
+  };
   Expected<PlanAnswer> answer = find_plan(task, options);
   if (!answer) return answer.error();
   found.answer = *std::move(answer);
@@ -259,17 +276,23 @@ std::string quality(const PlanAnswer& answer) {
 
 struct Row {
   std::string name, says;
-  std::int64_t first_units = 0, best_units = 0;
+  std::int64_t first_units = 0, best_units = 0, last_units = 0;
+  std::size_t plans = 0;
 
   std::string text() const {
     return name + ": " + says +
-           line(" | %lld, %lld", static_cast<long long>(first_units), static_cast<long long>(best_units));
+           line(" | %lld, %lld; plans %zu, last %lld", static_cast<long long>(first_units),
+                static_cast<long long>(best_units), plans, static_cast<long long>(last_units));
   }
 };
 
 Row row_of(const std::string& name, const Found& first, const Found& best) {
-  Row row{name, "first " + quality(first.answer) + "; best " + quality(best.answer), first.answer.units,
-          best.answer.units};
+  Row row{name,
+          "first " + quality(first.answer) + "; best " + quality(best.answer),
+          first.answer.units,
+          best.answer.units,
+          best.last_units,
+          best.course.size()};
   if (best.answer.plan && best.answer.reason != "a plan") row.says += ", " + best.answer.reason;
   if (best.answer.lower_bound_s > 0) row.says += line("; bound %.3f", best.answer.lower_bound_s);
   if (best.answer.metric_bound) row.says += line(", metric %.3f", *best.answer.metric_bound);
@@ -384,9 +407,9 @@ Row read_row(const std::string& text) {
   if (name == std::string::npos || bar == std::string::npos) return row;
   row.name = text.substr(0, name);
   row.says = text.substr(name + 2, bar - name - 2);
-  long long first = 0, best = 0;
-  std::sscanf(text.c_str() + bar, " | %lld, %lld", &first, &best);
-  row.first_units = first, row.best_units = best;
+  long long first = 0, best = 0, last = 0;
+  std::sscanf(text.c_str() + bar, " | %lld, %lld; plans %zu, last %lld", &first, &best, &row.plans, &last);
+  row.first_units = first, row.best_units = best, row.last_units = last;
   return row;
 }
 
@@ -405,7 +428,7 @@ TEST(PlannersWork, IsThatOfTheList) {
   for (std::size_t i = 0; i < std::min(found.size(), wanted.size()); ++i) {
     const Row &f = found[i], &w = wanted[i];
     EXPECT_TRUE(f.name == w.name && f.says == w.says && close(f.first_units, w.first_units) &&
-                close(f.best_units, w.best_units))
+                close(f.best_units, w.best_units) && f.plans == w.plans && close(f.last_units, w.last_units))
         << "found    " << f.text() << "\nexpected " << w.text();
   }
 }
