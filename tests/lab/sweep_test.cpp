@@ -68,6 +68,22 @@ TEST_F(SweepTest, HasARowForEachCell) {
   EXPECT_THAT(read("out/rows.csv"), HasSubstr("game,long,,3,completed,0,"));
 }
 
+TEST_F(SweepTest, ARowNamesTheFilesThatItsGameReadAndNoneOfTheProgram) {
+  scenario("game", kRules);
+  const auto rows = play(suite("[1]"));
+  ASSERT_TRUE(rows);
+  for (const Row& played : *rows) {
+    const auto row = Row::parse(read("out/rows/" + row_name(played.cell) + ".json"));
+    ASSERT_TRUE(row);
+    std::vector<std::string> names;
+    for (const auto& [name, hash] : row->files) {
+      names.push_back(std::filesystem::path(name).filename().string());
+      EXPECT_FALSE(hash.empty()) << name;
+    }
+    EXPECT_THAT(names, testing::UnorderedElementsAre("agent.yaml", "game.yaml", "rules.clp"));
+  }
+}
+
 TEST_F(SweepTest, PlaysAWorldOfTheCallersCatalogue) {
   static constexpr WorldKind kOwn{
       .name = "own", .what = "nothing", .make_stage = [](const StageSetup&) -> Expected<std::unique_ptr<Stage>> {
