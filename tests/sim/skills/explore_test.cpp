@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/ledger/ledger_world.h"
+#include "sim/skills/destination.h"
 
 namespace cxlab::sim {
 namespace {
@@ -82,6 +83,27 @@ TEST(Explore, ARobotLooksFromNearTheZoneButNotFromInsideIt) {
     EXPECT_LE(way, 1.5 + kRounded) << from;
     const bool stays = distance(place->position(), {zone.x() + from, zone.y()}) < kRounded;
     EXPECT_EQ(stays, from > 1.0 && from < 1.5) << from;
+  }
+}
+
+TEST(Explore, AZoneIsASquareMetre) {
+  const FloorPlan plan = one_machine();
+  for (const auto& [zone, in] :
+       {std::pair{Vec2(0.45, 0.45), true}, {Vec2(-0.45, 0.45), true}, {Vec2(0.55, 0), false}, {Vec2(0, -0.55), false}})
+    EXPECT_EQ(station_in_zone(plan, zone).has_value(), in) << zone.transpose();
+}
+
+TEST(Explore, OnlyADriveNeedsNoGroundAtItsGoal) {
+  FloorPlan plan = one_machine();
+  plan.spots = spots_of(plan.stations[0], kMachine0);
+  plan.robots = {{"robot1", {4, 4, 0}}};
+  LedgerWorld world(plan);
+  Traffic traffic(plan);
+  for (const SkillKind kind :
+       {SkillKind::kDriveTo, SkillKind::kPick, SkillKind::kPlace, SkillKind::kDiscard, SkillKind::kExplore}) {
+    const SkillGoal goal{kind, "A", SpotId{0}, {3, 3, 0}};
+    EXPECT_EQ(destination_of(goal, world, traffic, RobotId{0}).ground.has_value(), kind != SkillKind::kDriveTo)
+        << to_string(kind);
   }
 }
 

@@ -484,6 +484,10 @@ TEST_P(Skills, APlaceInANarrowZoneIsTheNearestFreeOne) {
   EXPECT_NEAR(distance(robot1().pose_in_world.position(), Vec2(-5.5, 5.5)), 0.65, 0.06);
 }
 
+TEST_P(Skills, APlaceWithoutRoomToStandStaysWhereItIs) {
+  EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "BEYOND").code, 300);
+}
+
 TEST_P(Skills, APlaceIsLookedForWithinThreeQuartersOfAMetre) {
   EXPECT_EQ(done("robot1", SkillKind::kDriveTo, "FAR_OUTSIDE").code, 300);
   if (GetParam() == Tier::kPhysics) return;
