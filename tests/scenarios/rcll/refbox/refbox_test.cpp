@@ -383,7 +383,8 @@ TEST(Refbox, LearnsTheNameOfATeamFromItsBeacons) {
   EXPECT_THAT(all.last_text("GameState"), HasSubstr("team_cyan: \"Rules\""));
   EXPECT_THAT(
       all.last_text("RobotInfo"),
-      HasSubstr("name: \"R-2\" team: \"Rules\" host: \"127.0.0.1\" last_seen { sec: 1767225602 nsec: 20000000 } number: 2"));
+      HasSubstr(
+          "name: \"R-2\" team: \"Rules\" host: \"127.0.0.1\" last_seen { sec: 1767225602 nsec: 20000000 } number: 2"));
   story.say(all, "BeaconSignal", "time { sec: 1 nsec: 0 } seq: 2 number: 1 team_name: 'Others' peer_name: 'X'");
   story.say(all, "BeaconSignal",
             "time { sec: 1 nsec: 0 } seq: 3 number: 1 team_name: 'Others' team_color: CYAN peer_name: 'X'");
