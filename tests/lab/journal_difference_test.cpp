@@ -64,6 +64,15 @@ TEST_F(JournalDifference, ARecordThatOneRunDoesNotHaveHasNothingLikeIt) {
               ElementsAre(R"(a at 0.002 s: then nothing like it, now fire {"x":1})"));
 }
 
+TEST_F(JournalDifference, RecordsAtTheEndCountAndLaterOnesDoNot) {
+  const auto then = run("then", {{"a", 1, "{}"}, {"b", 2, "{}"}, {"c", 3, "{}"}}), now = run("now", {});
+  const auto found = first_differences(then, now, std::chrono::milliseconds(2));
+  ASSERT_TRUE(found) << found.error().text();
+  std::vector<std::string> streams;
+  for (const Difference& difference : *found) streams.push_back(difference.text().substr(0, 1));
+  EXPECT_THAT(streams, ElementsAre("a", "b"));
+}
+
 TEST_F(JournalDifference, WhatWasPlannedIsNone) {
   EXPECT_THAT(first({{"env/a", 1, R"({"what":"start"})"}},
                     {{"env/a", 1, R"({"what":"load","text":""})", "control"}, {"env/a", 1, R"({"what":"start"})"}}),

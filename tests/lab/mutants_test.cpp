@@ -225,5 +225,19 @@ TEST(Mutants, RulesThatUseAFunctionOrGlobalAreFoundThroughOthers) {
   }
 }
 
+TEST(Mutants, RulesThatUseAFunctionAreFoundWhereverItStands) {
+  const std::vector<RuleText> files{{"a.clp",
+                                     "(defrule first (x) => (outer))\n(deffunction outer () (middle))\n"
+                                     "(deffunction middle () (inner))\n(deffunction inner () (+ 1 2))\n"
+                                     "(defrule second (x) => (assert (y)))\n"}};
+  int seen = 0;
+  for (const Mutant& mutant : mutants_of(files)) {
+    if (mutant.construct != "inner") continue;
+    ++seen;
+    EXPECT_EQ(rules_that_use(files, mutant), std::vector<std::string>{"first"}) << mutant.what();
+  }
+  EXPECT_GT(seen, 0);
+}
+
 }  // namespace
 }  // namespace cxlab::lab

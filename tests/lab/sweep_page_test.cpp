@@ -240,6 +240,26 @@ TEST(Plots, DoNotGrowWithTheSweep) {
   EXPECT_EQ(found(*plot, "<circle class=\"(game)").size(), 300u);
   EXPECT_THAT(*plot, HasSubstr("300 quantiles"));
   EXPECT_EQ(found(*plot, "<circle class=\"(series)").size(), 1u);
+  const auto ends = [](const std::string& drawn) {
+    std::vector<double> places;
+    for (const std::string& x : found(drawn, "<circle class=\"game[^>]* cx=\"([^\"]*)")) places.push_back(std::stod(x));
+    return std::pair(std::ranges::min(places), std::ranges::max(places));
+  };
+  const auto two = score_plot({row("a", 1, 0, 0), row("a", 2, 999, 0)}, "", "", catalogue());
+  ASSERT_TRUE(two);
+  EXPECT_EQ(ends(*plot), ends(*two)) << "the least and the most are among them";
+}
+
+TEST(Plots, HaveRoomForTheLongestNameWhereverItStands) {
+  const auto drawn = [](const char* first, const char* second) {
+    const auto plot = score_plot({row(first, 1, 10, 0), row(second, 1, 20, 0)}, "", "", catalogue());
+    EXPECT_TRUE(plot);
+    return found(*plot, "viewBox=\"0 0 ([0-9.]+)");
+  };
+  const auto width = drawn("a rather long name", "b");
+  EXPECT_EQ(width.size(), 1u);
+  EXPECT_EQ(width, drawn("b", "a rather long name"));
+  EXPECT_NE(width, drawn("a", "b"));
 }
 
 TEST(Plots, ScoresHaveTheColoursOfProfiles) {

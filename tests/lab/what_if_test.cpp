@@ -214,6 +214,19 @@ TEST_F(WhatIfTest, AnotherFileOfThenIsFound) {
   EXPECT_THAT(again.changed_files, ElementsAre(HasSubstr("rules.clp")));
 }
 
+TEST_F(WhatIfTest, TheEnvironmentsOfARunThatWasKilledAreNotKnownBefore) {
+  play();
+  lab::Run killed = run("out");
+  const Scenario scenario = loaded("game");
+  WhatIf change{.at = 1, .facts = {"(ready)"}, .environments = {"other"}};
+  EXPECT_THAT(prepare(change, killed, scenario).error().text(), HasSubstr("the run has no environment 'other'"));
+  killed.finished = false;
+  killed.stream_hashes.clear();
+  EXPECT_TRUE(prepare(change, killed, scenario));
+  change.at = 100;
+  EXPECT_TRUE(prepare(change, killed, scenario)) << "nor its end";
+}
+
 TEST_F(WhatIfTest, WhatIsWrongIsFoundBeforeAnythingIsPlayed) {
   play();
   const std::string broken = write("broken.clp", "(defrule a => )\n(defrule b =>\n").string();
