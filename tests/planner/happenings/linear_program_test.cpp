@@ -51,7 +51,7 @@ TEST(LinearProgram, ReportsTheCellsThatItLooksAt) {
 }
 
 TEST(LinearProgram, OfRowsThatEndAStepTogetherTheFirstDoes) {
-  // x ends at 2 by both rows: after the first nothing is left to gain, after the second y would move once more.
+  // x ends at 2 by both rows: after the first nothing is left to gain, after the second y would move as well.
   std::int64_t first = 0, last = 0;
   EXPECT_THAT(minimize({{{1, 1}, 2}, {{1, -1}, 2}}, {-2, -1}, &first), near({2, 0}));
   EXPECT_THAT(minimize({{{1, -1}, 2}, {{1, 1}, 2}}, {-2, -1}, &last), near({2, 0}));

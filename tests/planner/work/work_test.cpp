@@ -1,9 +1,9 @@
 // The planner's answers to problems of each kind. The file answers.txt has a row for each problem: the verdict, the
-// quality of the first and the best plan, the bound, and behind the bar the units of work for both, how many plans each
-// were better than the last, and when the best one came. All of it is compared exactly: a change of a search, of a
-// bound or of pruning shows here first, also one that only takes longer, and the commit that changes a row says why.
-// Properties of every answer, whatever the list says, are tested beside it. A run writes the rows that it found to the
-// file that the variable CXLAB_WRITE_ANSWERS names.
+// quality of the first and the best plan, and the bound. Behind the bar are the units of work for both. Then come the
+// number of plans, each better than the last, and the units at which the best one came. All of it is compared exactly:
+// a change of a search, of a bound or of pruning shows here first, also one that only takes longer. The commit that
+// changes a row says why. Properties of every answer, whatever the list says, are tested beside it. A run writes the
+// rows that it found to the file that the variable CXLAB_WRITE_ANSWERS names.
 
 #include <cstdio>
 #include <cstdlib>
