@@ -1,5 +1,7 @@
 #include "scenarios/rcll/refbox/league_link.h"
 
+#include <google/protobuf/message.h>
+
 #include "cx/bus/names.h"
 
 namespace cxlab::rcll {
