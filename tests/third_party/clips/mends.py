@@ -496,6 +496,19 @@ class Mends(unittest.TestCase):
 (printout t "= " (length$ (find-all-facts ((?f go)) TRUE)) " facts" crlf)
 """), ["1", "1", "2", "2", "3", "3", "3 facts"])
 
+    def test_variables_of_new_facts_and_instances_are_bound_in_conditions(self):
+        calls = ["(assert (order (id {})))", "(assert (order (parts a {})))", "(modify ?f (id {}))", "(duplicate ?f (parts {}))",
+                 "(make-instance of ROBOT (speed {}))", "(modify-instance ?f (speed {}))", "(do-for-fact ((?o order)) TRUE (modify ?o (id {})))"]
+        for call in calls:
+            for rule in ["?f <- (order (id ?x)) (test {})", "?f <- (order (id ?x&:{}))", "?f <- (order (id ?x&:(neq 1 {})))"]:
+                with self.subTest(rule.format(call)):
+                    self.assertEqual(printed(f"""
+(deftemplate order (slot id) (multislot parts))
+(defclass ROBOT (is-a USER) (role concrete) (slot speed))
+(printout t "= " (build "(defrule unknown {rule.format(call.format('?unknown'))} =>)") crlf)
+(printout t "= " (build "(defrule known {rule.format(call.format('?x'))} =>)") crlf)
+"""), ["FALSE", "TRUE"])
+
     # Wrong without AddressSanitizer only by chance.
     def test_default_of_a_slot_outlives_its_class(self):
         self.assertEqual(printed("""
