@@ -29,16 +29,20 @@ std::vector<std::uint64_t> read_seeds(const Value& value) {
         add_seed(static_cast<std::uint64_t>(seed), item, out);
     return out;
   }
-  constexpr std::uint64_t kMost = 100000;
-  const std::string text = value.text();
+  auto range = seeds_of_range(value.text());
+  if (range) return *std::move(range);
+  value.fail(range.error().message);
+  return out;
+}
+
+Expected<std::vector<std::uint64_t>> seeds_of_range(const std::string& text) {
   const std::size_t dots = text.find("..");
   const auto first = read_number<std::uint64_t>(text.substr(0, dots));
   const auto last = read_number<std::uint64_t>(dots == text.npos ? "" : text.substr(dots + 2));
-  if (!first || !last || *last < *first || *last - *first >= kMost) {
-    value.fail(found_text(text, "a list of seeds or a range \"0..29\""));
-    return out;
-  }
-  out.resize(*last - *first + 1);
+  if (!first || !last || *last < *first) return input_error(found_text(text, "a list of seeds or a range \"0..29\""));
+  if (*last - *first >= kMostSeeds)
+    return input_error(found_text(text, "a range of at most " + std::to_string(kMostSeeds) + " seeds"));
+  std::vector<std::uint64_t> out(*last - *first + 1);
   std::iota(out.begin(), out.end(), *first);
   return out;
 }

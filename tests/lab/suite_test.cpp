@@ -193,8 +193,8 @@ TEST_F(SuiteTest, NothingMayComeTwice) {
 }
 
 TEST_F(SuiteTest, WrongSeedsAreErrors) {
-  for (const char* seeds :
-       {"[-1]", "[x]", "\"-1..-1\"", "\"0..-1\"", "\"..3\"", "\"3\"", "\"9..3\"", "\"0..200000\"", "\"1..2..3\"", "[]"})
+  for (const char* seeds : {"[-1]", "[x]", "\"-1..-1\"", "\"0..-1\"", "\"..3\"", "\"3\"", "\"9..3\"", "\"0..2000000\"",
+                            "\"1..2..3\"", "[]"})
     EXPECT_NE(error_of("scenarios: [a.yaml]\nseeds: " + std::string(seeds) + "\nstrategies: {s: }\n"), "no error")
         << seeds;
 }
