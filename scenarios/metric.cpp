@@ -16,7 +16,7 @@ constexpr Metric kCommon[]{
      .what = "simulated time per second of wall time",
      .from = "real_time_factor",
      .of_machine = true,
-     .title = "real time",
+     .title = "x real time",
      .digits = 0},
     {.name = "wall_time_s",
      .what = "wall time",

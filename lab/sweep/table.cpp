@@ -9,6 +9,8 @@
 
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
+#include "lab/statistics/distributions.h"
+#include "lab/statistics/statistics.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
@@ -72,14 +74,6 @@ Summary summary_of(const std::vector<const Row*>& rows, std::string_view metric)
 
 }  // namespace
 
-double t_quantile(std::size_t freedom) {
-  static constexpr double kTable[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
-                                      2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
-                                      2.080,  2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
-  const double f = static_cast<double>(freedom);
-  return freedom <= 30 ? kTable[freedom - 1] : 1.95996 + 2.3723 / f + 2.8225 / (f * f);  // Cornish and Fisher, 1937
-}
-
 Summary summarize(const std::vector<double>& values) {
   Summary s;
   s.n = values.size();
@@ -89,10 +83,9 @@ Summary summarize(const std::vector<double>& values) {
   s.min = *min;
   s.max = *max;
   const double n = static_cast<double>(s.n);
-  for (const double v : values) s.mean += v / n;
-  double squares = 0;
-  for (const double v : values) squares += (v - s.mean) * (v - s.mean);
-  if (s.n > 1) s.half = t_quantile(s.n - 1) * std::sqrt(squares / (n - 1) / n);
+  s.mean = statistics::mean(values);
+  if (s.n > 1)
+    s.half = statistics::student_quantile(0.975, n - 1) * statistics::standard_deviation(values) / std::sqrt(n);
   return s;
 }
 
@@ -158,9 +151,14 @@ std::string cell(const std::string& text, std::size_t width) {
 
 std::size_t width_of(const Metric& metric) { return std::max<std::size_t>(14, metric.title.size()); }
 
-std::string header_of(const TableLine& line) {
+/// Columns of the names.
+struct Widths {
+  std::size_t scenario = 20, strategy = 20;
+};
+
+std::string header_of(const TableLine& line, const Widths& widths) {
   const Metric* compared = compared_in(line.world);
-  std::string out = cell("scenario", 20) + cell("strategy", 20) + cell("   done", 8);
+  std::string out = cell("scenario", widths.scenario) + cell("strategy", widths.strategy) + cell("   done", 8);
   if (compared) out += cell(std::string(compared->title), 18) + "   min    max  ";
   for (const auto& [metric, summary] : line.metrics)
     if (metric != compared && !metric->title.empty()) out += cell(std::string(metric->title), width_of(*metric));
@@ -170,11 +168,11 @@ std::string header_of(const TableLine& line) {
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
 }
 
-std::string text_of(const TableLine& line) {
+std::string text_of(const TableLine& line, const Widths& widths) {
   const Metric* compared = compared_in(line.world);
   char done[32];
   std::snprintf(done, sizeof done, "%3zu/%-3zu ", line.completed, line.episodes);
-  std::string out = cell(line.scenario, 20) + cell(line.strategy, 20) + cell(done, 8);
+  std::string out = cell(line.scenario, widths.scenario) + cell(line.strategy, widths.strategy) + cell(done, 8);
   for (const auto& [metric, s] : line.metrics) {
     if (metric == compared) {
       char extremes[64];
@@ -198,12 +196,17 @@ std::string errors_text(const std::vector<TableLine>& table) {
 
 std::string to_text(const std::vector<TableLine>& table) {
   std::string out, header;
+  Widths widths;
   for (const TableLine& line : table) {
-    if (std::string own = header_of(line); own != header && (line.world || header.empty())) {
+    widths.scenario = std::max(widths.scenario, line.scenario.size());
+    widths.strategy = std::max(widths.strategy, line.strategy.size());
+  }
+  for (const TableLine& line : table) {
+    if (std::string own = header_of(line, widths); own != header && (line.world || header.empty())) {
       if (!header.empty()) out += '\n';
       out += header = std::move(own);
     }
-    out += text_of(line);
+    out += text_of(line, widths);
   }
   const std::string errors = errors_text(table);
   return errors.empty() ? out : out + "\nerrors and warnings:\n" + errors + '\n';

@@ -18,8 +18,6 @@ struct Summary {
   double min = 0, max = 0;
 };
 Summary summarize(const std::vector<double>& values);
-/// The 97.5 % quantile of Student's t; `freedom` of at least 1.
-double t_quantile(std::size_t freedom);
 
 /// One strategy in one scenario; summaries are over the episodes that count.
 struct TableLine {
