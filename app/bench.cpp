@@ -14,6 +14,7 @@
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/run_folder.h"
+#include "cx/yaml/seeds.h"
 #include "lab/sweep/judged_sweep.h"
 #include "lab/sweep/score_tables.h"
 #include "lab/sweep/slurm.h"
@@ -29,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchOptions {
-  std::string suite, out, cell;
+  std::string suite, out, cell, seeds;
   std::vector<std::string> collect;
   std::vector<std::string> limits;  // of rules, as they were given
   int jobs = 1;
@@ -56,24 +57,30 @@ void write_page(const BenchOptions& options, const lab::Host& host, const std::v
   if (!written) host.note("no page is written: " + written.error().text());
 }
 
-/// What requirement does not hold, the games that show it most, and the command that plays the worst of them again.
+/// What requirement does not hold, the games that show it most, and the command that plays one of them again: the worst
+/// one, or the first that was not completed.
 void print_worst_games(const lab::JudgedRows& judged) {
   for (const lab::Answer& answer : judged.answers) {
     if (answer.judgement != lab::Judgement::kWorse) continue;
-    const std::vector<std::size_t> worst = lab::worst_games(answer);
+    const auto named = [](const std::string& name, std::uint64_t seed) {
+      return (name.empty() ? "" : name + " ") + "seed " + std::to_string(seed);
+    };
     std::string games;
-    for (const std::size_t i : worst) {
+    for (const std::size_t i : lab::worst_games(answer)) {
       const auto& [name, seed] = answer.games[i];
-      games += (games.empty() ? "" : ", ") + (name.empty() ? "" : name + " ") + "seed " + std::to_string(seed) + " (" +
+      games += (games.empty() ? "the worst games: " : ", ") + named(name, seed) + " (" +
                fixed_text(answer.values[i], answer.metric.digits) + ')';
     }
-    std::printf("%s, %s: '%s' does not hold; the worst games: %s\n", printable(answer.scenario).c_str(),
-                printable(answer.strategy).c_str(), printable(answer.asked).c_str(), printable(games).c_str());
-    const auto& [name, seed] = answer.games[worst.front()];
-    for (const lab::Row& row : judged.rows)
-      if (row.cell.scenario == answer.scenario && row.cell.strategy == answer.strategy && row.cell.game == name &&
-          row.cell.seed == seed)
-        std::printf("  %s\n", lab::command_of(row.cell).c_str());
+    const auto shown = std::ranges::find_if(judged.rows, [&](const lab::Row& row) {
+      if (row.cell.scenario != answer.scenario || row.cell.strategy != answer.strategy) return false;
+      if (answer.lost > 0) return !row.counts();
+      return std::pair(row.cell.game, row.cell.seed) == answer.games[lab::worst_games(answer).front()];
+    });
+    if (shown == judged.rows.end()) continue;
+    if (answer.lost > 0) games = named(shown->cell.game, shown->cell.seed) + " was not completed";
+    std::printf("%s, %s: '%s' does not hold; %s\n  %s\n", printable(answer.scenario).c_str(),
+                printable(answer.strategy).c_str(), printable(answer.asked).c_str(), printable(games).c_str(),
+                lab::command_of(shown->cell).c_str());
   }
 }
 
@@ -157,8 +164,8 @@ Expected<std::vector<lab::Cell>> chosen_cells(const lab::Suite& suite, const std
 }
 
 std::string finished_text(std::size_t rows, std::size_t cells) {
-  return std::to_string(rows) + " of " + std::to_string(cells) +
-         " episodes are finished and kept; the same command plays the others";
+  return std::to_string(rows) + " of " + lab::count_text(cells, "episode") + (rows == 1 ? " is" : " are") +
+         " finished and kept; the same command plays the others";
 }
 
 int play_cells(const lab::Suite& suite, const BenchOptions& options, const lab::Host& host) {
@@ -199,19 +206,28 @@ std::string ranges_text(const std::vector<std::size_t>& numbers) {
   return out;
 }
 
+std::string cells_text(const std::vector<std::size_t>& numbers) {
+  return (numbers.size() == 1 ? "cell " : "cells ") + ranges_text(numbers);
+}
+
 int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab::Host& host) {
   const auto found = lab::collect(suite, {options.collect.begin(), options.collect.end()}, options.folder(), host);
   if (!found) return fail(found.error());
   if (const int code = interrupted("nothing is collected")) return code;
   const std::size_t cells = found->rows.size() + found->missing.size();
-  host.note(std::to_string(found->rows.size()) + " of " + std::to_string(cells) + " cells have a row; " +
-            std::to_string(found->taken) + " rows were taken");
-  if (found->of_other_programs > 0)
-    host.note(std::to_string(found->of_other_programs) + " rows are of another build of cxlab, and do not count");
-  if (found->outdated > 0)
-    host.note(std::to_string(found->outdated) +
-              " rows are of games that this suite does not play: its files have changed, or it never had them");
-  if (found->broken > 0) host.note(std::to_string(found->broken) + " files are not rows, or are cut short");
+  host.note(std::to_string(found->rows.size()) + " of " + lab::count_text(cells, "cell") +
+            (found->rows.size() == 1 ? " has" : " have") + " a row; " + lab::count_text(found->taken, "row") +
+            (found->taken == 1 ? " was" : " were") + " taken");
+  // What is left out is said even with --quiet: the table does not show it.
+  const auto left_out = [](std::size_t n, const std::string& what, const std::string& is, const std::string& are) {
+    if (n > 0) std::fprintf(stderr, "%s %s\n", lab::count_text(n, what).c_str(), (n == 1 ? is : are).c_str());
+  };
+  left_out(found->of_other_programs, "row", "is of another build of cxlab, and does not count",
+           "are of another build of cxlab, and do not count");
+  left_out(found->outdated, "row",
+           "is of a game that this suite does not play: its files have changed, or it never had it",
+           "are of games that this suite does not play: its files have changed, or it never had them");
+  left_out(found->broken, "file", "is not a row, or is cut short", "are not rows, or are cut short");
   const auto judged = suite.require.empty() || !found->missing.empty()
                           ? std::nullopt
                           : std::optional(lab::judged_rows(suite, found->rows));
@@ -219,13 +235,13 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
   if (!found->rows.empty()) write_page(options, host, judged ? (*judged)->answers : std::vector<lab::Answer>());
   const int code = print_table(found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
-    return fail(
-        negative("cells " + ranges_text(found->contradictory) +
-                 ": two rows of the same game differ, which must not be; the machines that played them differ, or "
-                 "one of the files has been changed by hand"));
+    return fail(negative(cells_text(found->contradictory) + ": two rows of the same game differ, " +
+                         found->differ.first.string() + " and " + found->differ.second.string() +
+                         "; the machines that played them differ, or one of the files was changed by hand"));
   if (!found->missing.empty())
-    return fail(negative("cells " + ranges_text(found->missing) + " have no row; cxlab bench " + options.suite +
-                         " --out " + options.folder().string() + " plays them"));
+    return fail(negative(cells_text(found->missing) + (found->missing.size() == 1 ? " has" : " have") +
+                         " no row; cxlab bench " + options.suite + " --out " + options.folder().string() + " plays " +
+                         (found->missing.size() == 1 ? "it" : "them")));
   return code;
 }
 
@@ -253,6 +269,11 @@ int bench(const BenchOptions& options) {
   auto suite = lab::Suite::load(options.suite);
   if (!suite) return fail(suite.error());
   suite->catalogue = &catalogue();
+  if (!options.seeds.empty()) {
+    auto seeds = yaml::seeds_of_range(options.seeds);
+    if (!seeds) return fail(usage_error("--seeds: " + seeds.error().message));
+    suite->seeds = *std::move(seeds);
+  }
   if (options.cells) return list_cells(*suite, options);
   // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
   if (options.cell.empty())
@@ -326,7 +347,9 @@ void add_bench(CLI::App& app, Action& action) {
                    "Tasks of the array of --slurm, which share the cells (default one for each cell, at most 1000)"),
                1, 1000000)
       ->needs(slurm);
-  const std::array modes{cells, cell, collect, slurm};
+  CLI::Option* seeds = command->add_option("--seeds", options->seeds, "Plays these seeds instead of those of the suite")
+                           ->type_name("FIRST..LAST");
+  const std::array modes{cells, cell, collect, slurm, seeds};
   for (std::size_t i = 0; i < modes.size(); ++i)
     for (std::size_t j = i + 1; j < modes.size(); ++j) modes[i]->excludes(modes[j]);
   command->add_flag("--json", options->json, "Prints JSON instead of the table");

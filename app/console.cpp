@@ -448,6 +448,8 @@ void Console::sweep_progress(const lab::GamesProgress& games) {
   if (games.incomplete > 0) text += ", " + std::to_string(games.incomplete) + " not completed";
   text += ", " + std::to_string(games.playing) + " at play";
   if (const std::string left = left_text(games); !left.empty()) text += ", " + left;
+  if (games.may_end_early) text += "; may end early";
+  if (quiet_ && g_activity.text >= 0) doing("playing, " + text);
   share_done(games.total > 0 ? static_cast<double>(games.done) / static_cast<double>(games.total) : 0, text);
 }
 

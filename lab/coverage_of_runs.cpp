@@ -120,7 +120,7 @@ Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, 
     if (!said) return said.error();
     if (Status s = take(runs[done], *said, out); !s) return s.error();
     playing.pop_front();
-    if (runs.size() > 1) host.show(static_cast<double>(done + 1), static_cast<double>(runs.size()));
+    if (runs.size() > 1) host.show_games(done + 1, runs.size(), playing.size());
   }
   return out;
 }

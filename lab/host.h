@@ -16,8 +16,9 @@ namespace cxlab::lab {
 struct GamesProgress {
   std::size_t done = 0, total = 0;  ///< games; those that are kept are done
   std::size_t playing = 0;
-  std::size_t incomplete = 0;          ///< of those that are done: failed or crashed
-  std::optional<double> seconds_left;  ///< of wall time; none before the first game has ended
+  std::size_t incomplete = 0;            ///< of those that are done: failed or crashed
+  std::optional<double> seconds_left{};  ///< of wall time; none before the first game has ended
+  bool may_end_early = false;            ///< before all games are played
 };
 
 class ProgressSink {
@@ -62,6 +63,9 @@ struct Host {
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
   void show(double done, double total) const {
     if (progress) progress->progress(done, total);
+  }
+  void show_games(std::size_t done, std::size_t total, std::size_t playing) const {
+    if (progress) progress->sweep_progress({.done = done, .total = total, .playing = playing});
   }
   void note(std::string_view text) const {
     if (progress) progress->note(text);

@@ -11,6 +11,10 @@ namespace cxlab::lab {
 
 using CellKind = Column::Kind;
 
+std::string count_text(std::size_t n, const std::string& noun) {
+  return std::to_string(n) + ' ' + noun + (n == 1 ? "" : "s");
+}
+
 std::string shown_text(const TableCell& cell, CellKind kind) {
   if (!cell.shown.empty()) return cell.shown;
   const auto number = [kind](double value) {

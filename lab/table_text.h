@@ -13,6 +13,8 @@ namespace cxlab::lab {
 /// Columns of a line where no terminal says how many it has.
 inline constexpr std::size_t kTableWidth = 180;
 
+/// "1 game", "12 games"
+std::string count_text(std::size_t n, const std::string& noun);
 /// What people read in a cell of a column of that kind.
 std::string shown_text(const TableCell& cell, Column::Kind kind);
 /// Lines of at most that width; "none" where there are no rows.

@@ -11,16 +11,12 @@ namespace {
 /// Games that are played at once: those by their files with all seeds, else each seed is a game.
 std::size_t played_together(const Suite& suite) { return suite.games.empty() ? 1 : suite.seeds.size(); }
 
-std::size_t planned_games(const Suite& suite) {
-  return suite.seeds.size() * std::max<std::size_t>(1, suite.games.size());
-}
-
 }  // namespace
 
 Expected<JudgedRows> judged_rows(const Suite& suite, const std::vector<Row>& rows) {
   const auto judge = Judge::make(suite);
   if (!judge) return judge.error();
-  JudgedRows out{.rows = rows, .answers = {}, .games = planned_games(suite), .planned = planned_games(suite)};
+  JudgedRows out{.rows = rows, .answers = {}, .games = suite.planned_games(), .planned = suite.planned_games()};
   auto answers = judge->judge(rows, statistics::looks(out.planned, played_together(suite)));
   if (!answers) return answers.error();
   out.answers = *std::move(answers);
@@ -30,26 +26,21 @@ Expected<JudgedRows> judged_rows(const Suite& suite, const std::vector<Row>& row
 Expected<JudgedRows> judged_sweep(const Suite& suite, const SweepOptions& options, bool all, const Host& host) {
   const auto judge = Judge::make(suite);
   if (!judge) return judge.error();
-  const std::size_t together = played_together(suite);
   JudgedRows out;
-  out.planned = planned_games(suite);
-  const std::vector<std::size_t> looks = statistics::looks(out.planned, together);
-  for (const std::size_t look : all ? std::vector{out.planned} : looks) {
-    Suite first = suite;
-    if (suite.games.empty())
-      first.seeds.resize(look);
-    else
-      first.games.resize(look / together);
-    auto rows = sweep(first, options, host);
-    if (!rows) return rows.error();
-    out.rows = *std::move(rows);
-    out.games = look;
-    if (host.stopped()) return out;
-    auto answers = judge->judge(out.rows, looks);
-    if (!answers) return answers.error();
-    out.answers = *std::move(answers);
-    if (std::ranges::find(out.answers, Judgement::kUndecided, &Answer::judgement) == out.answers.end()) break;
-  }
+  out.planned = suite.planned_games();
+  const std::vector<std::size_t> looks = statistics::looks(out.planned, played_together(suite));
+  const SweepStages stages{
+      all ? std::vector{out.planned} : looks, [&](std::size_t games, const std::vector<Row>& rows) -> Expected<bool> {
+        auto answers = judge->judge(rows, looks);
+        if (!answers) return answers.error();
+        out.games = games;
+        out.answers = *std::move(answers);
+        return std::ranges::find(out.answers, Judgement::kUndecided, &Answer::judgement) == out.answers.end();
+      }};
+  auto rows = sweep(suite, options, host, &stages);
+  if (!rows) return rows.error();
+  out.rows = *std::move(rows);
+  if (host.stopped()) out.answers.clear();
   return out;
 }
 

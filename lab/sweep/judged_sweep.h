@@ -12,7 +12,7 @@
 namespace cxlab::lab {
 
 struct JudgedRows {
-  std::vector<Row> rows;        ///< of the games that were played
+  std::vector<Row> rows;        ///< of the games that were played, now or before
   std::vector<Answer> answers;  ///< none: the host has stopped the sweep
   std::size_t games = 0, planned = 0;
 };

@@ -66,7 +66,7 @@ Expected<std::vector<std::string>> play_again(const std::vector<GameAgain>& game
     if (host.stopped()) break;
     if (ended)
       if (Status s = ended(game); !s) return s.error();
-    host.show(static_cast<double>(done + 1), static_cast<double>(games.size()));
+    host.show_games(done + 1, games.size(), playing.size());
   }
   return remarks;
 }

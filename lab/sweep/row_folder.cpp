@@ -6,11 +6,15 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <set>
+#include <tuple>
 
 #include "cx/base/file.h"
 #include "cx/journal/run_folder.h"
 #include "lab/git_commit.h"
 #include "lab/sweep/index.h"
+#include "lab/sweep/read_rows.h"
+#include "lab/table_text.h"
 
 namespace cxlab::lab {
 
@@ -35,6 +39,12 @@ std::string commit_of_agent(const Scenario& scenario) {
   return {};
 }
 
+std::string path_of(const Suite& suite) { return fs::absolute(suite.file).lexically_normal().string(); }
+
+/// How the tables name a game.
+using Named = std::tuple<std::string, std::string, std::string, std::uint64_t>;
+Named name_in_table(const Cell& cell) { return {cell.scenario, cell.strategy, cell.game, cell.seed}; }
+
 }  // namespace
 
 std::string identity_of(const Cell& cell) {
@@ -55,6 +65,14 @@ bool RowMatcher::is_current(const Row& row, const Cell& cell) {
 
 bool RowMatcher::tells_of(const Row& row, const Cell& cell) {
   return row.tells_of(cell, program_, names_of(cell), [this](const fs::path& file) { return hash(file); });
+}
+
+std::string RowMatcher::changed_file(const Row& row, const Cell& cell) {
+  for (const auto& [name, then] : row.files) {
+    const fs::path path = names_of(cell).path_of(name);
+    if (path.empty() || hash(path) != then) return name;
+  }
+  return {};
 }
 
 const RowMatcher::Place& RowMatcher::place_of(const Cell& cell) {
@@ -139,8 +157,41 @@ Status RowFolder::write(const Row& row) const {
 }
 
 Status RowFolder::write_tables(const std::vector<Row>& rows, const Suite& suite) const {
+  if (!suite.file.empty())
+    if (Status s = replace_file(folder_ / kSuiteFile, path_of(suite) + '\n'); !s) return s;
   if (Status s = replace_file(folder_ / "rows.csv", to_csv(rows)); !s) return s;
   return write_index(rows, suite, folder_ / "runs.sqlite");
+}
+
+std::vector<Row> RowFolder::lost_rows(const std::vector<Cell>& cells, const std::vector<Row>& rows,
+                                      const Suite& suite) const {
+  const fs::path csv = folder_ / "rows.csv";
+  auto out = path_exists(csv) ? read_rows(csv, *suite.catalogue) : Expected<std::vector<Row>>(std::vector<Row>());
+  if (!out) return {};  // no table that anybody could read
+  std::set<Named> names;
+  std::set<std::string> journals{};
+  for (const Cell& cell : cells) names.insert(name_in_table(cell));
+  for (const Row& row : rows) journals.insert(row.journal_hash);
+  std::erase_if(*out, [&](const Row& row) {
+    return names.contains(name_in_table(row.cell)) ||
+           (!row.journal_hash.empty() && journals.contains(row.journal_hash));
+  });
+  return *std::move(out);
+}
+
+Status RowFolder::take_tables_over(const std::vector<Row>& lost, const Suite& suite, const Host& host) const {
+  if (lost.empty()) return {};
+  auto other = read_file(folder_ / kSuiteFile);
+  if (other && other->ends_with('\n')) other->pop_back();
+  const std::string what = count_text(lost.size(), "row") + " of games that " + suite.file.string() +
+                           " does not play, as " + title_of(lost.front().cell);
+  const std::string csv = (folder_ / "rows.csv").string();
+  if (other && *other != path_of(suite) && path_exists(*other))  // else it was moved, or is of a program that wrote it
+    return input_error(
+        "has " + what + ": it is a table of the suite " + *other + "; expected --out with a folder of this suite's own",
+        csv);
+  host.note(csv + " loses " + what + "; rows/*.json keeps them");
+  return {};
 }
 
 std::optional<Row> read_row(const fs::path& file) {

@@ -5,6 +5,7 @@
 //   rows/*.log    what the episode's process printed, if it did
 //   rows.csv      all of them
 //   runs.sqlite   the same as a database (index.h)
+//   suite.txt     the path of the suite whose tables these are
 
 #include <filesystem>
 #include <map>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "lab/host.h"
 #include "lab/sweep/row.h"
 #include "lab/sweep/suite.h"
 
@@ -33,6 +35,8 @@ class RowMatcher {
   const std::string& agent_commit_of(const Cell& cell) { return place_of(cell).agent_commit; }
   const std::string& program() const { return program_; }
   std::string hash(const std::filesystem::path& file);
+  /// A file that has another content than when the row was played, by its name; empty: all are the same.
+  std::string changed_file(const Row& row, const Cell& cell);
 
  private:
   struct Place {
@@ -46,6 +50,9 @@ class RowMatcher {
   std::map<std::pair<std::string, std::string>, Place> places_;  // by scenario and strategy
   std::map<std::filesystem::path, std::string> hashes_;
 };
+
+/// Names the suite whose tables are in the folder, by its path.
+inline constexpr const char* kSuiteFile = "suite.txt";
 
 /// Who works in the folder: a sweep alone, or any number of those that play single cells and collect.
 enum class FolderUse { kAlone, kTogether };
@@ -69,8 +76,14 @@ class RowFolder {
   Status write(const Row& row) const;
   /// Takes away what processes have left that were killed; for those who are alone.
   void remove_unfinished() const;
-  /// Writes rows.csv and runs.sqlite.
+  /// Writes rows.csv, runs.sqlite and suite.txt.
   Status write_tables(const std::vector<Row>& rows, const Suite& suite) const;
+  /// Rows of rows.csv that new tables would lose: they are not of these cells, and none of the rows tells of their game
+  /// under another name.
+  std::vector<Row> lost_rows(const std::vector<Cell>& cells, const std::vector<Row>& rows, const Suite& suite) const;
+  /// Fails if new tables of `suite` would lose these rows and another suite, which is still there, wrote them; else the
+  /// host hears of it.
+  Status take_tables_over(const std::vector<Row>& lost, const Suite& suite, const Host& host) const;
 
  private:
   RowFolder(std::filesystem::path folder, int lock);

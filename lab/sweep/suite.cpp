@@ -217,6 +217,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
   auto document = yaml::Document::load(file);
   if (!document) return document.error();
   Suite suite;
+  suite.file = file;
   yaml::Map map = document->root().as_map();
   if (document->root().as_map().has("schema") && !map.has("scenarios"))
     return input_error("this is a scenario, and no suite; cxlab run plays it, and 'scenarios: [" +
@@ -341,13 +342,13 @@ std::string command_of(const Cell& cell) {
   return out + " --seed " + seed;
 }
 
-std::size_t Suite::size() const {
-  return scenarios.size() * strategies.size() * std::max<std::size_t>(1, games.size()) * seeds.size();
-}
+std::size_t Suite::planned_games() const { return std::max<std::size_t>(1, games.size()) * seeds.size(); }
+
+std::size_t Suite::size() const { return scenarios.size() * strategies.size() * planned_games(); }
 
 std::vector<Cell> Suite::cells(std::size_t first, std::size_t last) const {
   std::vector<Cell> out;
-  const std::size_t of_game = seeds.size(), of_strategy = of_game * std::max<std::size_t>(1, games.size()),
+  const std::size_t of_game = seeds.size(), of_strategy = planned_games(),
                     of_scenario = of_strategy * strategies.size();
   const SuiteScenario* scenario = nullptr;
   const Strategy* strategy = nullptr;

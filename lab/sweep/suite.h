@@ -71,6 +71,7 @@ std::string shell_word(const std::string& text);
 std::vector<std::string> words_of_shell(const std::string& command);
 
 struct Suite {
+  std::filesystem::path file{};          ///< empty: it was made without one
   std::vector<SuiteScenario> scenarios;  ///< these three as in the file; nothing twice
   std::vector<Strategy> strategies;  ///< then those of the grid, in the order of its keys; the last one varies fastest
   std::vector<std::uint64_t> seeds;
@@ -83,6 +84,8 @@ struct Suite {
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
   static Expected<Suite> load(const std::filesystem::path& file);
+  /// How many games each strategy plays in each scenario.
+  std::size_t planned_games() const;
   /// How many cells there are.
   std::size_t size() const;
   /// By scenario, strategy, game and seed. Reads the scenarios where the suite has games.

@@ -23,6 +23,7 @@
 #include "lab/session.h"
 #include "lab/sweep/remaining_time.h"
 #include "lab/sweep/row_folder.h"
+#include "lab/table_text.h"
 
 namespace cxlab::lab {
 
@@ -171,28 +172,64 @@ class CellPlayer {
         folder_(folder),
         matcher_(*suite.catalogue, program_digest()) {}
 
-  /// The rows of all cells, or those that existed before a stop. With `tables`, the tables grow with them.
-  Expected<std::vector<Row>> rows(bool tables) {
+  /// The rows of all cells, or those that existed before a stop: for a job of one machine, which writes no tables.
+  Expected<std::vector<Row>> rows() {
     find_rows();
-    if (!open_.empty())
-      if (const auto warning = warning_without_wall()) host_.note(*warning);
-    tables_grow_ = tables && !open_.empty();
+    if (Status s = play_open(suite_.planned_games()); !s) return s.error();
+    return std::move(rows_);
+  }
+  /// The same of a whole sweep, whose tables grow with it.
+  Expected<std::vector<Row>> rows_with_tables(const SweepStages* stages) {
+    find_rows();
+    if (Status s = folder_.take_tables_over(folder_.lost_rows(cells_, rows_, suite_), suite_, host_); !s)
+      return s.error();
+    tables_grow_ = !open_.empty();
     if (progress_.done > 0)
       if (Status s = grow_tables(); !s) return s.error();
-    auto next = open_.begin();
-    while ((next != open_.end() || !running_.empty()) && !host_.stopped()) {
-      for (; next != open_.end() && running_.size() < static_cast<std::size_t>(options_.jobs); ++next)
-        if (Status s = begin(*next); !s) return s.error();
-      report();
-      wait_for_any(running_, 100);
-      if (Status s = take_ended(); !s) return s.error();
+    if (!stages) {
+      if (Status s = play_open(suite_.planned_games()); !s) return s.error();
+      return std::move(rows_);
     }
-    running_.clear();  // ends those that still play
-    order_rows();
+    progress_.may_end_early = stages->games.size() > 1;
+    bool answered = false;
+    for (const std::size_t games : stages->games) {
+      if (answered && std::ranges::any_of(open_, [&](std::size_t i) { return game_of(i) < games; })) break;
+      if (Status s = play_open(games); !s) return s.error();
+      if (host_.stopped()) break;
+      std::vector<Row> rows;
+      for (const Row& row : rows_)
+        if ((row.cell.number - 1) % suite_.planned_games() < games) rows.push_back(row);
+      const auto told = stages->is_answered(games, rows);
+      if (!told) return told.error();
+      answered = *told;
+    }
     return std::move(rows_);
   }
 
  private:
+  /// Which of the games of its strategy and scenario this cell is, from 0.
+  std::size_t game_of(std::size_t i) const { return (cells_[i].number - 1) % suite_.planned_games(); }
+
+  /// Plays the open cells of the first so many games of each strategy and scenario.
+  Status play_open(std::size_t games) {
+    if (!open_.empty() && !std::exchange(warned_, true))
+      if (const auto warning = warning_without_wall()) host_.note(*warning);
+    const auto later = std::ranges::stable_partition(open_, [&](std::size_t i) { return game_of(i) < games; }).begin();
+    const std::vector<std::size_t> now(open_.begin(), later);
+    open_.erase(open_.begin(), later);
+    auto next = now.begin();
+    while ((next != now.end() || !running_.empty()) && !host_.stopped()) {
+      for (; next != now.end() && running_.size() < static_cast<std::size_t>(options_.jobs); ++next)
+        if (Status s = begin(*next); !s) return s;
+      report();
+      wait_for_any(running_, 100);
+      if (Status s = take_ended(); !s) return s;
+    }
+    running_.clear();  // ends those that still play
+    order_rows();
+    return {};
+  }
+
   /// Finds the rows that are there, and what is to be played.
   void find_rows() {
     for (std::size_t i = 0; i < cells_.size() && !host_.stopped(); ++i) {
@@ -205,7 +242,8 @@ class CellPlayer {
       }
     }
     progress_.total = cells_.size();
-    if (progress_.done > 0) host_.note(std::to_string(progress_.done) + " rows are current and kept");
+    if (progress_.done > 0)
+      host_.note(count_text(progress_.done, "row") + (progress_.done == 1 ? " is" : " are") + " current and kept");
     for (const Row& row : rows_)
       if (!(row.errors.empty() && row.warnings.empty())) host_.note("kept: " + line_of(row));
   }
@@ -356,12 +394,12 @@ class CellPlayer {
   RowFolder& folder_;
   RowMatcher matcher_;
   std::vector<Row> rows_;          // so far
-  std::vector<std::size_t> open_;  // cells
+  std::vector<std::size_t> open_;  // cells, in their order
   std::list<Running> running_;
   RemainingTime remaining_;
   std::set<std::string> warnings_;  // that were printed
   GamesProgress progress_;
-  bool tables_grow_ = false;
+  bool tables_grow_ = false, warned_ = false;
   Clock::time_point tables_written_{};
   double tables_take_s_ = 0;  // the last time
 };
@@ -386,12 +424,13 @@ std::string program_digest() {
   return content_hash(digests);
 }
 
-Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host) {
+Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host,
+                                 const SweepStages* stages) {
   auto folder = RowFolder::open(options.folder, FolderUse::kAlone);
   if (!folder) return folder.error();
   folder->remove_unfinished();
   const std::vector<Cell> cells = suite.cells();
-  auto rows = CellPlayer(suite, cells, options, host, *folder).rows(true);
+  auto rows = CellPlayer(suite, cells, options, host, *folder).rows_with_tables(stages);
   if (!rows) return rows.error();
   if (Status s = folder->write_tables(*rows, suite); !s) return s.error();
   return rows;
@@ -401,7 +440,7 @@ Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell
                                       const Host& host) {
   auto folder = RowFolder::open(options.folder, FolderUse::kTogether);
   if (!folder) return folder.error();
-  return CellPlayer(suite, cells, options, host, *folder).rows(false);
+  return CellPlayer(suite, cells, options, host, *folder).rows();
 }
 
 Expected<std::vector<Cell>> missing_cells(const Suite& suite, const fs::path& folder) {
@@ -413,6 +452,31 @@ Expected<std::vector<Cell>> missing_cells(const Suite& suite, const fs::path& fo
     if (!rows->find(cell, matcher)) out.push_back(cell);
   return out;
 }
+
+namespace {
+
+/// Tables do not lose rows because the games of these rows would be played otherwise now. `changed` is a file that
+/// differs now, if one is known.
+Status check_tables(const RowFolder& out, const Collected& collected, const Suite& suite, const fs::path& folder,
+                    const std::string& changed, const Host& host) {
+  const std::vector<Row> of_others = out.lost_rows(suite.cells(), collected.rows, suite);
+  if (Status s = out.take_tables_over(of_others, suite, host); !s) return s;
+  std::vector<Cell> cells;
+  for (const Row& row : collected.rows) cells.push_back(row.cell);
+  const std::size_t lost = out.lost_rows(cells, collected.rows, suite).size() - of_others.size();
+  if (lost == 0) return {};
+  const std::string why = !changed.empty() ? changed + " has changed since they were played"
+                          : collected.of_other_programs > 0
+                              ? "another build of cxlab played them"
+                              : "no file in rows/*.json tells how their games are played now";
+  return input_error("would lose " + count_text(lost, "row") + ", because " + why +
+                         "; it stays as it is. To play these games again: cxlab bench " +
+                         shell_word(suite.file.string()) + " --out " + shell_word(folder.string()) +
+                         "; to collect only what is current: --out with another folder",
+                     (folder / "rows.csv").string());
+}
+
+}  // namespace
 
 Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& from, const fs::path& folder,
                             const Host& host) {
@@ -441,6 +505,7 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
     }
 
   std::set<fs::path> used;
+  std::string changed;  // a file of the games without a row
   for (const Cell& cell : suite.cells()) {
     std::optional<Row> best;
     fs::path place;
@@ -451,8 +516,10 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
       if (!row || !matcher.tells_of(*row, cell)) continue;
       used.insert(it->second);
       const bool better = !best || (best->journal_hash.empty() && !row->journal_hash.empty());
-      if (best && !row->journal_hash.empty() && !best->journal_hash.empty() && outcome_of(*row) != outcome_of(*best))
+      if (best && !row->journal_hash.empty() && !best->journal_hash.empty() && outcome_of(*row) != outcome_of(*best)) {
         contradictory = true;
+        if (collected.differ.first.empty()) collected.differ = {place, it->second};
+      }
       if (!better) continue;
       best = std::move(row);
       place = it->second;
@@ -460,6 +527,8 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
     if (contradictory) collected.contradictory.push_back(cell.number);
     if (!best) {
       collected.missing.push_back(cell.number);
+      for (auto it = first; it != last && changed.empty(); ++it)
+        if (const auto row = read_row(it->second)) changed = matcher.changed_file(*row, cell);
       continue;
     }
     best->cell = cell;
@@ -471,6 +540,7 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
     collected.rows.push_back(*std::move(best));
   }
   collected.outdated = known.size() - used.size();
+  if (Status s = check_tables(*out, collected, suite, folder, changed, host); !s) return s.error();
   if (Status s = out->write_tables(collected.rows, suite); !s) return s.error();
   return collected;
 }

@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -20,11 +22,21 @@ struct SweepOptions {
   double time_limit_s = 0;  ///< of wall time for an episode, which is ended then; 0 = none
 };
 
+/// When a sweep may end before all games are played.
+struct SweepStages {
+  std::vector<std::size_t> games;  ///< of each strategy and scenario; ascending, the last one is all
+  /// Asked after each stage with the rows of its games; true: the sweep ends, but for later stages that are there.
+  std::function<Expected<bool>(std::size_t games, const std::vector<Row>& rows)> is_answered;
+};
+
 /// The rows of all cells, in their order; also of episodes that failed or crashed. Rows that are there and current are
-/// kept, others are played; then come the tables. Fails if another sweep works in the folder; after a stop by the host
-/// there are only the rows of the episodes that had ended. Rows of answers have no `files`. The calling process must
-/// have one thread only: its copies play.
-Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host = {});
+/// kept, others are played; then come the tables. Fails if another sweep works in the folder, or the tables of
+/// another suite are in it; after a stop by the host
+/// there are only the rows of the episodes that had ended; with `stages` only those of the stages that were played, and
+/// current ones of later games. Rows of answers have no `files`. The calling process must have one thread only: its
+/// copies play.
+Expected<std::vector<Row>> sweep(const Suite& suite, const SweepOptions& options, const Host& host = {},
+                                 const SweepStages* stages = nullptr);
 
 /// The same for some cells: the job of one machine. It writes their rows and no tables, and others may play other cells
 /// into the same folder.
@@ -43,6 +55,7 @@ struct Collected {
   std::size_t of_other_programs = 0, outdated = 0, broken = 0;
   /// Cells of which two rows of the same game differ.
   std::vector<std::size_t> contradictory;
+  std::pair<std::filesystem::path, std::filesystem::path> differ{};  ///< the two files of the first such cell
 };
 
 /// Takes the rows that count for the suite from these folders of sweeps into `folder`, and writes the tables. Each cell

@@ -12,6 +12,7 @@ import shutil
 import signal
 import sqlite3
 import subprocess
+import sys
 import time
 import xml.etree.ElementTree
 
@@ -83,7 +84,7 @@ class Sweeps(Lab):
         sources = [self.folder / name / "checkout/r" for name in "ab"]
         done = self.bench("--collect", *sources, "--out", "r", code=1)
         self.assertIn("5 of 6 cells have a row; 5 rows were taken", done.stderr)
-        self.assertIn("error: cells 6 have no row; cxlab bench suite.yaml --out r plays them", done.stderr)
+        self.assertIn("error: cell 6 has no row; cxlab bench suite.yaml --out r plays it", done.stderr)
         self.assertEqual(self.bench("--cell", 6, "--out", "r", "--json").returncode, 0)
         done = self.bench("--collect", *sources, "--out", "r")
         self.assertIn("6 of 6 cells have a row; 0 rows were taken", done.stderr)
@@ -105,9 +106,48 @@ class Sweeps(Lab):
         self.assertEqual(self.query(moved / "r", "SELECT DISTINCT strategy FROM runs ORDER BY cell"), [("quickly",), ("duration_s=2",), ("duration_s=3",)])
         # Another content: nothing counts.
         (moved / "rules/rules.clp").write_text(RULES + "; changed\n")
-        done = self.bench("--collect", "../r", "--out", "../r", folder=moved / "suites", code=1)
-        self.assertIn("0 of 6 cells have a row", done.stderr)
-        self.assertIn("rows are of games that this suite does not play", done.stderr)
+        tables = {name: (moved / "r" / name).read_bytes() for name in ("rows.csv", "runs.sqlite", "index.html")}
+        done = self.bench("--collect", "../r", "--out", "../r", folder=moved / "suites", code=3)
+        self.assertIn("r/rows.csv: would lose 6 rows, because package://rules/rules.clp has changed since they were played; it stays as it is. "
+                      "To play these games again: cxlab bench suite.yaml --out ../r; to collect only what is current: --out with another folder", done.stderr)
+        self.assertEqual({name: (moved / "r" / name).read_bytes() for name in tables}, tables)
+        done = self.bench("--collect", "../r", "--out", "../other", "--quiet", folder=moved / "suites", code=1)
+        self.assertIn("rows are of games that this suite does not play", done.stderr, "also with --quiet")
+
+    def test_a_folder_has_the_tables_of_one_suite(self):
+        self.write("home/other/suite.yaml", SUITE.replace("scenarios/", "../scenarios/").replace("[1, 2]", "[1, 2, 3]").replace("{duration_s: [2, 3]}", "{duration_s: [2]}"))
+        self.bench("--out", "r")
+        rows = (self.home / "r/rows.csv").read_bytes()
+        done = subprocess.run([CXLAB, "bench", "other/suite.yaml", "--out", "r"], cwd=self.home, text=True, capture_output=True, timeout=60)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn(f"r/rows.csv: has 2 rows of games that other/suite.yaml does not play, as game duration_s=3 seed 1: it is a table of the suite "
+                      f"{self.home.resolve()}/suite.yaml; expected --out with a folder of this suite's own", done.stderr)
+        self.assertEqual((self.home / "r/rows.csv").read_bytes(), rows)
+        # A suite that was edited takes its games out of its own tables, and says so.
+        self.write("home/suite.yaml", SUITE.replace("[2, 3]", "[2]"))
+        self.assertIn("r/rows.csv loses 2 rows of games that suite.yaml does not play, as game duration_s=3 seed 1; rows/*.json keeps them\n", self.bench("--out", "r").stderr)
+        self.assertEqual(len((self.home / "r/rows.csv").read_text().splitlines()), 5)
+        self.assertEqual(len(list((self.home / "r/rows").glob("game-duration_s_3-*.json"))), 2)
+
+    def test_the_program_for_ray_says_what_is_missing(self):
+        def play(*arguments, path):
+            return subprocess.run([sys.executable, SOURCE / "docs/examples/ray/play_on_ray.py", *arguments], cwd=self.home, text=True, capture_output=True, timeout=60,
+                                  env=os.environ | {"PYTHONPATH": str(path)})
+        without = self.write("without/ray.py", "raise ModuleNotFoundError(\"No module named 'ray'\", name='ray')\n").parent
+        self.assertIn("--cells-per-task", play("--help", path=without).stdout)
+        done = play("suite.yaml", "--out", "r", path=without)
+        self.assertEqual((done.returncode, done.stderr), (1, f"{sys.executable} has no Ray: pip install ray\n"))
+        done = play("suite.yaml", "--out", "r", "--cxlab", "nocx", path=self.write("with/ray.py", "").parent)
+        self.assertEqual((done.returncode, done.stderr), (1, "there is no program nocx; expected --cxlab with the path of cxlab, or cxlab on the PATH\n"))
+        self.assertFalse((self.home / "r").exists())
+
+    def test_seeds_can_be_chosen(self):
+        self.bench("--seeds", "7..9", "--out", "r", "--quiet")
+        self.assertEqual(sorted({row["seed"] for row in self.rows(self.home / "r").values()}), [7, 8, 9])
+        self.assertIn("--seeds: found '9..7', expected a list of seeds or a range", self.bench("--seeds", "9..7", code=2).stderr)
+        self.assertIn("found '1..2000000', expected a range of at most 1000000 seeds", self.bench("--seeds", "1..2000000", code=2).stderr)
+        self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..2000000"'))
+        self.assertIn("suite.yaml:2: seeds: found '1..2000000', expected a range of at most 1000000 seeds", self.bench(code=3).stderr)
 
     def test_rows_of_one_game_that_differ_are_reported(self):
         self.bench("--out", "a")
@@ -118,9 +158,9 @@ class Sweeps(Lab):
         old = next((self.home / "b/rows").glob("game-duration_s_3-1-*.json"))
         old.write_text(re.sub(r'"program": "', '"program": "0', old.read_text()))
         done = self.bench("--collect", "a", "b", "--out", "c", code=1)
-        self.assertIn("error: cells 2: two rows of the same game differ", done.stderr)
-        self.assertIn("1 rows are of another build of cxlab", done.stderr)
-        self.assertIn("1 files are not rows", done.stderr)
+        self.assertRegex(done.stderr, r"error: cell 2: two rows of the same game differ, a/rows/game-short-2-\w+\.json and b/rows/game-short-2-\w+\.json; ")
+        self.assertIn("\n1 row is of another build of cxlab", done.stderr)
+        self.assertIn("\n1 file is not a row", done.stderr)
         self.assertEqual(self.query(self.home / "c", "SELECT count(*), count(DISTINCT cell) FROM runs"), [(6, 6)])
 
     def test_of_two_rows_of_a_game_the_first_counts_unless_only_the_second_was_played(self):

@@ -234,6 +234,44 @@ TEST_F(SweepTest, ASecondSweepInTheFolderIsRefused) {
   EXPECT_TRUE(play(suite("[1]")));
 }
 
+TEST_F(SweepTest, StagesHaveOneProgressAndKeepRowsOfLaterGames) {
+  struct Totals final : ProgressSink {
+    std::set<std::size_t> totals;
+    std::vector<std::string> notes;
+    void progress(double, double) override {}
+    void sweep_progress(const GamesProgress& games) override {
+      EXPECT_TRUE(games.may_end_early);
+      totals.insert(games.total);
+    }
+    void game_ended(std::string_view, const GamesProgress&, bool) override {}
+    void note(std::string_view text) override { notes.emplace_back(text); }
+  };
+  scenario("game", kRules);
+  std::vector<std::pair<std::size_t, std::size_t>> asked;
+  const auto play_stages = [&](Totals& said) {
+    asked.clear();
+    const SweepStages stages{{1, 2, 3}, [&](std::size_t games, const std::vector<Row>& rows) -> Expected<bool> {
+                               asked.emplace_back(games, rows.size());
+                               return games >= 2;
+                             }};
+    return sweep(suite(), {path("out"), 2}, {.progress = &said}, &stages);
+  };
+  Totals first;
+  auto rows = play_stages(first);
+  ASSERT_TRUE(rows) << rows.error().text();
+  EXPECT_EQ(rows->size(), 4u);
+  EXPECT_EQ(asked, (std::vector<std::pair<std::size_t, std::size_t>>{{1, 2}, {2, 4}}));
+  EXPECT_EQ(first.totals, std::set<std::size_t>{6});
+  EXPECT_THAT(first.notes, IsEmpty());
+  ASSERT_EQ(play(suite())->size(), 6u);
+  Totals again;
+  rows = play_stages(again);
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(rows->size(), 6u);
+  EXPECT_EQ(asked.back(), (std::pair<std::size_t, std::size_t>{3, 6})) << "what is there counts";
+  EXPECT_THAT(again.notes, ElementsAre("6 rows are current and kept"));
+}
+
 TEST_F(SweepTest, AStopKeepsTheRowsThatAreThere) {
   scenario("game", kRules);
   Notes notes;

@@ -17,11 +17,10 @@ path below DIR if it is shipped as well.
 import argparse
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
-
-import ray
 
 
 def play_cells(cxlab, suite, first, last, options):
@@ -78,6 +77,13 @@ def main():
             options.cxlab = f"./{options.cxlab}"
     else:
         there = str(suite)
+
+    try:
+        import ray
+    except ModuleNotFoundError:
+        sys.exit(f"{sys.executable} has no Ray: pip install ray")
+    if shutil.which(here) is None:
+        sys.exit(f"there is no program {here}; expected --cxlab with the path of cxlab, or cxlab on the PATH")
 
     bench = [here, "bench", str(suite)]
     rows = options.out.resolve() / "rows"
