@@ -1,5 +1,6 @@
 // cxlab bench show, bench plot, bench page, bench compare: statistics of sweeps that were played before.
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -131,6 +132,11 @@ int compare(const CompareOptions& options) {
   std::FILE* const out = format == "text" ? stdout : stderr;  // the others are files for other programs
   for (const std::string& note : notes) std::fprintf(out, "%s\n", printable(note).c_str());
   std::fprintf(out, "answer: %s\n", word);
+  if (std::ranges::any_of(*answers, [](const lab::Answer& answer) { return answer.lost > 0; })) {
+    print_errors(options.now, *now);
+    std::fprintf(stderr, "cxlab bench page %s shows these games with the commands that play them again\n",
+                 printable(options.now).c_str());
+  }
   return code;
 }
 

@@ -65,6 +65,12 @@ std::optional<double> figure_of(const RowsOfGames& rows, const Game& game, const
   return found == rows.end() || !found->second->counts() ? std::nullopt : found->second->figure(metric);
 }
 
+/// Whether this game was played, and not to its end.
+bool is_incomplete(const RowsOfGames& rows, const Game& game) {
+  const auto found = rows.find(game);
+  return found != rows.end() && !found->second->counts();
+}
+
 const RowsOfGames* rows_of(const Sorted& rows, const Contestant& contestant) {
   const auto found = rows.of.find(contestant);
   return found == rows.of.end() ? nullptr : &found->second;
@@ -94,7 +100,7 @@ Asked ask_mean(const RowsOfGames& rows, const std::vector<Game>& games, double b
       out.answer.games.push_back(game);
     }
     out.question.values.push_back(value ? std::optional(at_least ? *value - bound : bound - *value) : std::nullopt);
-    if (!value && rows.contains(game)) ++out.answer.lost;
+    if (is_incomplete(rows, game)) ++out.answer.lost;
   }
   return out;
 }
@@ -108,7 +114,8 @@ Asked ask_difference(const RowsOfGames& first, const RowsOfGames& second, const 
   for (const Game& game : games) {
     const auto a = figure_of(first, game, metric.name), b = figure_of(second, game, metric.name);
     out.question.values.emplace_back();
-    if (a && !b && second.contains(game)) ++out.answer.lost;
+    if (a && is_incomplete(second, game)) ++out.answer.lost;
+    if (b && is_incomplete(first, game)) ++out.answer.gained;
     if (!a || !b) continue;
     out.answer.first.push_back(*a);
     out.answer.second.push_back(*b);
@@ -128,9 +135,11 @@ std::vector<Answer> answers_of(std::vector<Asked> asked, const std::vector<std::
     Answer& answer = out.emplace_back(std::move(asked[i].answer));
     answer.after = decisions[i].after;
     answer.p = decisions[i].p;
-    if (decisions[i].side == statistics::Side::kBelow) answer.judgement = Judgement::kWorse;
-    // Figures of the games that it completed say nothing of those that it did not.
-    if (decisions[i].side == statistics::Side::kAbove && answer.lost == 0) answer.judgement = Judgement::kBetter;
+    // A game that is not completed is a defect by itself: the figures of the others say nothing of it.
+    if (decisions[i].side == statistics::Side::kBelow || answer.lost > 0)
+      answer.judgement = Judgement::kWorse;
+    else if (decisions[i].side == statistics::Side::kAbove)
+      answer.judgement = Judgement::kBetter;
   }
   return out;
 }
@@ -248,7 +257,12 @@ Expected<std::vector<Answer>> Judge::judge(const std::vector<Row>& rows,
       const auto& [scenario, strategy] = contestant;
       if (!requirement.strategy.empty() && strategy != requirement.strategy) continue;
       if (!before && strategy == requirement.than) continue;
-      const auto metric = metric_of(rows, requirement.metric, *catalogue_, &scenario);
+      auto metric = metric_of(rows, requirement.metric, *catalogue_, &scenario);
+      if (!metric && before) metric = metric_of(earlier->second, requirement.metric, *catalogue_, &scenario);
+      const bool any = std::ranges::any_of(
+          rows, [&scenario](const Row& row) { return row.cell.scenario == scenario && row.counts(); });
+      if (!metric && !any)  // no game was completed: the answer needs no figure
+        metric = MetricOfRows{requirement.metric, requirement.metric};
       if (!metric)
         return at(requirement.origin,
                   input_error("'" + requirement.text + "', " + scenario + ": " + metric.error().message));
@@ -285,7 +299,6 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
     const std::vector<std::string> here = new_rows.strategies_in(scenario), there = old_rows.strategies_in(scenario);
     Contestant other = contestant;
     if (!old_rows.of.contains(contestant) && here.size() == 1 && there.size() == 1) other.second = there.front();
-    if (old_rows.order.size() == 1 && new_rows.order.size() == 1) other = old_rows.order.front();
     if (!old_rows.of.contains(other)) {
       notes.push_back(scenario + ", " + strategy + " is in the new sweep only");
       continue;
@@ -320,7 +333,8 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   if (asked.empty()) {
     std::string why;
     for (const std::string& note : notes) why += "; " + note;
-    return input_error("the sweeps have no scenario, strategy and game in common" + why);
+    return input_error("the sweeps have no scenario, strategy and game in common" + why +
+                       "; expected the same scenarios and seeds in both");
   }
   for (Asked& one : asked) one.question.values.resize(most);
   return answers_of(std::move(asked), {most});

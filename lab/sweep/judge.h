@@ -28,7 +28,9 @@ struct Answer {
   std::vector<std::pair<std::string, std::uint64_t>> games;  ///< of the values: name and seed
   double bound = 0;                                          ///< `values` are compared with this
   std::vector<double> first, second;                         ///< of a difference: the figures of the pairs
-  std::size_t lost = 0;  ///< games that the strategy did not complete, though what it is compared with did
+  std::size_t lost = 0;  ///< games that the strategy did not complete, though what it is compared with did: one is
+                         ///< enough for kWorse
+  std::size_t gained = 0;  ///< of a difference: games that only the strategy completed
   Judgement judgement = Judgement::kUndecided;
   std::size_t after = 0;  ///< games
   double p = 1;           ///< corrected for the other questions
@@ -55,7 +57,7 @@ class Judge {
 };
 
 /// Each strategy of `now` against the one of the same name in `before`, in the same scenario and games; where both
-/// sweeps have a single strategy in a scenario, or one scenario with one strategy in all, these, whatever their names.
+/// sweeps have a single strategy in a scenario, these, whatever their names.
 /// An empty metric is the one that the world compares. `notes` gets what is in one of them only. Fails if nothing is in
 /// both.
 Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, const std::vector<Row>& now,

@@ -8,6 +8,7 @@
 #include "cx/base/number_text.h"
 #include "lab/statistics/sequential.h"
 #include "lab/statistics/statistics.h"
+#include "lab/table_text.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/metric.h"
 
@@ -402,13 +403,15 @@ Table requirement_table(const std::vector<Answer>& answers) {
                {"after", "after games", Kind::kNumber},
                {"found", "found", Kind::kNumber},
                {"found_95", "95 %", Kind::kNumber},
+               {"games", "pairs or games", Kind::kNumber},
                {"p_holm", "p (Holm)", Kind::kNumber}},
               {}};
   for (const Answer& one : answers)
-    table.rows.push_back(
-        {one.scenario, one.strategy, one.asked, one.metric.title, TableCell(to_string(one.judgement)),
-         count_cell(one.after), number_cell(statistics::mean(one.values), one.metric.digits, one.is_difference),
-         interval(statistics::interval_95(one.values, statistics::mean), one.metric.digits), probability(one.p)});
+    table.rows.push_back({one.scenario, one.strategy, one.asked, one.metric.title, TableCell(to_string(one.judgement)),
+                          count_cell(one.after),
+                          number_cell(statistics::mean(one.values), one.metric.digits, one.is_difference),
+                          interval(statistics::interval_95(one.values, statistics::mean), one.metric.digits),
+                          count_cell(one.values.size()), probability(one.p)});
   set_title(table, "requirements");
   return table;
 }
@@ -419,14 +422,17 @@ std::vector<std::string> remarks_on(const std::vector<Answer>& answers) {
   for (const Answer& one : answers) {
     const std::string who = one.scenario + ", " + one.strategy + ": ";
     if (one.lost > 0)
-      out.push_back(who + std::to_string(one.lost) + " games were not completed" +
-                    (one.is_difference ? ", which it is compared with completed" : "") +
-                    "; such a strategy is never better");
+      out.push_back(who + "worse, because " + count_text(one.lost, "game") + (one.lost == 1 ? " was" : " were") +
+                    " not completed" + (one.is_difference ? " that the other side completed" : ""));
+    if (one.gained > 0)
+      out.push_back(who + count_text(one.gained, "game") + (one.gained == 1 ? " was" : " were") +
+                    " completed that the other side did not complete; they count in no difference");
     const std::size_t fewest =
         statistics::fewest_games(one.is_difference ? About::kDifferences : About::kMean, answers.size());
     if (one.judgement == Judgement::kUndecided && one.values.size() < fewest)
       out.push_back(
-          who + found_expected(std::to_string(one.values.size()) + (one.is_difference ? " pairs of" : "") + " games",
+          who + found_expected(one.is_difference ? count_text(one.values.size(), "pair") + " of games"
+                                                 : count_text(one.values.size(), "game"),
                                "at least " + std::to_string(fewest) + " to answer anything; add seeds to the suite"));
   }
   return out;

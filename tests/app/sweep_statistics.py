@@ -8,7 +8,7 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from lab import CXLAB, Lab
+from lab import CONFIG, CXLAB, Lab
 
 COLUMNS = "scenario,strategy,game,seed,status,exit,points,late_s,journal_hash\n"
 SUITE = """scenarios: [s.yaml]
@@ -61,13 +61,45 @@ class SweepStatistics(Lab):
         answer = json.loads(self.cxlab("bench", "compare", "old", "late", "--metric", "late_s", "--json", code=1).stdout)
         self.assertEqual((answer["answer"], answer["differences"][0]["difference"], answer["differences"][0]["lost"]), ("worse", 10, 12))
 
-    def test_a_sweep_that_fails_games_is_never_better(self):
+    def test_a_game_that_only_the_old_sweep_completed_is_worse(self):
         self.sweep("old", [("agent", seed, 600 + seed) for seed in range(20)])
         self.sweep("new", [("agent", seed, 700 + seed) for seed in range(20)])
         text = (self.folder / "new/rows.csv").read_text().replace("game,agent,,7,completed,0,707", "game,agent,,7,crashed,70,")
         self.write("new/rows.csv", text)
-        said = self.cxlab("bench", "compare", "old", "new", code=6).stdout
-        self.assertIn("game, agent: 1 games were not completed, which it is compared with completed; such a strategy is never better\n", said)
+        done = self.cxlab("bench", "compare", "old", "new", code=1)
+        self.assertIn("game, agent: worse, because 1 game was not completed that the other side completed\nanswer: worse\n", done.stdout)
+        self.assertIn("cxlab bench page new shows these games with the commands that play them again\n", done.stderr)
+        said = self.cxlab("bench", "compare", "new", "old", code=1).stdout
+        self.assertIn("game, agent: 1 game was completed that the other side did not complete; they count in no difference\nanswer: worse\n", said)
+        # All crash: there is no pair, and no lack of seeds.
+        self.write("none/rows.csv", COLUMNS + "".join(f"game,agent,,{seed},crashed,137,,,\n" for seed in range(20)))
+        said = self.cxlab("bench", "compare", "old", "none", code=1).stdout
+        self.assertIn("game, agent: worse, because 20 games were not completed that the other side completed\nanswer: worse\n", said)
+        self.assertNotIn("seeds", said)
+
+    def test_an_agent_that_crashes_holds_no_requirement(self):
+        self.write("s.yaml", "schema: 1\nduration_s: 2\npackages: {rules: rules}\nagents:\n  - config: agent.yaml\n")
+        self.write("agent.yaml", CONFIG)
+        self.write("rules/rules.clp", "(defrule bomb (time ?t&:(> ?t 0.5)) => (while TRUE do (bind ?x 1)))\n")
+        self.write("release/rows.csv", COLUMNS.replace("points", "sim_time_s") + "".join(f"s,agent,,{seed},completed,0,2,1,h\n" for seed in (1, 2)))
+        self.write("suite.yaml", "scenarios: [s.yaml]\nseeds: [1, 2]\nstrategies: {agent: []}\nearlier: {release: release}\n"
+                                 "require: [not worse than release in sim_time_s by 10, mean(sim_time_s) >= 0]\n")
+        said = self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--time-limit", "0.5", "-j", 2, code=1).stdout
+        self.assertRegex(said, r"\nagent +not worse than release in sim_time_s by 10 +worse +2 +- +- +0 ")
+        self.assertRegex(said, r"\nagent +mean\(sim_time_s\) >= 0 +worse +2 +- +- +0 ")
+        self.assertIn("s, agent: worse, because 2 games were not completed that the other side completed\n", said)
+        self.assertIn("s, agent: worse, because 2 games were not completed\n", said)
+        self.assertRegex(said, r"\ns, agent: 'not worse than release in sim_time_s by 10' does not hold; seed 1 was not completed\n  cxlab run [^\n]*/s\.yaml [^\n]*--seed 1\n")
+        self.assertNotIn("add seeds", said)
+
+    def test_sweeps_of_other_scenarios_are_not_compared(self):
+        self.sweep("old", [("agent", seed, 600) for seed in range(12)])
+        text = (self.folder / "old/rows.csv").read_text()
+        self.write("other/rows.csv", text.replace("game,agent", "game9,agent"))
+        said = self.cxlab("bench", "compare", "old", "other", code=3).stderr
+        self.assertIn("in common; game9, agent is in the new sweep only; game, agent is in the old sweep only; expected the same scenarios and seeds in both", said)
+        self.write("both/rows.csv", text + text.removeprefix(COLUMNS).replace("game,agent", "game9,agent"))
+        self.assertIn("game9, agent is in the new sweep only\n", self.cxlab("bench", "compare", "old", "both", code=6).stdout)
 
     def test_tables_are_written_in_four_ways(self):
         rows = [(name, seed, points) for name, mean in (("first_one", 600), ("50 % | all", 500)) for seed, points in enumerate(self.points(mean, mean))]
@@ -155,12 +187,17 @@ class SweepStatistics(Lab):
         self.assertEqual((answer["games"], answer["planned"]), (12, 20))
         self.assertEqual(len((self.folder / "o/rows.csv").read_text().splitlines()), 1 + 3 * 12)
         every = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", "--all", code=1).stdout)
+        self.assertEqual([line["games"] for line in answer["requirements"] + every["requirements"]], [12, 12, 20, 20])
+        for line in answer["requirements"] + every["requirements"]:
+            del line["games"]
         self.assertEqual((every["games"], every["requirements"]), (20, answer["requirements"]))
-        said = self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", code=1).stdout
+        self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", code=1)
+        self.assertEqual(len((self.folder / "o/rows.csv").read_text().splitlines()), 1 + 3 * 20, "games that are there stay in the tables")
+        said = self.cxlab("bench", "suite.yaml", "--out", "p", "--quiet", code=1).stdout
         self.assertIn("Answered after 12 of 20 games; --all plays the others, too.\n", said)
         self.assertRegex(said, r"\ns, short: 'short: not worse than long in sim_time_s' does not hold; the worst games: seed 1 \(-1\.0+\), seed 2 [^\n]*, seed 3 [^,\n]*\n"
                                r"  cxlab run [^\n]*duration_s=1[^\n]*\n")
-        self.assertIn("not worse than long in sim_time_s", (self.folder / "o/index.html").read_text())
+        self.assertIn("not worse than long in sim_time_s", (self.folder / "p/index.html").read_text())
 
         self.write("kept.yaml", SUITE.replace("short: [duration_s=1], ", "") + "require: mean(sim_time_s) >= 1.5\n")
         self.cxlab("bench", "kept.yaml", "--out", "kept", "--quiet")

@@ -9,6 +9,7 @@
 
 #include "folder.h"
 #include "lab/statistics/statistics.h"
+#include "lab/sweep/judge.h"
 #include "lab/sweep/plots.h"
 #include "lab/sweep/score_tables.h"
 #include "scenarios/catalogue.h"
@@ -142,7 +143,7 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
       ElementsAre("games&#x2f;" + std::filesystem::path(sweep.rows[0].file).stem().string() + "&#x2f;index.html"));
   EXPECT_THAT(text, HasSubstr("failed, exit 4: the &lt;ladder&gt; broke"));
   EXPECT_THAT(text, HasSubstr("rain &amp; wind"));
-  EXPECT_THAT(text, HasSubstr("games were not completed, which it is compared with completed"));
+  EXPECT_THAT(text, HasSubstr("worse, because 1 game was not completed that the other side completed"));
 }
 
 TEST_F(SweepPageTest, ThePageLoadsNothing) {
@@ -316,6 +317,29 @@ TEST(Requirements, SayHowManyGamesAreMissing) {
               ElementsAre(HasSubstr("found 9 games, expected at least 10")));
   EXPECT_TRUE(remarks_on({answer(ten, Judgement::kUndecided)}).empty());
   EXPECT_TRUE(remarks_on({answer(nine, Judgement::kWorse)}).empty());
+}
+
+TEST(Requirements, AGameThatWasNotCompletedIsWorse) {
+  std::vector<std::string> notes;
+  const std::vector<Row> whole = [] {
+    std::vector<Row> rows = orchard();
+    rows.back().status = "completed";
+    rows.back().exit_code = 0;
+    return rows;
+  }();
+  const auto same = compare_sweeps(whole, whole, "", notes, catalogue());
+  const auto broken = compare_sweeps(whole, orchard(), "", notes, catalogue());
+  const auto mended = compare_sweeps(orchard(), whole, "", notes, catalogue());
+  ASSERT_TRUE(same && broken && mended);
+  EXPECT_EQ(exit_code_of(*same), kUndecidedExit);
+  EXPECT_EQ((*broken)[0].judgement, Judgement::kUndecided);
+  EXPECT_EQ((*broken)[1].judgement, Judgement::kWorse);
+  EXPECT_EQ((*broken)[1].lost, 1u);
+  EXPECT_EQ(exit_code_of(*broken), 1);
+  EXPECT_THAT(remarks_on(*broken),
+              ElementsAre("field, second: worse, because 1 game was not completed that the other side completed"));
+  EXPECT_EQ(exit_code_of(*mended), kUndecidedExit);
+  EXPECT_THAT(remarks_on(*mended), ElementsAre(HasSubstr("1 game was completed that the other side did not")));
 }
 
 TEST_F(SweepPageTest, KeepsTheAnswersToRequirements) {
