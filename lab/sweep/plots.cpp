@@ -111,12 +111,12 @@ std::string number(double value) { return general_text(value, 8); }
 /// A drawing whose lines have names on the left, and a scale below.
 class Drawing {
  public:
-  Drawing(const std::vector<std::string>& names, double height, double least, double most, double right_margin = 30)
+  Drawing(const std::vector<std::string>& names, double height, double least, double most, double left_margin = 20)
       : bottom_(kTop + height), ticks_(ticks_between(least, most)) {
     std::size_t longest = 0;
     for (const std::string& name : names) longest = std::max(longest, name.size());
-    left_ = 20 + kCharacter * static_cast<double>(longest);
-    width_ = left_ + kWidth + right_margin;
+    left_ = left_margin + kCharacter * static_cast<double>(longest);
+    width_ = left_ + kWidth + 30;
     for (const double tick : ticks_) {
       line("grid", x(tick), kTop - 8, x(tick), bottom_, "#ddd");
       text("axis", x(tick), bottom_ + 18, "middle", "#555", general_text(tick, 6));
@@ -164,6 +164,11 @@ class Drawing {
       line(kind, x(interval.low), y_of(row), x(interval.high), y_of(row), colour, " stroke-width=\"3\"");
     dot(kind, x(mean), y_of(row), 4.5, colour);
   }
+  /// What the scale on the left is of; it stands upright beside the names.
+  void side_caption(const std::string& words) {
+    out_ += "<text class=\"caption\" transform=\"translate(14 " + place((kTop + bottom_) / 2) +
+            ") rotate(-90)\" text-anchor=\"middle\" fill=\"#111\">" + xml_text(words) + "</text>\n";
+  }
   /// What the scale is of.
   void caption(const std::string& words) {
     text("caption", (left_ + right()) / 2, bottom_ + 38, "middle", "#111", words);
@@ -205,6 +210,12 @@ class Drawing {
   std::string out_;
 };
 
+std::vector<std::string> names_of(const std::vector<const Metric*>& metrics) {
+  std::vector<std::string> out;
+  for (const Metric* metric : metrics) out.emplace_back(metric->name);
+  return out;
+}
+
 std::vector<std::string> names_of(const std::vector<PlotLine>& lines) {
   std::vector<std::string> out;
   for (const PlotLine& line : lines) out.push_back(line.name);
@@ -243,7 +254,7 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
   return out.svg();
 }
 
-Expected<std::string> difference_plot(const std::vector<Answer>& answers) {
+Expected<std::string> difference_plot(const std::vector<Answer>& answers, const std::string& against) {
   std::vector<PlotLine> lines;
   std::map<std::string, bool> scenarios, references;
   double least = 0, most = 0;
@@ -267,7 +278,9 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers) {
   Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
   const MetricOfRows& metric = answers.front().metric;
   out.caption(metric.title + " more than " +
-              (references.size() == 1 ? references.begin()->first : std::string("what it is compared with")) +
+              (!against.empty()         ? against
+               : references.size() == 1 ? references.begin()->first
+                                        : std::string("what it is compared with")) +
               " in the same game, with the 95 % interval" + (metric.more_is_better ? "" : " (less is better)"));
   out.line("zero", out.x(0), kTop - 8, out.x(0), out.bottom(), "#555", " stroke-width=\"1.5\"");
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -291,15 +304,17 @@ Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::stri
   constexpr double kHeight = 240;
   std::vector<std::string> shares;
   for (int percent = 0; percent <= 100; percent += 25) shares.push_back(std::to_string(percent) + " %");
-  Drawing out(shares, kHeight, all->least, all->most);
+  Drawing out(shares, kHeight, all->least, all->most, 40);
   const auto y = [&](double share) { return out.bottom() - kHeight * share; };
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const double at = y(static_cast<double>(i) / static_cast<double>(shares.size() - 1));
     out.line("grid", out.left(), at, out.right(), at, "#ddd");
     out.text("axis", out.left() - 8, at + 4, "end", "#555", shares[i]);
   }
-  out.caption("share of games with " + std::string(more ? "at least" : "at most") + " so much: " + all->metric.title);
+  out.caption(all->metric.title + " of a game");
+  out.side_caption("games with " + std::string(more ? "at least" : "at most") + " so much");
   std::vector<std::string> key;
+  std::map<std::vector<double>, std::size_t> drawn;  // curves, by their values
   for (std::size_t i = 0; i < all->lines.size(); ++i) {
     const PlotLine& line = all->lines[i];
     key.push_back(line.name);
@@ -312,7 +327,11 @@ Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::stri
       steps += 'H' + fixed_text(out.x(values[k]), 1) + 'V' + fixed_text(y(share), 1);
     }
     steps += 'H' + general_text(out.right(), 8);
-    out.path(Drawing::series_class(i), steps, Drawing::colour_of(i), Drawing::dash_of(i), line.name);
+    // The same curve again is drawn with gaps, so that the first one shows through them.
+    const auto [first, is_new] = drawn.try_emplace(values, i);
+    if (!is_new) key.back() += " (as " + all->lines[first->second].name + ")";
+    out.path(Drawing::series_class(i), steps, Drawing::colour_of(i),
+             is_new ? Drawing::dash_of(i) : " stroke-dasharray=\"7 9\"", line.name);
   }
   out.key(key);
   return out.svg();
@@ -322,6 +341,12 @@ Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string
   const auto all = lines_of(rows, metric, catalogue);
   if (!all) return all.error();
   const std::vector<const Metric*> parts = parts_of(rows, all->metric.name, catalogue);
+  const bool any = std::ranges::any_of(parts, [&rows](const Metric* part) {
+    return std::ranges::any_of(rows, [part](const Row& row) { return row.figure(part->name).has_value(); });
+  });
+  if (!parts.empty() && !any)
+    return input_error("no row has the parts of " + all->metric.name + "; expected some of the columns " +
+                       some_of(names_of(parts), 8));
   if (parts.empty())
     return input_error("the world declares no parts of " + all->metric.name +
                        ", as points by kind are (Metric::part_of)");

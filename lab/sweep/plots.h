@@ -19,7 +19,7 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
                                  const Catalogue& catalogue = shipped());
 /// A line for each difference: its mean with the 95 % interval, in the colour of its answer; 0 is no difference. All
 /// are of one metric, else an error.
-Expected<std::string> difference_plot(const std::vector<Answer>& answers);
+Expected<std::string> difference_plot(const std::vector<Answer>& answers, const std::string& against = {});
 /// A curve for each strategy and scenario: the share of games (upwards) that reach a figure (to the right).
 Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::string& metric,
                                    const Catalogue& catalogue = shipped());

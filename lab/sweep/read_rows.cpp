@@ -118,7 +118,8 @@ Expected<std::vector<Row>> rows_of_csv(const std::string& text, const std::strin
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (is_about_the_episode(columns[i])) continue;
       const auto value = read_number<double>(line->fields[i]);
-      if (value && !std::isfinite(*value)) return not_number(columns[i], "a number");
+      if (line->fields[i].empty() ? false : !value || !std::isfinite(*value))
+        return not_number(columns[i], "a number, or nothing where there is none");
       row.figures.push_back({shared_name(columns[i]), value});
     }
   }

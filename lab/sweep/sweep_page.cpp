@@ -12,6 +12,7 @@
 #include "lab/sweep/judge.h"
 #include "lab/sweep/plots.h"
 #include "lab/sweep/read_rows.h"
+#include "lab/sweep/row_folder.h"
 #include "lab/sweep/score_tables.h"
 #include "lab/table_text.h"
 #include "lab/versions.h"
@@ -213,6 +214,8 @@ Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<An
     add_plot(plots, prefix + "parts", "", parts_plot(rows, options.metric, catalogue));
     add_part("parts", part_table(rows, options.metric, catalogue), std::move(plots));
   }
+  if (!answers.empty())
+    add_part("shares", share_table(rows, answers.front().asked, options.metric, catalogue), Json::array());
   if (options.metric.empty())
     add_part("overview", overview_table(rows, answers.empty() ? "" : answers.front().asked, catalogue), Json::array());
   for (const ShownGame& game : ends_of(scenario.rows, *metric))
@@ -242,6 +245,10 @@ Json facts_of(const SweepRecord& sweep) {
   const auto fact = [&out](const std::string& what, const std::string& text) {
     if (!text.empty()) out.push_back({{"what", what}, {"text", text}});
   };
+  if (auto suite = read_file(sweep.path / kSuiteFile)) {
+    suite->erase(suite->find_last_not_of('\n') + 1);
+    fact("suite", *suite);
+  }
   fact("games", std::to_string(sweep.rows.size()) + ", of which " + std::to_string(completed) + " were completed");
   fact("strategies", std::to_string(strategies.size()));
   fact("scenarios", std::to_string(scenarios.size()) + ": " + list(scenarios));
@@ -345,7 +352,7 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
     for (const std::string& remark : remarks_on(*compared)) notes.push_back(remark);
     const int code = exit_code_of(*compared);
     Json plots = Json::array();
-    add_plot(plots, "comparison", "", difference_plot(*compared));
+    add_plot(plots, "comparison", "", difference_plot(*compared, before->path.string()));
     data["comparison"] = {{"with", before->path.string()},
                           {"answer", code == 0                ? "better"
                                      : code == kUndecidedExit ? "undecided"

@@ -128,9 +128,10 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
   write("sweep/games/" + std::filesystem::path(sweep.rows[0].file).stem().string() + "/index.html", "");
   const std::string text = page(sweep);
   EXPECT_THAT(text, HasSubstr("40, of which 39 were completed"));
-  EXPECT_THAT(found(text, "<h3>([^<]*)"),
-              ElementsAre("Scores", "Differences in the same games", "How many games reach a figure",
-                          "What it is made of", "Several figures side by side", "Worst and best games"));
+  EXPECT_THAT(
+      found(text, "<h3>([^<]*)"),
+      ElementsAre("Scores", "Differences in the same games", "How many games reach a figure", "What it is made of",
+                  "Shares in the same games", "Several figures side by side", "Worst and best games"));
   EXPECT_THAT(found(text, "data-name=\"([^\"]*)"),
               ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
   // The mean difference of the 19 pairs: 10 and 1, 2 or 0.
@@ -217,6 +218,30 @@ TEST(Plots, ProfilesEndAtNoGame) {
     EXPECT_EQ(std::stod(heights.back()), 264);
     EXPECT_TRUE(std::ranges::is_sorted(heights, {}, [](const std::string& y) { return std::stod(y); }));
   }
+}
+
+TEST(Plots, ProfilesNameBothAxes) {
+  const auto plot = profile_plot(orchard(), "", catalogue());
+  ASSERT_TRUE(plot);
+  EXPECT_THAT(found(*plot, "<text class=\"caption\"[^>]*>([^<]*)"),
+              ElementsAre("apples of a game", "games with at least so much"));
+}
+
+TEST(Plots, AnEqualProfileDoesNotHideTheFirst) {
+  std::vector<Row> rows;
+  for (const char* const strategy : {"first", "twin"})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) rows.push_back(row(strategy, seed, static_cast<double>(seed), 0));
+  const auto plot = profile_plot(rows, "", catalogue());
+  ASSERT_TRUE(plot);
+  EXPECT_THAT(found(*plot, "<path class=\"series[^>]*(stroke-dasharray=\"7 9\")"), testing::SizeIs(1));
+  EXPECT_THAT(*plot, HasSubstr(">twin (as first)<"));
+}
+
+TEST(Plots, PartsWithoutAFigureAreAnError) {
+  std::vector<Row> rows = orchard();
+  for (Row& one : rows) one.figures.resize(1);
+  EXPECT_THAT(parts_plot(rows, "", catalogue()).error().message,
+              HasSubstr("no row has the parts of apples; expected some of the columns red, rotten"));
 }
 
 TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
