@@ -24,10 +24,24 @@ int make(const lab::NewPackage& package, const std::string& folder, const std::s
   if (Status s = lab::make_package(package, folder); !s) return fail(s.error());
   std::printf("%s\n", folder.c_str());
   std::fprintf(stderr, "next: cd %s; %s (README.md says more)\n", folder.c_str(), next.c_str());
-  if (package.continuous && package.continuous->address.empty())
+  if (!package.continuous) return 0;
+  const auto& [address, sha256] = *package.continuous;
+  const char* const page = "(docs/how-to/test-in-ci.md)";
+  if (address.empty())
     std::fprintf(stderr,
                  "note: ci/cxlab.txt does not say yet where the pipelines get cxlab: write the address and the SHA-256 "
-                 "of a tarball into it (docs/how-to/test-in-ci.md)\n");
+                 "of a tarball into it %s\n",
+                 page);
+  else if (!address.starts_with("https://") && !address.starts_with("http://"))
+    std::fprintf(stderr,
+                 "note: ci/cxlab.txt names the file %s: the pipelines find it only if it is in the repository; name it "
+                 "from the folder of the package, or write an address https://... %s\n",
+                 address.c_str(), page);
+  if (!address.empty() && sha256.empty())
+    std::fprintf(stderr,
+                 "note: ci/cxlab.txt has no SHA-256 yet, and the pipelines refuse the tarball without it: write what "
+                 "sha256sum prints for the tarball %s\n",
+                 page);
   return 0;
 }
 

@@ -1,5 +1,7 @@
 #include "lab/new_package.h"
 
+#include <openssl/evp.h>
+
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -71,6 +73,19 @@ Status copy_template(const fs::path& origin, const fs::path& to, const Replaceme
   return {};
 }
 
+/// As sha256sum prints it.
+std::string sha256_of(std::string_view bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr);
+  std::string out;
+  for (unsigned int i = 0; i < size; ++i) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    out += {kDigits[digest[i] >> 4], kDigits[digest[i] & 15]};
+  }
+  return out;
+}
+
 /// Why the pipelines cannot use this tarball; empty if they can.
 std::string objection(const NewPackage::Tarball& tarball) {
   if (tarball.address.find_first_of(" \t\r\n") != std::string::npos)
@@ -80,6 +95,9 @@ std::string objection(const NewPackage::Tarball& tarball) {
   if (!tarball.sha256.empty() && !is_hash)
     return "the SHA-256 of the tarball: " +
            found_text(tarball.sha256, "64 hexadecimal digits, as sha256sum prints them");
+  if (const auto file = read_file(tarball.address); file && !tarball.sha256.empty())
+    if (const std::string hash = sha256_of(*file); hash != tarball.sha256)
+      return "the SHA-256 of the tarball: " + found_text(tarball.sha256, hash + ", the one of " + tarball.address);
   return {};
 }
 
@@ -99,8 +117,7 @@ Status make_package(const NewPackage& package, const std::string& folder) {
   if (error) return resource_error(error.message(), folder);
 
   const NewPackage::Tarball tarball = package.continuous.value_or(NewPackage::Tarball{});
-  const Replacements replacements{{"{scenarios}", find_share().scenarios.string()},
-                                  {"{address}", tarball.address},
+  const Replacements replacements{{"{address}", tarball.address},
                                   {"{sha256}", tarball.sha256},
                                   {"my_" + package.kind, name},
                                   {cx::camel_case("my_" + package.kind), cx::camel_case(name)}};
