@@ -246,9 +246,9 @@ class Lists(unittest.TestCase):
     def test_metrics(self):
         listed = set()
         for line in cxlab("list", "metrics").splitlines():
-            unit, better, formula = re.fullmatch(r"(?:(\S+) +)?(more|less) .*: (.*)", line[11:].split(None, 1)[1]).groups()
-            listed.add((line[11:].split()[0], unit or "", better, formula))
-        shown = {(words(row[0])[0], row[1], row[2], words(row[4])[0]) for heads, rows in tables(read("docs/reference/metrics.md")) for row in rows}
+            unit, better, what, formula = re.fullmatch(r"(?:(\S+) +)?(more|less) +(.*): (.*)", line[11:].split(None, 1)[1]).groups()
+            listed.add((line[11:].split()[0], unit or "", better, what, formula))
+        shown = {(words(row[0])[0], row[1], row[2], row[3], words(row[4])[0]) for heads, rows in tables(read("docs/reference/metrics.md")) for row in rows}
         self.assertEqual(shown, listed)
 
     def test_kinds_of_faults_with_their_keys(self):
