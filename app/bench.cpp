@@ -218,7 +218,7 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
   host.note(std::to_string(found->rows.size()) + " of " + lab::count_text(cells, "cell") +
             (found->rows.size() == 1 ? " has" : " have") + " a row; " + lab::count_text(found->taken, "row") +
             (found->taken == 1 ? " was" : " were") + " taken");
-  // What is left out is said even with --quiet: the table does not show it.
+  // Also with --quiet: no table shows which rows do not count.
   const auto left_out = [](std::size_t n, const std::string& what, const std::string& is, const std::string& are) {
     if (n > 0) std::fprintf(stderr, "%s %s\n", lab::count_text(n, what).c_str(), (n == 1 ? is : are).c_str());
   };

@@ -157,7 +157,7 @@ class OnThisSystem(Pipelines):
         self.assertIn(f"ci/cxlab.txt names the file {self.tarball}: the pipelines find it only if it is in the repository", said("--cxlab", self.tarball, "--sha256", self.sha256))
         address = "https://files.example.org/cxlab.tar.gz"
         self.assertIn("ci/cxlab.txt has no SHA-256 yet", said("--cxlab", address))
-        self.assertNotIn("note", said("--cxlab", address, "--sha256", self.sha256))
+        self.assertNotIn("note: ", said("--cxlab", address, "--sha256", self.sha256))
 
     def test_wrong_options_are_named(self):
         self.assertIn(f"found '{'0' * 64}', expected {self.sha256}, the one of {self.tarball}", self.new_agent("wrong_agent", sha256="0" * 64, expect=2).stderr)

@@ -230,6 +230,7 @@ class SweepStatistics(Lab):
         self.write("twice/rows.csv", COLUMNS + "game,a,,1,completed,0,1,1,h\n" * 2)
         self.write("text.csv", COLUMNS + "game,a,,one,completed,0,1,1,h\n")
         self.write("short.csv", COLUMNS + "game,a\n")
+        self.write("abc.csv", COLUMNS + "game,a,,1,completed,0,abc,1,h\n")
         self.write("lines.csv", COLUMNS + '"ga\nme",a,,1,completed,0,1,1,h\n\ngame,a\n')
         self.write("nothing.csv", COLUMNS)
         self.write("crashed.csv", COLUMNS + "game,a,,1,crashed,70,,,\n")
@@ -241,6 +242,8 @@ class SweepStatistics(Lab):
                 ("twice/rows.csv: found two rows of game, a, seed 1, expected one", 3, "bench", "show", "twice"),
                 ("text.csv:2: found 'one' as seed, expected a whole number from 0", 3, "bench", "show", "text.csv"),
                 ("short.csv:2: found 2 fields, expected 9", 3, "bench", "show", "short.csv"),
+                ("abc.csv:2: found 'abc' as points, expected a number, or nothing where there is none", 3, "bench", "show", "abc.csv"),
+                ("no row has the parts of points; expected some of the columns points_delivery, points_ring", 3, "bench", "plot", "s", "out.svg", "--kind", "parts"),
                 ("lines.csv:5: found 2 fields, expected 9", 3, "bench", "show", "lines.csv"),
                 ("nothing.csv: found no row", 3, "bench", "show", "nothing.csv"),
                 ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
