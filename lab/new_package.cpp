@@ -117,7 +117,10 @@ Status make_package(const NewPackage& package, const std::string& folder) {
   if (error) return resource_error(error.message(), folder);
 
   const NewPackage::Tarball tarball = package.continuous.value_or(NewPackage::Tarball{});
-  const Replacements replacements{{"{address}", tarball.address},
+  // A repository names no place of this machine: ci/get_cxlab.sh unpacks cxlab there.
+  const std::string scenarios = package.continuous ? ".cxlab/share/cxlab/scenarios" : find_share().scenarios.string();
+  const Replacements replacements{{"{scenarios}", scenarios},
+                                  {"{address}", tarball.address},
                                   {"{sha256}", tarball.sha256},
                                   {"my_" + package.kind, name},
                                   {cx::camel_case("my_" + package.kind), cx::camel_case(name)}};

@@ -28,8 +28,8 @@ struct Answer {
   std::vector<std::pair<std::string, std::uint64_t>> games;  ///< of the values: name and seed
   double bound = 0;                                          ///< `values` are compared with this
   std::vector<double> first, second;                         ///< of a difference: the figures of the pairs
-  std::size_t lost = 0;  ///< games that the strategy did not complete, though what it is compared with did: one is
-                         ///< enough for kWorse
+  std::size_t lost = 0;    ///< games that the strategy did not complete, though what it is compared with did: one is
+                           ///< enough for kWorse
   std::size_t gained = 0;  ///< of a difference: games that only the strategy completed
   Judgement judgement = Judgement::kUndecided;
   std::size_t after = 0;  ///< games

@@ -148,6 +148,8 @@ class OnThisSystem(Pipelines):
             for file in agent.rglob("*"):
                 if file.is_file():
                     self.assertNotIn(str(self.folder), file.read_text(), file)
+        self.assertTrue((self.new_agent("plain_agent") / "README.md").read_text().endswith("`.cxlab/share/cxlab/scenarios/rcll/agent`.\n"))
+        self.assertTrue((self.folder / "unpacked/share/cxlab/scenarios/rcll/agent").is_dir(), "ci/get_cxlab.sh unpacks it")
 
     def test_what_the_pipelines_cannot_use_is_said(self):
         def said(*tarball):
