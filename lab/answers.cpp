@@ -18,10 +18,10 @@ Json fact_json(const FactCopy& fact) {
 
 Json doer_json(const inspect::Doer& doer) {
   static const std::map<inspect::Doer::Kind, const char*> kKinds{
-      {inspect::Doer::Kind::kRule, "rule"},        {inspect::Doer::Kind::kInput, "input"},
-      {inspect::Doer::Kind::kPerson, "person"},    {inspect::Doer::Kind::kWhatIf, "what_if"},
-      {inspect::Doer::Kind::kProgram, "program"},  {inspect::Doer::Kind::kStart, "start"},
-      {inspect::Doer::Kind::kOutside, "executive"}};
+      {inspect::Doer::Kind::kRule, "rule"},     {inspect::Doer::Kind::kInput, "input"},
+      {inspect::Doer::Kind::kPerson, "person"}, {inspect::Doer::Kind::kWhatIf, "what_if"},
+      {inspect::Doer::Kind::kStory, "story"},   {inspect::Doer::Kind::kProgram, "program"},
+      {inspect::Doer::Kind::kStart, "start"},   {inspect::Doer::Kind::kOutside, "executive"}};
   Json json{{"kind", kKinds.at(doer.kind)}};
   if (!doer.name.empty()) json["name"] = doer.name;
   if (doer.n) json["n"] = *doer.n;

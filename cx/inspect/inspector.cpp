@@ -10,6 +10,7 @@
 #include "cx/explain/left_hand_side.h"
 #include "cx/explain/matcher.h"
 #include "cx/explain/names.h"
+#include "cx/journal/journal_reader.h"
 
 namespace cxlab::inspect {
 
@@ -27,10 +28,14 @@ std::optional<std::int64_t> index_in(const std::string& what) {
   return read_number<std::int64_t>(what.substr(2));
 }
 
+bool is_by_story(const JournalRecord& act) {
+  return act.data.text("name") == kActOfStory && act.data.text("what") != "set";
+}
+
 /// The text that was evaluated, a file that was loaded, `NAME = VALUE` of what was set.
 std::string text_of_act(const JournalRecord& act) {
   const std::string name(act.data.text("name"));
-  if (name.empty()) return std::string(act.data.text("text"));
+  if (name.empty() || is_by_story(act)) return std::string(act.data.text("text"));
   return act.data.text("what") == "set" ? name + " = " + std::string(act.data.text("text")) : name;
 }
 
@@ -48,6 +53,7 @@ std::string Doer::text() const {
     case Kind::kInput: return name;
     case Kind::kPerson: return "a person: " + name;
     case Kind::kWhatIf: return "what if: " + name;
+    case Kind::kStory: return "the story: " + name;
     case Kind::kProgram: return "the program: " + name;
     case Kind::kStart: return "the start of the environment";
     case Kind::kOutside: break;
@@ -71,7 +77,10 @@ Doer Inspector::doer_of(std::uint64_t n) const {
         const JournalRecord act = timeline_->read(cause.n);
         if (is_by_program(act))
           return {Doer::Kind::kProgram, std::string(act.data.text("what")) + ' ' + text_of_act(act), cause.n};
-        return {is_planned(act) ? Doer::Kind::kWhatIf : Doer::Kind::kPerson, text_of_act(act), cause.n};
+        return {is_by_story(act)  ? Doer::Kind::kStory
+                : is_planned(act) ? Doer::Kind::kWhatIf
+                                  : Doer::Kind::kPerson,
+                text_of_act(act), cause.n};
       }
       default: break;
     }
@@ -430,6 +439,7 @@ Derivation Inspector::why(std::uint64_t record) const {
     } else {
       const JournalRecord cause = timeline_->read(n);
       step.planned = is_planned(cause);
+      step.by_story = is_by_story(cause);
       step.by_program = is_by_program(cause);
       step.text = step.kind == RecordKind::kControl
                       ? text_of_act(cause)

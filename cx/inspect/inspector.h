@@ -31,6 +31,7 @@ struct Doer {
     kInput,    ///< something came from outside, for example "topic /game_state"
     kPerson,   ///< with cxlab attach
     kWhatIf,   ///< cxlab rerun --then, --set or --assert
+    kStory,    ///< the story that the run plays
     kProgram,  ///< the program that played the run, between ticks
     kStart,    ///< the environment when it started: deffacts, plugins
     kOutside,  ///< the executive or a plugin, for no reason that was recorded
@@ -94,6 +95,7 @@ struct Derivation {
     std::string note;                    ///< of a step without a cause: why it has none
     std::optional<FactChange> asserted;  ///< of the fact that was asked for, where it has been changed since
     bool planned = false;                ///< of what was done from outside: `cxlab rerun` was to do it
+    bool by_story = false;               ///< the same: the story that the run plays did it
     bool by_program = false;             ///< the same: the program that played the run did it, between ticks
   };
   std::vector<Step> steps;  ///< the first is what was asked for; each record once

@@ -239,6 +239,7 @@ std::string line_of(const Derivation::Step& step) {
       break;
     case RecordKind::kControl:
       text = (step.by_program ? "the program at "
+              : step.by_story ? "the story, at "
               : step.planned  ? "what if, at "
                               : "a person at ") +
              seconds_text(step.t) + ": " + step.text;

@@ -74,6 +74,9 @@ Expected<std::vector<JournalRecord>> read_journal(const std::filesystem::path& p
 /// What the slots of a record of a fact hold, in their order: texts without their quotes.
 std::vector<std::string> slot_texts(const RecordValue& fact);
 
+/// The name of an act of a story (cx/testing/story_parts.h), whose text says what it does.
+inline constexpr std::string_view kActOfStory = "story";
+
 /// The kind of that name; none if there is none.
 std::optional<RecordKind> record_kind(std::string_view word);
 

@@ -9,12 +9,19 @@
 #include "cx/executive/environment.h"
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
+#include "cx/journal/journal_reader.h"
 
 namespace cxlab::testing {
 
 namespace {
 
 using Verb = Step::Verb;
+
+/// Whether the fact was still there: one before it may have taken it with it. An act that fails would end a replay.
+bool retract(cx::Environment& environment, const FactCopy& fact) {
+  if (!environment.engine().fact(fact.index)) return false;
+  return environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index), std::string(kActOfStory)).ok();
+}
 
 bool is_of_facts(const Step& step) { return step.verb == Verb::kAssert || step.verb == Verb::kRetract; }
 
@@ -40,6 +47,12 @@ Expected<std::string> config_for_rules(const StorySpec& spec) {
          "    executive: {plugin: 'cx::ExecutivePlugin'}\n    ros_msgs: {plugin: 'cx::RosMsgsPlugin'}\n"
          "    files: {plugin: 'cx::FileLoadPlugin', load: [" +
          files + "]}\n";
+}
+
+std::string plain_objection(const explain::Pattern& pattern, const RuleEngine& engine, const std::string& of_clips) {
+  Status plain = explain::check_names(pattern, engine);
+  if (plain) plain = explain::check_values(pattern, engine, {});
+  return plain ? of_clips : plain.error().message;
 }
 
 Status set_up(StandIns& stand_ins, const StorySpec& spec) {
@@ -118,7 +131,7 @@ Status StoryFacts::stop_at(cx::Environment& environment, const cx::ControlPlace&
 }
 
 Status StoryFacts::evaluate(cx::Environment& environment, const Line& text) const {
-  const auto done = environment.act(cx::ControlAct::Verb::kLoad, text.text, "calls");
+  const auto done = environment.act(cx::ControlAct::Verb::kLoad, text.text, std::string(kActOfStory));
   return done ? Status() : input_error(text.text + ": " + done.error().message, spec_->file, text.line);
 }
 
@@ -148,8 +161,7 @@ Status StoryFacts::hold(cx::Environment& environment) const {
              sent.goal->line});
         !s)
       return s;
-  for (const FactCopy& fact : environment.engine().facts())
-    (void)environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index));
+  for (const FactCopy& fact : environment.engine().facts()) (void)retract(environment, fact);
   (void)environment.act(cx::ControlAct::Verb::kSettle, {});
   return {};
 }
@@ -191,7 +203,7 @@ Status StoryFacts::give_all(cx::Environment& environment) const {
   for (const Line& fact : spec_->given) wanted.insert(fact.text);
   if (spec_->moment)
     for (const FactCopy& fact : environment.engine().facts())
-      if (!wanted.contains(fact.print())) (void)environment.act(Verb::kRetract, std::to_string(fact.index));
+      if (!wanted.contains(fact.print())) (void)retract(environment, fact);
   for (const Line& fact : spec_->given)
     if (Status s = give(environment, fact); !s) return s;
   if (spec_->moment) (void)environment.act(Verb::kSettle, {});
@@ -200,8 +212,12 @@ Status StoryFacts::give_all(cx::Environment& environment) const {
 
 Status StoryFacts::give(cx::Environment& environment, const Line& fact) const {
   if (const std::string text = with_goals(fact.text); !text.empty()) return evaluate(environment, {text, fact.line});
-  const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text);
-  return done ? Status() : input_error(fact.text + ": " + done.error().message, spec_->file, fact.line);
+  const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text, std::string(kActOfStory));
+  if (done) return {};
+  const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);
+  const std::string& why = done.error().message;
+  return input_error(fact.text + ": " + (pattern ? plain_objection(*pattern, environment.engine(), why) : why),
+                     spec_->file, fact.line);
 }
 
 Status StoryFacts::take(cx::Environment& environment, const Step& step) const {
@@ -212,7 +228,7 @@ Status StoryFacts::take(cx::Environment& environment, const Step& step) const {
     return input_error("retract " + step.text + ": " + s.error().message, spec_->file, step.line);
   bool any = false;
   for (const FactCopy& fact : engine.facts(pattern->template_name()))
-    if (pattern->matches(fact)) any |= environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index)).ok();
+    if (pattern->matches(fact)) any |= retract(environment, fact);
   if (any) return {};
   return negative(spec_->file + ':' + std::to_string(step.line) + ": retract " + step.text + " at " +
                   general_text(to_seconds(environment.now()), 6) + " s: there is no such fact");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cx/executive/run_control.h"
+#include "cx/explain/pattern.h"
 #include "cx/run/parts.h"
 #include "cx/testing/stand_ins.h"
 #include "cx/testing/story.h"
@@ -19,6 +20,10 @@ SimTime end_of(const StorySpec& spec);
 
 /// A configuration of one environment, `main`, with the rule files of the story.
 Expected<std::string> config_for_rules(const StorySpec& spec);
+
+/// Why CLIPS objects to a fact or pattern of a story: with the names and values that would be right, where these are
+/// known, otherwise in the words of CLIPS.
+std::string plain_objection(const explain::Pattern& pattern, const RuleEngine& engine, const std::string& of_clips);
 
 /// Stand-ins serve, topics are listened to, and all that is sent and expected has the fields of its type; else the
 /// error says where in the story it has not.
