@@ -21,6 +21,9 @@ constexpr const char* kError = "error.txt";
 Status play_again(const testing::StorySpec& story, const fs::path& folder, const Host& host) {
   auto run = Run::open(story.golden);
   if (!run) return run.error();
+  if (story.end > run->sim_time)
+    return input_error("end: " + general_text(to_seconds(story.end), 9) + " s is after the end of the golden run, " +
+                       general_text(to_seconds(run->sim_time), 9) + " s");
   RerunOptions options;
   options.out = folder.string();
   options.force = true;

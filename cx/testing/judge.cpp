@@ -219,7 +219,7 @@ Status check_names(const Play& play, bool checked) {
       if (!play.engine().has("deftemplate", pattern->template_name())) continue;
       if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(play.engine());
       if (const std::string why = impossible->against(e.text); !why.empty())
-        return play.at(e.line, e.text + " can match no fact: " + why);
+        return play.at(e.line, e.text + " can match no fact: " + plain_objection(*pattern, play.engine(), why));
     } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
       if (!play.engine().find_construct("defrule", e.text))
         return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));

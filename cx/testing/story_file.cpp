@@ -19,8 +19,8 @@ std::string dumped(yaml::Map& map, const char* key) {
 
 /// The one key of several that a map has. `given` counts them.
 struct Choice {
-  std::string keys;  ///< all of them
-  std::string text;  ///< the value
+  std::string keys;       ///< all of them
+  std::string key, text;  ///< the one, and its value
   std::size_t index = 0;
   int given = 0;
 };
@@ -33,6 +33,7 @@ Choice choose(yaml::Map& map, std::span<const char* const> keys) {
     if (!value) continue;
     ++choice.given;
     choice.index = i;
+    choice.key = keys[i];
     choice.text = value.as_string();
   }
   return choice;
@@ -163,6 +164,14 @@ Expectation read_expectation(const yaml::Value& item) {
   if (e.count < 1) map.fail("count: expected at least 1");
   map.read_seconds("after", e.after).read_seconds("within_s", e.until);
   const bool about_fact = e.kind == Kind::kFact || e.kind == Kind::kNoFact;
+  if (map.has("at") && !about_fact && kind.given == 1) {
+    map.get("at").fail("it goes with `fact` and `no_fact` only; with `" + kind.key + "` go " +
+                       (message                  ? "`count`, `fields`, "
+                        : e.kind == Kind::kFires ? "`count`, "
+                                                 : "") +
+                       "`after` and `within_s`");
+    return e;
+  }
   if (about_fact && map.has("at")) {
     if (map.has("within_s") || map.has("after")) map.fail("`at` stands alone");
     map.read_seconds("at", e.until);
@@ -264,11 +273,10 @@ bool names_no_time(const StorySpec& spec) {
 }
 
 /// A run has all of its own.
-void check_golden(const yaml::Map& map, const StorySpec& spec) {
-  const bool more = !spec.config.empty() || !spec.rules.empty() || !spec.given.empty() || !spec.stand_ins.empty() ||
-                    !spec.steps.empty() || !spec.expect.empty() || !spec.seeds.empty() || !spec.faults.empty();
-  if (more)
-    map.fail("a golden run has its own agent, world and seed: expected `end` beside `golden`, and nothing else");
+void check_golden(yaml::Map& map) {
+  for (const auto& [key, value] : map.entries())
+    if (key != "story" && key != "golden" && key != "end")
+      return value.fail("a golden run has its own agent, world and seed: only `end` may stand beside `golden`");
 }
 
 }  // namespace
@@ -298,14 +306,18 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     spec.file = common.file;
     if (!map.has("golden")) spec = common;
     spec.line = item.line();
-    spec.name = map.require("story").as_string();
+    const yaml::Value name = map.require("story");
+    spec.name = name.as_string();
+    if (const auto same = std::ranges::find(stories, spec.name, &StorySpec::name); name && same != stories.end())
+      name.fail("the story on line " + std::to_string(same->line) + " has the name '" + spec.name +
+                "', too: give each story a name of its own");
     if (const yaml::Value keys = map.get("replaces"))
       for (const yaml::Value& key : keys.is_list() ? keys.as_list() : std::vector{keys}) replace(key, spec);
     read_story(map, spec);
     map.finish();
     check_under_way(map, spec);
     if (!spec.golden.empty())
-      check_golden(map, spec);
+      check_golden(map);
     else if (spec.config.empty() == spec.rules.empty())
       map.fail("expected one of config, rules, golden");
     else if (spec.expect.empty())

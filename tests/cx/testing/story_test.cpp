@@ -129,6 +129,10 @@ TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
               HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
   EXPECT_THAT(text(play("not_fire: open")),
               HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
+  EXPECT_THAT(
+      text(play("fires: open, at: 1")),
+      HasSubstr("[0].expect[0].at: it goes with `fact` and `no_fact` only; with `fires` go `count`, `after` and "
+                "`within_s`"));
   EXPECT_THAT(text(play("fact: (door (state OPEN)")), HasSubstr("t.story.yaml:5"));
   EXPECT_THAT(text(play("goal: /r/pick, within_s: 1")), HasSubstr("nobody serves /r/pick"));
   EXPECT_THAT(play("no_fact: (dor (state OPEN)), within_s: 1").failures,
@@ -145,9 +149,16 @@ TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
     const StoryResult result = play("no_fact: '" + pattern + "', within_s: 1");
     return result.bad ? result.bad->text() : "no error";
   };
-  for (const char* pattern : {"(door (state OPNE))", "(door (width 1.5))", "(door 7)", "(door (stat OPEN))",
-                              "(door (x 1) (x 2))", "(MAIN::door (x OPEN))", "(door (x 1) (width wide))"})
-    EXPECT_THAT(text(pattern), HasSubstr("t.story.yaml:5: " + std::string(pattern) + " can match no fact: ["));
+  for (const auto& [pattern, why] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"(door (state OPNE))",
+            "slot 'state' of template 'door' cannot be OPNE; it holds OPEN, CLOSED; did you mean"},
+           {"(door (width 1.5))", "[CSTRNCHK1]"},
+           {"(door 7)", "template 'door' has slots; write (door (SLOT VALUE))"},
+           {"(door (stat OPEN))", "template 'door' has no slot 'stat', did you mean 'state'?"},
+           {"(door (x 1) (x 2))", "slot 'x' is in the pattern twice"},
+           {"(MAIN::door (x OPEN))", "slot 'x' of template 'door' cannot be OPEN; its type is FLOAT"},
+           {"(door (x 1) (width wide))", "slot 'width' of template 'door' cannot be wide; its type is INTEGER"}})
+    EXPECT_THAT(text(pattern), HasSubstr("t.story.yaml:5: " + std::string(pattern) + " can match no fact: " + why));
   for (const char* pattern : {"(door (state OPEN))", "(door (width 7))", "(door (state ?))", "(anything 7)",
                               "(door (x 3))", "(door (x -3) (width 7.0))", "(MAIN::door (x 3))"})
     EXPECT_EQ(text(pattern), "no error") << pattern;
@@ -262,8 +273,11 @@ TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
            {"  faults: [{outcome: fail, probability: 1, times: 0}]", "times: expected at least 1"},
            {"  skills: [{action: /a, type: cxlab_skills/action/Pick, takes_s: [3, 1]}]",
             "expected seconds from 0 to 1e9: 2, or [1, 4]"},
-           {"  golden: run", "expected `end` beside `golden`, and nothing else"}})
+           {"  golden: run",
+            "t.story.yaml:2: [0].rules: a golden run has its own agent, world and seed: only `end` may stand beside"}})
     EXPECT_THAT(said(more), HasSubstr(what)) << more;
+  EXPECT_THAT(read("- story: s\n  golden: run\n  seed: 4\n").error().text(), HasSubstr("t.story.yaml:3: [0].seed: "));
+  EXPECT_THAT(read("- story: s\n- story: t\n").error().text(), HasSubstr("expected one of config, rules, golden"));
 }
 
 TEST_F(Stories, AStoryThatWouldEndAtItsFirstTickIsAMistake) {
