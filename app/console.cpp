@@ -84,6 +84,7 @@ struct Activity {
   std::atomic<std::int64_t> done = -1, total = 0;  ///< s of simulated time
   std::atomic<std::int64_t> said = 0;              ///< when something was printed last, s
   std::atomic<std::int64_t> wait = kFirst;
+  bool never = false;
   std::atomic<bool> drawn = false;  ///< a line of progress that is drawn in place of the last one
 };
 Activity g_activity;
@@ -192,6 +193,8 @@ void on_no_memory() {
 
 void doing(std::string_view what) {
   Activity& now = g_activity;
+  if (what.empty()) now.text = -1;
+  if (what.empty() || now.never) return;
   const int next = now.text == 0 ? 1 : 0;
   auto& text = now.texts[static_cast<std::size_t>(next)];
   const std::string shown = printable(what);
@@ -204,7 +207,10 @@ void doing(std::string_view what) {
   now.text = next;
 }
 
-void stop_reporting() { g_activity.text = -1; }
+void stop_reporting() {
+  doing({});
+  g_activity.never = true;
+}
 
 void show_debug_lines(Shown shown) { g_shown = shown; }
 

@@ -15,6 +15,7 @@
 #include "app/coverage.h"
 #include "cx/base/file.h"
 #include "cx/base/json.h"
+#include "cx/base/number_text.h"
 #include "lab/confine.h"
 #include "lab/coverage.h"
 #include "lab/failed_stories.h"
@@ -64,8 +65,13 @@ std::string again(const PlayedStory& story, const TestOptions& options) {
 void print(const PlayedStory& p, const TestOptions& options) {
   if (options.quiet && p.passed()) return;
   const std::string seeds = p.seeds_played > 1 ? std::to_string(p.seeds_played) + " seeds, " : "";
-  std::printf("%s  %s: %s (%s%.0f ms, %.6g s simulated)\n", p.passed() ? "ok    " : "FAILED", p.spec.file.c_str(),
-              p.spec.name.c_str(), seeds.c_str(), p.wall_s * 1e3, p.result.sim_time_s);
+  // The process of a story that did not end has not said how far it came.
+  const std::string simulated = p.late ? std::string() : ", " + general_text(p.result.sim_time_s, 6) + " s simulated";
+  if (p.unreadable)
+    std::printf("FAILED  %s: cannot be read, so none of its stories was played\n", p.spec.file.c_str());
+  else
+    std::printf("%s  %s: %s (%s%.0f ms%s)\n", p.passed() ? "ok    " : "FAILED", p.spec.file.c_str(),
+                p.spec.name.c_str(), seeds.c_str(), p.wall_s * 1e3, simulated.c_str());
   for (const std::string& c : p.complaints()) std::printf("  %s\n", c.c_str());
   for (const std::string& note : p.result.notes) std::printf("  note: %s\n", note.c_str());
   if (!p.passed() && !p.result.bad)
@@ -100,8 +106,9 @@ Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab:
   auto stories = lab::read_stories(options.paths.empty() ? std::vector<std::string>{"."} : options.paths);
   if (!stories) return stories;
   const std::size_t all = stories->size();
-  std::erase_if(*stories, [&](const PlayedStory& story) {
-    return !filter.takes(std::filesystem::path(story.spec.file).filename().string() + "::" + story.spec.name);
+  std::erase_if(*stories, [&](const PlayedStory& story) {  // a file that cannot be read may have any stories
+    return !story.unreadable &&
+           !filter.takes(std::filesystem::path(story.spec.file).filename().string() + "::" + story.spec.name);
   });
   if (options.seed)
     for (PlayedStory& story : *stories) {
@@ -115,11 +122,10 @@ Expected<std::vector<PlayedStory>> chosen(const TestOptions& options, const lab:
 
 /// Keeps the stories that failed the last time; keeps all if none did.
 void keep_last_failed(std::vector<PlayedStory>& stories, const lab::FailedStories& failed) {
-  const auto passed = [&](const PlayedStory& story) { return !failed.has(story); };
-  if (std::ranges::all_of(stories, passed))
+  if (std::ranges::none_of(stories, [&](const PlayedStory& story) { return failed.has(story); }))
     std::fprintf(stderr, "nothing of this failed the last time: all is played\n");
   else
-    std::erase_if(stories, passed);
+    std::erase_if(stories, [&](const PlayedStory& story) { return !story.unreadable && !failed.has(story); });
 }
 
 /// The setup of all stories.
@@ -238,9 +244,10 @@ class Watching {
       }
       if (signal_that_came() != 0) break;
       files_.watch(all_files(), begun);
-      if (!turn.empty() || broken_)
-        std::printf("%s; watching %zu files, Ctrl-C ends\n", Counts(turn).text().c_str(), files_.size());
+      std::printf("%swatching %zu files, Ctrl-C ends\n", turn.empty() ? "" : (Counts(turn).text() + "; ").c_str(),
+                  files_.size());
       std::fflush(stdout);
+      doing({});
       const Paths changed = wait();
       if (signal_that_came() != 0) break;
       turn = affected(changed);
@@ -276,8 +283,11 @@ class Watching {
   /// The present stories that read one of these files, or are new.
   std::vector<PlayedStory> affected(const Paths& now_changed) {
     changed_.insert(now_changed.begin(), now_changed.end());
+    for (const std::filesystem::path& file : now_changed)
+      std::printf("\n%s %s\n", file.lexically_proximate(std::filesystem::current_path()).c_str(),
+                  path_exists(file) ? "has changed" : "was removed");
+    std::erase_if(files_of_stories_, [](const std::filesystem::path& file) { return !path_exists(file); });
     auto stories = chosen(options_, filter_);
-    broken_ = !stories;
     if (!stories) {
       fail(stories.error());
       if (!stories.error().file.empty()) files_of_stories_.insert(whole(stories.error().file));
@@ -292,8 +302,6 @@ class Watching {
       if (read == read_.end() || read->second.empty() || changed.contains(whole(story.spec.file))) return false;
       return std::ranges::none_of(read->second, [&](const auto& file) { return changed.contains(file); });
     });
-    for (const std::filesystem::path& file : changed)
-      std::printf("\n%s has changed\n", file.lexically_proximate(std::filesystem::current_path()).c_str());
     return *std::move(stories);
   }
 
@@ -327,7 +335,6 @@ class Watching {
   std::map<Key, Paths> read_;  // by story
   Paths files_of_stories_;
   Paths changed_;  // and not looked at, because stories could not be read
-  bool broken_ = false;
 };
 
 int test(const TestOptions& options) {
@@ -343,6 +350,7 @@ int test(const TestOptions& options) {
         return fail(usage_error("--load-once: the story '" + story.spec.name + "' of " + story.spec.file +
                                 " is a golden run, which is played alone: leave it out with -k, or --load-once away"));
   Console console(true);
+  if (options.quiet) stop_reporting();
   const lab::Host host = console.host();
   const auto plan = plan_of(options, host);
   if (!plan) return fail(plan.error());

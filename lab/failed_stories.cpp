@@ -46,7 +46,7 @@ void FailedStories::note(const std::vector<PlayedStory>& played) {
   for (const PlayedStory& story : played)
     if (story.played) failed_.erase(key_of(story));
   for (const PlayedStory& story : played)  // of several of one name it is enough that one failed
-    if (story.played && !story.passed()) failed_.insert(key_of(story));
+    if (story.played && !story.passed() && !story.unreadable) failed_.insert(key_of(story));
 }
 
 Status FailedStories::save() const {

@@ -88,7 +88,14 @@ Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& 
   std::vector<PlayedStory> out;
   for (const auto& [file, names] : *places) {
     auto specs = testing::read_stories(file);
-    if (!specs) return specs.error();
+    if (!specs) {
+      PlayedStory& bad = out.emplace_back();
+      bad.unreadable = true;
+      bad.spec.file = file.string();
+      bad.spec.name = file.filename().string();
+      bad.result.bad = specs.error();
+      continue;
+    }
     for (const std::string& name : names)
       if (std::ranges::count(*specs, name, &testing::StorySpec::name) == 0)
         return usage_error("there is no story '" + name + '\'' + did_you_mean(name, names_of(*specs)), file.string());

@@ -31,8 +31,8 @@ struct PlayedStory {
   double wall_s = 0;               ///< of all its processes
   bool late = false;               ///< a process was ended because it took longer than `StoryPlan::patience_s`
   std::filesystem::path run = {};  ///< a folder that can be asked why it failed; empty: none was kept
-
-  bool accepted = false;  ///< what goes otherwise than its golden run is the golden run from now on
+  bool unreadable = false;         ///< it stands for a whole file, whose error is in `result`: there is nothing to play
+  bool accepted = false;           ///< what goes otherwise than its golden run is the golden run from now on
 
   bool passed() const { return accepted || result.passed(); }
   /// The faults: those of the story itself, then those of the rules.
@@ -41,7 +41,8 @@ struct PlayedStory {
 
 /// These files, and all *.story.yaml below these folders; the file of FILE::NAME.
 Expected<std::vector<std::filesystem::path>> story_files(const std::vector<std::string>& paths);
-/// The stories of these files and of all *.story.yaml below these folders; of FILE::NAME those of that name.
+/// The stories of these files and of all *.story.yaml below these folders; of FILE::NAME those of that name. A file
+/// that cannot be read is one story that is `unreadable`.
 Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& paths);
 
 struct StoryPlan {

@@ -51,12 +51,11 @@ testing::StoryResult answer_left_unsaid(const testing::StorySpec& spec, int code
   testing::StoryResult result;
   const std::string how =
       code > 128 ? "a signal (" + std::to_string(code - 128) + ")" : "exit code " + std::to_string(code);
-  result.failures.push_back(
-      spec.file + ':' + std::to_string(spec.line) +
-      (late ? ": the story has not ended after " + general_text(patience_s, 6) +
-                  " s of the clock on the wall (--patience) and was ended; the other stories were played"
-            : ": the process that played this story ended with " + how +
-                  " before the story did; the other stories were played"));
+  result.failures.push_back(spec.file + ':' + std::to_string(spec.line) +
+                            (late ? ": the story has not ended after " + general_text(patience_s, 6) +
+                                        " s of wall time (--patience) and was ended; the other stories were played"
+                                  : ": the process that played this story ended with " + how +
+                                        " before the story did; the other stories were played"));
   return result;
 }
 

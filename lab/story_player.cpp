@@ -94,6 +94,9 @@ class Troupe {
       : stories_(stories), plan_(plan), host_(host), setup_(plan.setup), to_play_(stories.size()) {
     if (kPlaysBehindWalls) setup_.confine = [](const Wall& wall) { (void)raise_wall(wall); };
     for (std::size_t i = 0; i < stories.size(); ++i) {
+      stories[i].played = stories[i].unreadable;
+      if (stories[i].unreadable && plan.stop_at_failure) break;
+      if (stories[i].unreadable) continue;
       const std::vector<std::uint64_t>& seeds = stories[i].spec.seeds;
       to_play_[i] = std::max<std::size_t>(seeds.size(), 1);
       for (const std::uint64_t seed : seeds.empty() ? std::vector{stories[i].spec.seed} : seeds)
@@ -103,6 +106,7 @@ class Troupe {
   }
 
   Status play() {
+    tell_played();
     while (next_ < last_ || !to_keep_.empty() || !players_.empty()) {
       if (host_.stopped()) break;
       if (Status s = fill(); !s) return s;
@@ -200,6 +204,11 @@ class Troupe {
 
   void end(PlayedStory& story) {
     story.played = true;
+    tell_played();
+  }
+
+  /// The stories that have ended, up to the first that has not.
+  void tell_played() {
     while (told_ < stories_.size() && stories_[told_].played) tell(stories_[told_++]);
   }
 

@@ -94,13 +94,7 @@ class Stages {
   Status play() {
     for (std::size_t i = 0; i < stories_.size() && !host_.stopped(); ++i) {
       PlayedStory& story = stories_[i];
-      if (plan_.begins) plan_.begins(story);
-      const std::vector<std::uint64_t> seeds =
-          story.spec.seeds.empty() ? std::vector{story.spec.seed} : story.spec.seeds;
-      for (const std::uint64_t seed : seeds) {
-        if (Status s = play(i, seed); !s) return s;
-        if (plan_.stop_at_failure && !story.passed()) break;
-      }
+      if (Status s = play(i); !s) return s;
       if (host_.stopped()) break;
       story.played = true;
       if (plan_.ended) plan_.ended(story);
@@ -110,6 +104,17 @@ class Stages {
   }
 
  private:
+  Status play(std::size_t i) {
+    PlayedStory& story = stories_[i];
+    if (story.unreadable) return {};
+    if (plan_.begins) plan_.begins(story);
+    for (const std::uint64_t seed : story.spec.seeds.empty() ? std::vector{story.spec.seed} : story.spec.seeds) {
+      if (Status s = play(i, seed); !s) return s;
+      if (plan_.stop_at_failure && !story.passed()) break;
+    }
+    return {};
+  }
+
   Status play(std::size_t i, std::uint64_t seed) {
     PlayedStory& story = stories_[i];
     const auto begun = StageClock::now();
