@@ -116,8 +116,8 @@ int make_story(StoryOptions options) {
   if (!kept) return fail(kept.error());
   for (const std::string& note : story->notes) std::fprintf(stderr, "note: %s\n", printable(note).c_str());
   std::printf("%s\n", options.file.c_str());
-  std::fprintf(stderr, "it expects %d things and passes now; next: cxlab test %s\n", story->expectations,
-               options.file.c_str());
+  std::fprintf(stderr, "it expects %d thing%s and passes now; next: cxlab test %s\n", story->expectations,
+               story->expectations == 1 ? "" : "s", options.file.c_str());
   return 0;
 }
 
