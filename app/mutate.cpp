@@ -125,8 +125,9 @@ int play_one(const Mutation& mutation, const MutateOptions& options, const lab::
         std::printf("FAILED  %s: %s\n  %s\n", story.spec.file.c_str(), story.spec.name.c_str(),
                     story.complaints().front().c_str());
     if (survived)
-      std::printf("survived: all %s pass that can notice it; %s\n", stories_text(stories->size()).c_str(),
-                  reach_text(mutation.reached_by(mutant)).c_str());
+      std::printf("survived: %s that can notice it %s; %s\n",
+                  (stories->size() == 1 ? "the only story" : "all " + stories_text(stories->size())).c_str(),
+                  stories->size() == 1 ? "passes" : "pass", reach_text(mutation.reached_by(mutant)).c_str());
     else
       std::printf("killed by %zu of %zu stories\n", fail_count, stories->size());
   }
@@ -271,14 +272,19 @@ int mutate(const MutateOptions& options) {
   plan.begins = [](const lab::PlayedStory& story) {
     doing("playing story '" + story.spec.name + "' of " + story.spec.file);
   };
+  if (options.list || !options.show.empty()) {
+    const auto mutation = Mutation::load(*std::move(subject), options.files, std::move(plan), host);
+    if (!mutation) return fail(mutation.error());
+    if (const int code = interrupted("not all agents were loaded")) return code;
+    return options.list ? list_mutants(*mutation, options) : show_mutant(*mutation, options.show);
+  }
   const auto mutation = Mutation::prepare(*std::move(subject), options.files, std::move(plan), host);
   if (!mutation) return fail(mutation.error());
   if (const int code = interrupted("no mutant was played")) return code;
-  if (options.list) return list_mutants(*mutation, options);
-  if (!options.show.empty()) return show_mutant(*mutation, options.show);
   if (!options.quiet) {
-    console.note(stories_text(mutation->stories().size()) + " pass in " + fixed_text(mutation->stories_s(), 1) +
-                 " s; " + number_of(mutation->files(), "rule file") + " with " +
+    console.note(stories_text(mutation->stories().size()) +
+                 (mutation->stories().size() == 1 ? " passes in " : " pass in ") +
+                 fixed_text(mutation->stories_s(), 1) + " s; " + number_of(mutation->files(), "rule file") + " with " +
                  number_of(mutation->mutants().size(), "possible change"));
     if (mutation->golden() > 0)
       console.note(number_of(mutation->golden(), "golden run") + " left out, which any change of a rule kills");

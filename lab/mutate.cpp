@@ -109,6 +109,15 @@ MutantAnswer judged_mutant(const std::vector<PlayedStory>& stories) {
   return answer;
 }
 
+/// The stories of this path; an error if a file of them cannot be read.
+Expected<std::vector<PlayedStory>> readable_stories(const std::string& path) {
+  auto stories = read_stories({path});
+  if (stories)
+    for (const PlayedStory& story : *stories)
+      if (story.unreadable) return *story.result.bad;
+  return stories;
+}
+
 }  // namespace
 
 const char* to_string(Fate fate) {
@@ -123,7 +132,7 @@ Expected<MutationSubject> mutation_subject(const std::string& agent, const Catal
   MutationSubject subject;
   const std::string story_file = agent.substr(0, agent.find("::"));
   if (is_folder(agent) || story_file.ends_with(".story.yaml")) {
-    auto stories = read_stories({agent});
+    auto stories = readable_stories(agent);
     if (!stories) return stories.error();
     subject.stories = *std::move(stories);
     subject.own = {package_around(is_folder(agent) ? agent : story_file)};
@@ -133,7 +142,7 @@ Expected<MutationSubject> mutation_subject(const std::string& agent, const Catal
     std::set<fs::path> packages, wanted(configs->begin(), configs->end());
     for (const fs::path& config : *configs) packages.insert(package_around(config));
     for (const fs::path& package : packages) {
-      auto stories = read_stories({package.lexically_proximate(fs::current_path()).string()});
+      auto stories = readable_stories(package.lexically_proximate(fs::current_path()).string());
       if (!stories) return stories.error();
       for (PlayedStory& story : *stories)
         if (wanted.contains(place_on_disk(story.spec.config))) subject.stories.push_back(std::move(story));
@@ -164,6 +173,8 @@ std::optional<statistics::Interval> MutationResult::interval() const {
 
 // --- What there is to change, and which stories can notice it
 
+static constexpr double kFirstPatience = 60;  // s
+
 Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<std::string>& files, StoryPlan plan,
                                      const Host& host) {
   constexpr double kLeast = 2, kTimes = 10;  // s; of the slowest story
@@ -173,7 +184,7 @@ Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<
   StoryPlan first = out.plan_;
   first.setup.coverage = true;
   first.load_once = true;
-  if (first.patience_s <= 0) first.patience_s = 60;
+  if (first.patience_s <= 0) first.patience_s = kFirstPatience;
   const auto begun = std::chrono::steady_clock::now();
   std::vector<PlayedStory>& stories = out.subject_.stories;
   if (Status s = play_stories(stories, first, host); !s) return s.error();
@@ -200,6 +211,27 @@ Expected<Mutation> Mutation::prepare(MutationSubject subject, const std::vector<
   out.plan_.begins = {};
   out.plan_.ended = {};
   out.plan_.runs.clear();
+  if (Status s = out.read_files(files); !s) return s.error();
+  return out;
+}
+
+Expected<Mutation> Mutation::load(MutationSubject subject, const std::vector<std::string>& files, StoryPlan plan,
+                                  const Host& host) {
+  Mutation out;
+  out.subject_ = std::move(subject);
+  std::vector<PlayedStory> agents;
+  for (const PlayedStory& story : out.subject_.stories) {
+    testing::StorySpec agent = testing::agent_of(story.spec);
+    const auto is_same = [&](const PlayedStory& known) { return same_agent(known.spec, agent); };
+    if (std::ranges::none_of(agents, is_same)) agents.push_back({std::move(agent)});
+  }
+  if (plan.patience_s <= 0) plan.patience_s = kFirstPatience;
+  if (Status s = play_stories(agents, plan, host); !s) return s.error();
+  if (host.stopped()) return out;
+  for (const PlayedStory& agent : agents) {
+    if (agent.result.bad) return *agent.result.bad;
+    out.read_.emplace_back(agent.result.files.begin(), agent.result.files.end());
+  }
   if (Status s = out.read_files(files); !s) return s.error();
   return out;
 }

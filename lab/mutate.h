@@ -81,6 +81,10 @@ class Mutation {
   static Expected<Mutation> prepare(MutationSubject subject, const std::vector<std::string>& files, StoryPlan plan,
                                     const Host& host = {});
 
+  /// Loads each agent and plays no story: for `mutants`, `find`, `file_of` and `place_of` alone.
+  static Expected<Mutation> load(MutationSubject subject, const std::vector<std::string>& files, StoryPlan plan,
+                                 const Host& host = {});
+
   const std::vector<PlayedStory>& stories() const { return subject_.stories; }
   double stories_s() const { return stories_s_; }  ///< they took of the clock on the wall
   std::size_t golden() const { return subject_.golden; }

@@ -57,17 +57,6 @@ void play_out(Play& play, const StorySetup& setup, StoryResult& result) {
   if (!played) result.bad = played.error();
 }
 
-/// The agent of a story, and nothing of the story.
-StorySpec agent_of(StorySpec spec) {
-  spec.given.clear();
-  spec.calls.clear();
-  spec.stand_ins.clear();
-  spec.faults.clear();
-  spec.steps.clear();
-  spec.expect.clear();
-  return spec;
-}
-
 StoryResult told(const Play& play, StoryResult result) {
   result.printed = play.printed();
   result.files = play.files();
@@ -81,6 +70,20 @@ StoryResult run_story(const StorySpec& spec, const StorySetup& setup) {
   Play play(spec, setup, /*each_tick=*/false);
   if (load(play, setup, result)) play_out(play, setup, result);
   return told(play, std::move(result));
+}
+
+StorySpec agent_of(StorySpec spec) {
+  spec.seeds.clear();
+  spec.given.clear();
+  spec.calls.clear();
+  spec.stand_ins.clear();
+  spec.faults.clear();
+  spec.steps.clear();
+  spec.expect.clear();
+  spec.given_at = spec.begins;
+  spec.end = SimTime::zero();
+  spec.moment = spec.leaves_nothing = false;
+  return spec;
 }
 
 bool same_agent(const StorySpec& one, const StorySpec& other) {

@@ -107,6 +107,9 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
 /// Plays the story in a manager of its own.
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup);
 
+/// The agent of a story, and nothing of the story: it is played for one tick.
+StorySpec agent_of(StorySpec spec);
+
 /// Whether one agent that is loaded can play either: only what is given, happens and is expected differs.
 bool same_agent(const StorySpec& one, const StorySpec& other);
 

@@ -119,6 +119,20 @@ class Mutate(unittest.TestCase):
         for change, fate in self.fates(one).items():
             self.assertEqual(everything[change], fate)
 
+    def test_what_is_listed_and_shown_plays_no_story(self):
+        self.write(RULES, STORIES.replace("within_s: 2", "within_s: 0.5"))
+        self.assertIn("fails without any change", self.mutate("--mutants", 1).stderr)
+        rows = self.report("--list")
+        self.assertEqual(self.mutate("--show", rows[0]["id"]).returncode, 0)
+        self.write(RULES)
+        self.assertEqual(self.report("--list"), rows, "the same as with stories that pass")
+        self.assertEqual(len(rows), self.report("--mutants", 1)["possible"])
+
+    def test_quiet_says_nothing(self):
+        done = self.mutate("--mutants", 1, "-q", "-k", "'opens the door'")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("1 story passes in ", self.mutate("--mutants", 1, "-k", "'opens the door'").stderr)
+
     def test_no_file_is_changed(self):
         def state():
             return {file: (hashlib.sha256(file.read_bytes()).hexdigest(), file.stat().st_mtime_ns)
@@ -146,7 +160,7 @@ class Mutate(unittest.TestCase):
         self.assertIn("FAILED  agent/stories/door.story.yaml: a bell opens the door\n", done.stdout)
         self.assertTrue(done.stdout.endswith("killed by 1 of 1 stories\n"), done.stdout)
         done = self.mutate("--mutant", living)
-        self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (1, "survived: all 1 story pass that can notice it; no story fires it"))
+        self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (1, "survived: the only story that can notice it passes; no story fires it"))
         self.assertIn("there is no mutant 'abc'", self.mutate("--show", "abc").stderr)
         (not_loaded,) = [rows[change] for change in rows if change == ("?b <- (bell ?name)", "")]
         done = self.mutate("--mutant", not_loaded)
