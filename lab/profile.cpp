@@ -74,9 +74,26 @@ void add_environment(const cx::Environment& environment, bool spans, Measured& o
   out.profile.spans_left_out += counts.spans_left_out;
   if (!spans) return;
   static constexpr const char* kKinds[] = {"firing", "function", "matching"};
-  for (const WorkSpan& span : counts.spans)
-    out.profile.spans.push_back(
-        {name, kKinds[static_cast<std::size_t>(span.kind)], span.name, span.begin_s, span.end_s, to_seconds(span.t)});
+  std::map<std::size_t, std::vector<std::vector<explain::JoinLabel>>> labels_of_rules;
+  for (const WorkSpan& span : counts.spans) {
+    Profile::Span& one = out.profile.spans.emplace_back(Profile::Span{
+        name, kKinds[static_cast<std::size_t>(span.kind)], span.name, span.begin_s, span.end_s, to_seconds(span.t)});
+    if (!span.longest) continue;
+    const RuleCounts& rule = counts.rules[span.longest->rule];
+    one.name += " " + explain::with_module(rule.info.module, rule.info.name);
+    const auto known = labels_of_rules.find(span.longest->rule);
+    const auto& labels =
+        (known != labels_of_rules.end() ? known->second
+                                        : labels_of_rules[span.longest->rule] = explain::join_labels(rule))
+            .at(span.longest->disjunct);
+    if (span.longest->join >= labels.size()) {
+      one.name += ", agenda";
+      continue;
+    }
+    const explain::JoinLabel& label = labels[span.longest->join];
+    one.name += ", condition " + std::to_string(label.number);
+    one.condition = label.text;
+  }
 }
 
 void add_functions(const cx::Environment& environment, Measured& out) {
@@ -99,10 +116,9 @@ struct Playing {
 Expected<Json> play_counting(const Run& run, const Playing& how, Counting counting, const Host& host) {
   auto moment = Moment::open(run, host, {.timelines = false, .counting = counting});
   if (!moment) return moment.error();
-  const double begin = clock_seconds(CLOCK_PROCESS_CPUTIME_ID), wall_begin = clock_seconds(CLOCK_MONOTONIC);
+  const double begin = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   if (Status s = (*moment)->seek(how.at); !s && !(*moment)->stopped()) return s.error();
   const double took = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - begin;
-  const double wall_took = clock_seconds(CLOCK_MONOTONIC) - wall_begin;
   const auto environments = (*moment)->environments(how.environment);
   if (!environments) return environments.error();
   Measured out;
@@ -116,9 +132,7 @@ Expected<Json> play_counting(const Run& run, const Playing& how, Counting counti
     for (const cx::Environment* one : (*moment)->episode().environments())
       out.profile.reads += one->engine().counts().clock_reads;
   }
-  // A process that waits for its turn makes everything seem slow.
-  const double pace = wall_took > 0 ? std::min(1.0, took / wall_took) : 1;
-  return Json{{"profile", JsonWriter::json(out.profile)}, {"reads", out.reads}, {"pace", pace}};
+  return Json{{"profile", JsonWriter::json(out.profile)}, {"reads", out.reads}};
 }
 
 void sort_and_sum(Profile& profile) {
@@ -156,10 +170,11 @@ std::string line_of(const char* format, auto... values) {
 }
 
 std::string cost_text(const Profile& profile) {
-  return line_of(
-      "%.3f s of CPU without profiling, %.3f s with it: %.0f readings of the clock, %.0f ns each, which are "
-      "taken off below",
-      profile.plain_s, profile.profiled_s, profile.reads, 1e9 * profile.read_cost_s());
+  const double ns = 1e9 * profile.read_cost_s();
+  return line_of("%.3f s of CPU without profiling, %.3f s with it: %.0f readings of the clock, ", profile.plain_s,
+                 profile.profiled_s, profile.reads) +
+         (ns >= 0.5 ? line_of("%.0f ns each, which are taken off below", ns)
+                    : "which take too little time to be measured");
 }
 
 std::string in_one_line(std::string text, std::size_t most) {
@@ -191,8 +206,7 @@ Expected<Profile> profile_of(const Run& run, std::optional<SimTime> at, const st
   profile.plain_s = alone.profiled_s;
   const auto reads = timed->at("reads").get<std::vector<double>>();
   std::size_t i = 0;
-  const double pace = timed->at("pace");
-  for_each_time(profile, [&](double& s) { s = std::max(0.0, s * pace - reads[i++] * profile.read_cost_s()); });
+  for_each_time(profile, [&](double& s) { s = std::max(0.0, s - reads[i++] * profile.read_cost_s()); });
   sort_and_sum(profile);
   return profile;
 }
@@ -256,12 +270,22 @@ Expected<std::string> to_page(const Profile& profile, const std::string& title) 
   return render_page("profile.html", json_text(data));
 }
 
+namespace {
+
+Json args_of(const Profile::Span& span) {
+  Json args{{"t_s", span.t_s}};
+  if (!span.condition.empty()) args["condition"] = span.condition;
+  return args;
+}
+
+}  // namespace
+
 std::string to_trace(const Profile& profile) {
   std::string out;
   TraceWriter trace(out);
   for (const Profile::Span& span : profile.spans)
     trace.span(trace.thread("rules", span.environment), span.name, span.kind, 1e6 * span.begin_s,
-               1e6 * (span.end_s - span.begin_s), {{"t_s", span.t_s}});
+               1e6 * (span.end_s - span.begin_s), args_of(span));
   trace.end({{"displayTimeUnit", "ns"},
              {"otherData", {{"spans_left_out", profile.spans_left_out}, {"cost", cost_text(profile)}}}});
   return out;

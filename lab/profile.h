@@ -78,7 +78,8 @@ struct Profile {
   struct Span {
     std::string environment, kind, name;
     double begin_s = 0, end_s = 0;
-    double t_s = 0;  ///< simulated
+    double t_s = 0;              ///< simulated
+    std::string condition = {};  ///< of matching: the one that took longest, if it is known
 
     template <class Keys>
     void fields(Keys& keys) {
@@ -88,6 +89,7 @@ struct Profile {
       keys.required("begin_s", begin_s);
       keys.required("end_s", end_s);
       keys.required("t_s", t_s);
+      keys.unless_empty("condition", condition);
     }
   };
 
@@ -102,6 +104,7 @@ struct Profile {
   std::vector<Span> spans;          ///< in the order in which they end
   std::int64_t spans_left_out = 0;
 
+  /// 0 if it is too small to be measured.
   double read_cost_s() const { return reads > 0 ? std::max(0.0, profiled_s - plain_s) / reads : 0; }
 
   template <class Keys>

@@ -1,7 +1,7 @@
 #include "cx/engine/rule_counts.h"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <set>
 
 #include "internal/impl.h"
@@ -101,9 +101,10 @@ ConstructInfo info_of_rule(const RuleEngine& engine, const Defrule& rule) {
                  rule.header.name->contents);
 }
 
-std::int64_t clock_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
+std::int64_t clock_ns(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
 double seconds_of(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -159,7 +160,8 @@ RuleCounter::~RuleCounter() {
 
 void RuleCounter::count(Counting what) {
   if (what == Counting::kTimes && counting_ != Counting::kTimes) {
-    began_ = last_ = clock_ns();
+    wall_ = clock_ns(CLOCK_MONOTONIC);
+    of_thread_ = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     engine_data(engine_.raw())->WorkBegins = on_work;
   }
   counting_ = std::max(counting_, what);
@@ -199,6 +201,8 @@ void RuleCounter::on_rule_goes(Environment* env, Defrule* rule) noexcept {
       for (const joinNode* inside : joins.inside) self.work_.erase(inside);
     }
   }
+  for (Span& span : self.spans_)
+    if (span.longest != nullptr && self.work_.find(span.longest) == nullptr) span.longest = nullptr;
 }
 
 std::size_t RuleCounter::place_of(const Deffunction& function) {
@@ -233,13 +237,15 @@ bool RuleCounter::on_function(Environment* env, void* deffunction, UDFValue* res
 void* RuleCounter::on_work(Environment* env, void* node) noexcept {
   RuleCounter& self = *RuleEngine::of(env)->counter();
   const std::int64_t now = self.charge();
-  const bool was_matching =
-      self.at_work_ != nullptr && (self.firing_.empty() || self.at_work_ != self.firing_.back().rule);
+  const bool was_matching = self.is_matching();
   const void* before = std::exchange(self.at_work_, node);
-  const bool is_matching = node != nullptr && (self.firing_.empty() || node != self.firing_.back().rule);
-  if (is_matching && !was_matching) self.matching_since_ = now;
+  const bool is_matching = self.is_matching();
+  if (is_matching && !was_matching) {
+    self.matching_since_ = now;
+    self.longest_ns_ = 0;
+  }
   if (was_matching && !is_matching && seconds_of(now - self.matching_since_) >= kShortestMatching)
-    self.add_span(WorkSpan::Kind::kMatching, "matching", self.matching_since_, now);
+    self.add_span(WorkSpan::Kind::kMatching, "matching", self.matching_since_, now, self.longest_);
   return const_cast<void*>(before);
 }
 
@@ -259,8 +265,28 @@ void RuleCounter::has_fired() {
   firing_.pop_back();
 }
 
+/// The clock of the thread costs ten times as much as that of the machine. It is read only after a step in which the
+/// thread may have waited for its turn.
+std::int64_t RuleCounter::worked() {
+  constexpr std::int64_t kMayHaveWaited = 20'000;  // ns
+  const std::int64_t wall = clock_ns(CLOCK_MONOTONIC);
+  std::int64_t step = wall - std::exchange(wall_, wall);
+  since_then_ += step;
+  if (step > kMayHaveWaited) {
+    const std::int64_t now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
+    const std::int64_t waited = since_then_ - (now - std::exchange(of_thread_, now));
+    step = std::clamp<std::int64_t>(step - waited, 0, step);
+    since_then_ = 0;
+  }
+  return worked_ += step;
+}
+
+bool RuleCounter::is_matching() const {
+  return at_work_ != nullptr && (firing_.empty() || at_work_ != firing_.back().rule);
+}
+
 std::int64_t RuleCounter::charge() {
-  const std::int64_t now = clock_ns(), ns = now - last_;
+  const std::int64_t now = worked(), ns = now - last_;
   Work& work = at_work_ == nullptr ? elsewhere_ : entry(work_, at_work_);
   work.ns += ns;
   ++work.reads;
@@ -268,17 +294,22 @@ std::int64_t RuleCounter::charge() {
     functions_[active_.back().function].ns += ns;
     ++functions_[active_.back().function].reads;
   }
+  if (is_matching() && ns > longest_ns_) {
+    longest_ = at_work_;
+    longest_ns_ = ns;
+  }
   ++reads_;
   last_ = now;
   return now;
 }
 
-void RuleCounter::add_span(WorkSpan::Kind kind, std::string name, std::int64_t begin, std::int64_t end) {
+void RuleCounter::add_span(WorkSpan::Kind kind, std::string name, std::int64_t begin, std::int64_t end,
+                           const void* longest) {
   if (spans_.size() >= kMostSpans) {
     ++spans_left_out_;
     return;
   }
-  spans_.push_back({kind, std::move(name), seconds_of(begin - began_), seconds_of(end - began_), engine_.now()});
+  spans_.push_back({{kind, std::move(name), seconds_of(begin), seconds_of(end), engine_.now()}, longest});
 }
 
 // --- Counts
@@ -329,7 +360,11 @@ EngineCounts RuleCounter::counts() const {
   counts.counting = counting_;
   counts.rules = gone_;
   const Sharing sharing(engine_.raw());
-  for_each_rule(engine_.raw(), [&](Defrule& rule) { counts.rules.push_back(counts_of(rule, sharing)); });
+  std::vector<const Defrule*> rules;
+  for_each_rule(engine_.raw(), [&](Defrule& rule) {
+    rules.push_back(&rule);
+    counts.rules.push_back(counts_of(rule, sharing));
+  });
   std::set<std::string> called;
   for (const Function& function : functions_) {
     FunctionCounts& one = counts.functions.emplace_back();
@@ -343,7 +378,27 @@ EngineCounts RuleCounter::counts() const {
       counts.functions.emplace_back().info = info;
   counts.elsewhere = {seconds_of(elsewhere_.ns), static_cast<double>(elsewhere_.reads)};
   counts.clock_reads = static_cast<double>(reads_);
-  counts.spans = spans_;
+  std::unordered_map<const void*, WorkSpan::Place> places;
+  for (std::size_t rule = gone_.size(); const Defrule* first : rules) {
+    std::size_t disjunct = 0;
+    for (const Defrule* one = first; one != nullptr; one = one->disjunct, ++disjunct) {
+      std::size_t join = 0;
+      const auto add = [&](const void* node) { places.try_emplace(node, WorkSpan::Place{rule, disjunct, join}); };
+      for (const ConditionJoins& joins : joins_of(*one)) {
+        add(joins.join);
+        for (const joinNode* inside : joins.inside) add(inside);
+        for_each_pattern_node(engine_.raw(), *joins.join, add);
+        ++join;
+      }
+      add(one->lastJoin);
+    }
+    ++rule;
+  }
+  for (const Span& span : spans_) {
+    counts.spans.push_back(span.span);
+    if (const auto place = places.find(span.longest); place != places.end())
+      counts.spans.back().longest = place->second;
+  }
   counts.spans_left_out = spans_left_out_;
   return counts;
 }

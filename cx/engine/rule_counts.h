@@ -2,6 +2,7 @@
 // What rules, their conditions and deffunctions have done since an engine was asked to count (`RuleEngine::count`).
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace cxlab {
 enum class Counting : std::uint8_t {
   kNothing,
   kUse,    ///< activations, firings, calls, partial matches
-  kTimes,  ///< also the time that each of them takes, by the clock of the machine
+  kTimes,  ///< also the time of this thread that each of them takes
 };
 
 /// How long something was at work, and how often the clock was read for it: that takes time, too.
@@ -61,6 +62,12 @@ struct WorkSpan {
   std::string name;  ///< of the rule or function, with its module
   double begin_s = 0, end_s = 0;
   SimTime t{};
+
+  /// A join in `EngineCounts::rules`; the one after the last stands for the agenda.
+  struct Place {
+    std::size_t rule = 0, disjunct = 0, join = 0;
+  };
+  std::optional<Place> longest = {};  ///< of matching: what took longest in it; none if its rule is gone
 };
 
 struct EngineCounts {

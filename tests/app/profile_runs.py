@@ -1,8 +1,11 @@
 """cxlab profile: the slowest rule comes first, counts agree with cxlab rules, and it says what it costs."""
 
 import json
-import unittest
+import os
+import signal
 import subprocess
+import time
+import unittest
 
 from rule_coverage import Page
 from lab import CXLAB, SOURCE, Lab
@@ -50,7 +53,7 @@ class Profile(Lab):
 
     def test_text_page_and_trace(self):
         said = self.cxlab("profile", self.out, "--html", "p.html", "--trace", "t.json", "--most", "1").stdout
-        self.assertRegex(said.splitlines()[0], r"^[\d.]+ s of CPU without profiling, [\d.]+ s with it: \d+ readings of the clock, \d+ ns each")
+        self.assertRegex(said.splitlines()[0], r"^[\d.]+ s of CPU without profiling, [\d.]+ s with it: \d+ readings of the clock, (\d+ ns each|which take too little time)")
         self.assertIn("slow-condition", said)
         self.assertNotIn("quick", said)
         page = Page((self.folder / "p.html").read_text())
@@ -61,6 +64,29 @@ class Profile(Lab):
         for event in trace:
             if event["ph"] == "X":
                 self.assertGreaterEqual(event["dur"], 0)
+        slow = [e for e in trace if e.get("cat") == "matching" and e["dur"] > 100]
+        self.assertGreater(len(slow), 3)
+        for event in slow:
+            self.assertEqual((event["name"], event["args"]["condition"]), ("matching slow-condition, condition 2", "(tick) (test (waste 9000))"))
+
+    def test_time_of_other_processes_does_not_count(self):
+        """The process stands still for half of the time."""
+        def slowest():
+            return json.loads(self.cxlab("profile", self.out, "--json").stdout)
+        alone = slowest()["rules"][0]["s"]
+        process = subprocess.Popen([CXLAB, "profile", self.out, "--json"], stdout=subprocess.PIPE, text=True, cwd=self.folder, start_new_session=True)
+        while process.poll() is None:
+            time.sleep(0.003)
+            os.killpg(process.pid, signal.SIGSTOP)
+            time.sleep(0.03)
+            os.killpg(process.pid, signal.SIGCONT)
+        answer = json.loads(process.communicate()[0])
+        self.assertEqual([r["rule"] for r in answer["rules"][:2]], ["slow-condition", "slow-actions"])
+        self.assertLess(answer["rules"][0]["s"], 3 * alone)
+
+    def test_a_cost_too_small_to_measure_is_no_zero(self):
+        for _ in range(5):
+            self.assertNotIn(" 0 ns each", self.cxlab("profile", self.out, "--at", "0.1").stdout)
 
     def test_wrong_questions(self):
         self.assertIn("--at", self.cxlab("profile", self.out, "--at", "100", expect=2).stderr)

@@ -50,6 +50,10 @@ class RuleCounter {
     const clips::Defrule* rule = nullptr;
     std::int64_t ns = 0;
   };
+  struct Span {
+    WorkSpan span;
+    const void* longest = nullptr;  ///< the node that took longest in it
+  };
   struct Sharing;
 
   static void on_activation(clips::Environment*, clips::Defrule* rule) noexcept;
@@ -64,9 +68,11 @@ class RuleCounter {
     return found == nullptr ? table.insert(key) : *found;
   }
   std::size_t place_of(const clips::Deffunction& function);
-  std::int64_t charge();  ///< the time since the last call to what is at work; gives the time
-  const void* switch_to(const void* node, std::int64_t now);
-  void add_span(WorkSpan::Kind kind, std::string name, std::int64_t begin, std::int64_t end);
+  std::int64_t worked();     ///< ns that this thread has been at work
+  std::int64_t charge();     ///< the time since the last call to what is at work; gives the time
+  bool is_matching() const;  ///< at work is a condition or the agenda
+  void add_span(WorkSpan::Kind kind, std::string name, std::int64_t begin, std::int64_t end,
+                const void* longest = nullptr);
   WorkTime work_of(const void* node) const;
   RuleCounts counts_of(const clips::Defrule& rule, const Sharing& sharing) const;
 
@@ -83,10 +89,14 @@ class RuleCounter {
   FlatTable<Work> work_;
   Work elsewhere_;
   const void* at_work_ = nullptr;
-  std::int64_t began_ = 0, last_ = 0, matching_since_ = 0, reads_ = 0;
+  std::int64_t last_ = 0, matching_since_ = 0, reads_ = 0;
+  std::int64_t wall_ = 0, worked_ = 0;           ///< at the last reading
+  std::int64_t of_thread_ = 0, since_then_ = 0;  ///< its own clock when it was read last, and `worked_` since then
+  const void* longest_ = nullptr;                ///< since `matching_since_`
+  std::int64_t longest_ns_ = 0;
   std::vector<Active> active_;
   std::vector<Begun> firing_;
-  std::vector<WorkSpan> spans_;
+  std::vector<Span> spans_;
   std::int64_t spans_left_out_ = 0;
 };
 
