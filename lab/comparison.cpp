@@ -171,6 +171,31 @@ std::string rule_at(const Timeline& timeline, std::uint64_t n) {
   return timeline.has(n) && timeline.kind(n) == RecordKind::kFire ? timeline.name(n) : std::string();
 }
 
+/// The rule that made the fact of record `n`; empty: it is no assertion, or no rule made it.
+std::string maker_at(const Timeline& timeline, std::uint64_t n) {
+  if (!timeline.has(n) || (timeline.kind(n) != RecordKind::kAssert && timeline.kind(n) != RecordKind::kDecision))
+    return {};
+  for (const Timeline::Cause& cause : timeline.causes(n))
+    if (!cause.stream) return rule_at(timeline, cause.n);
+  return {};
+}
+
+/// A rule makes a fact in one run. In the other run it does something more, and then makes another fact of that
+/// template. These two facts are what differs, and not the first thing more.
+void pair_facts(const Timeline& a, const Timeline& b, Streams::Parting& parted) {
+  const auto partner = [](const Timeline& one, std::uint64_t n, const Timeline& other, std::uint64_t& m) {
+    const std::string rule = maker_at(one, n);
+    if (rule.empty() || !other.has(m) || (maker_at(other, m) == rule && other.name(m) == one.name(n))) return false;
+    for (std::uint64_t k = m + 1; other.has(k) && other.time(k) == one.time(n); ++k)
+      if (other.name(k) == one.name(n) && maker_at(other, k) == rule) {
+        if (!one.same(n, other, k)) m = k;
+        return m == k;
+      }
+    return false;
+  };
+  if (!partner(a, parted.in_a, b, parted.in_b)) partner(b, parted.in_b, a, parted.in_a);
+}
+
 /// Says why `rule`, which fired in the other run at `t`, has not fired in this one, which has been played up to then;
 /// nothing if it has.
 void remark_on_rule(const Inspector& inspector, const std::string& rule, SimTime t, Comparison::Side& side) {
@@ -215,6 +240,7 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
   for (auto& [in_a, in_b] : environments->both) {
     compare_constructs(in_a, in_b, out.constructs);
     if (!parting || parting->environment != in_a.name()) continue;
+    pair_facts(in_a.timeline(), in_b.timeline(), *parting);
     out.first = {in_a.name(), parting->t, side_of(in_a, parting->in_a), side_of(in_b, parting->in_b)};
     remark_on_data(in_a.timeline(), in_b.timeline(), *parting, *out.first);
     const std::string rule_of_a = rule_at(in_a.timeline(), parting->in_a);

@@ -444,6 +444,18 @@ class TwoRuns(Lab):
             self.assertIn(said, names)
             self.assertNotIn("there is no rule", names)  # a fact is no rule
 
+    def test_diff_pairs_facts_of_one_rule(self):
+        """In b the rule says why before it chooses: its choice is what differs, not the reason."""
+        rules = """(deftemplate choice (slot order))
+(deffunction choose () (bind ?best 0) (if (> ?best 0) then (retract (assert (reason ?best)))) (assert (choice (order ?best))))
+(defrule choose (time ?now&:(>= ?now 1)) (not (choice)) => (choose))
+"""
+        a, b = self.agent(rules), self.agent(rules.replace("?best 0) (if", "?best 4) (if"), out="other")
+        found = json.loads(self.cxlab("diff", a, b, "--json", expect=1).stdout)["first"]
+        self.assertEqual(found["t_s"], 1.0)
+        self.assertIn("(choice (order 0))", found["a"]["what"])
+        self.assertIn("(choice (order 4))", found["b"]["what"])
+
     def test_a_change_that_changes_nothing_is_named_and_no_difference(self):
         a, b = self.agent(), self.agent(AGENT.replace("(lost ?id)", "(gone ?id)"), out="other")
         found = json.loads(self.cxlab("diff", a, b, "--json").stdout)
