@@ -226,7 +226,7 @@ class Testing(unittest.TestCase):
         self.story("not_fire: go")
         done = cxlab("test", cwd=self.folder)
         self.assertEqual(done.returncode, 3)
-        self.assertIn("did you mean 'not_fires'?", done.stderr)
+        self.assertIn("did you mean 'not_fires'?", done.stdout)
 
     def test_bench_compares_and_goes_on(self):
         (self.folder / "empty.yaml").write_text("schema: 1\nduration_s: 1\n")
