@@ -163,8 +163,8 @@ class Crashes(Behind):
 
     def test_story_that_crashes_fails_alone(self):
         self.write("rules/rules.clp", "(defrule fall (fall) => (crash))\n(defrule stand (stand) => (assert (stood)))\n")
-        story = "- story: {0}\n  config: agent.yaml\n  packages: {rules: rules}\n  given: [(TEXT)]\n  expect: [{fires: {0}, within_s: 1}]\n"
-        self.write("mixed.story.yaml", "stories:\n" + "".join(story.replace("{0}", "fall" if i == 1 else "stand").replace("TEXT", "fall" if i == 1 else "stand") for i in range(4)))
+        story = "- story: {0} {1}\n  config: agent.yaml\n  packages: {rules: rules}\n  given: [(TEXT)]\n  expect: [{fires: {0}, within_s: 1}]\n"
+        self.write("mixed.story.yaml", "stories:\n" + "".join(story.replace("{0}", "fall" if i == 1 else "stand").replace("{1}", str(i)).replace("TEXT", "fall" if i == 1 else "stand") for i in range(4)))
         for jobs in ("1", "2"):
             done = self.cxlab("test", "mixed.story.yaml", "-j", jobs)
             self.assertEqual(done.returncode, 1, done.stderr)

@@ -1,6 +1,6 @@
 """Renders the cases of cases.json with Jinja. The results are the table oracle.json, with which the C++ test compares.
 
-  python3 oracle.py check    exit 0 if Jinja still agrees with the table, 77 if Jinja is not installed
+  python3 oracle.py check    exit 0 if Jinja still agrees with the table, 77 if no Jinja from 3.1.5 on is installed
   python3 oracle.py write    writes the table again (needs the package jinja2)
 
 A case is a list of lines (the template `main`), or an object of templates of which `main` is rendered. An error of Jinja
@@ -34,9 +34,12 @@ def table():
 
 def main():
     try:
-        import jinja2  # noqa: F401
+        import jinja2
     except ImportError:
         print("Jinja is not installed")
+        return 77
+    if tuple(map(int, jinja2.__version__.split(".")[:3])) < (3, 1, 5):
+        print(f"Jinja {jinja2.__version__} makes no number of inf; expected 3.1.5 or later")
         return 77
     fresh = table()
     if sys.argv[1:] == ["write"]:
