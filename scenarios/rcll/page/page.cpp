@@ -156,38 +156,38 @@ void sort_by_end(Json& list) {
 }
 
 Json Page::skills_data() const {
-  Json out = Json::array();
+  Json skills = Json::array();
   for (const RobotStory& robot : story.robots)
     for (const SkillRun& skill : robot.skills)
-      out.push_back({{"robot", robot.name},
-                     {"skill", skill.skill},
-                     {"target", skill.target},
-                     {"begin", begin_of(skill.when)},
-                     {"end", end_of(skill.when)},
-                     {"state", !skill.ended      ? "running"
-                               : skill.code == 0 ? "succeeded"
-                                                 : "failed"}});
-  sort_by_end(out);
-  return out;
+      skills.push_back({{"robot", robot.name},
+                        {"skill", skill.skill},
+                        {"target", skill.target},
+                        {"begin", begin_of(skill.when)},
+                        {"end", end_of(skill.when)},
+                        {"state", !skill.ended      ? "running"
+                                  : skill.code == 0 ? "succeeded"
+                                                    : "failed"}});
+  sort_by_end(skills);
+  return skills;
 }
 
 Json Page::holds_data() const {
-  Json out = Json::array();
+  Json holds = Json::array();
   for (const RobotStory& robot : story.robots)
     for (const RobotStory::Hold& hold : robot.holds)
-      out.push_back({{"robot", robot.name}, {"begin", begin_of(hold.when)}, {"end", end_of(hold.when)}});
-  sort_by_end(out);
-  return out;
+      holds.push_back({{"robot", robot.name}, {"begin", begin_of(hold.when)}, {"end", end_of(hold.when)}});
+  sort_by_end(holds);
+  return holds;
 }
 
 Json Page::scores_data() const {
-  Json out = Json::array();
+  Json scores = Json::array();
   for (const auto& [t, given] : story.points)
-    out.push_back({{"team", given.team ? to_string(*given.team) : ""},
-                   {"kind", given.kind},
-                   {"t", to_seconds(t)},
-                   {"points", given.points}});
-  return out;
+    scores.push_back({{"team", given.team ? to_string(*given.team) : ""},
+                      {"kind", given.kind},
+                      {"t", to_seconds(t)},
+                      {"points", given.points}});
+  return scores;
 }
 
 Json Page::off_field_data() const {
