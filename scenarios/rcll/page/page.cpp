@@ -191,29 +191,29 @@ Json Page::scores_data() const {
 }
 
 Json Page::off_field_data() const {
-  Json out = Json::array();
+  Json absences = Json::array();
   for (const RobotStory& robot : story.robots)
     for (const RobotStory::Away& away : robot.off_field)
-      out.push_back({{"robot", robot.name},
-                     {"cause", away.cause},
-                     {"state", away.for_good ? "disqualified" : "maintenance"},
-                     {"begin", begin_of(away.when)},
-                     {"end", end_of(away.when)}});
-  sort_by_end(out);
-  return out;
+      absences.push_back({{"robot", robot.name},
+                          {"cause", away.cause},
+                          {"state", away.for_good ? "disqualified" : "maintenance"},
+                          {"begin", begin_of(away.when)},
+                          {"end", end_of(away.when)}});
+  sort_by_end(absences);
+  return absences;
 }
 
 Json Page::faults_data() const {
-  Json out = Json::array();
+  Json faults = Json::array();
   for (const FaultStruck& fault : story.faults)
-    out.push_back({{"t", to_seconds(fault.t)}, {"kind", fault.kind}, {"at", fault.at}});
-  return out;
+    faults.push_back({{"t", to_seconds(fault.t)}, {"kind", fault.kind}, {"at", fault.at}});
+  return faults;
 }
 
 Json Page::pauses_data() const {
-  Json out = Json::array();
-  for (const Interval& pause : story.pauses) out.push_back({{"begin", begin_of(pause)}, {"end", end_of(pause)}});
-  return out;
+  Json pauses = Json::array();
+  for (const Interval& pause : story.pauses) pauses.push_back({{"begin", begin_of(pause)}, {"end", end_of(pause)}});
+  return pauses;
 }
 
 void Page::build() {
