@@ -81,8 +81,8 @@ class RowFolder {
   /// Rows of rows.csv that new tables would lose: they are not of these cells, and their games have none of the rows
   /// under another name.
   std::vector<Row> lost_rows(const std::vector<Cell>& cells, const std::vector<Row>& rows, const Suite& suite) const;
-  /// Fails if new tables of `suite` would lose these rows and another suite, which is still there, wrote them; else the
-  /// host hears of it.
+  /// Fails if new tables of `suite` would lose these rows and another suite, which is still there, wrote them; else a
+  /// note tells the host.
   Status take_tables_over(const std::vector<Row>& lost, const Suite& suite, const Host& host) const;
 
  private:

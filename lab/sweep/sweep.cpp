@@ -193,12 +193,12 @@ class CellPlayer {
     progress_.may_end_early = stages->games.size() > 1;
     bool answered = false;
     for (const std::size_t games : stages->games) {
-      if (answered && std::ranges::any_of(open_, [&](std::size_t i) { return game_of(i) < games; })) break;
+      if (answered && std::ranges::any_of(open_, [&](std::size_t i) { return game_of(cells_[i]) < games; })) break;
       if (Status s = play_open(games); !s) return s.error();
       if (host_.stopped()) break;
       std::vector<Row> rows;
       for (const Row& row : rows_)
-        if ((row.cell.number - 1) % suite_.planned_games() < games) rows.push_back(row);
+        if (game_of(row.cell) < games) rows.push_back(row);
       const auto told = stages->is_answered(games, rows);
       if (!told) return told.error();
       answered = *told;
@@ -208,13 +208,14 @@ class CellPlayer {
 
  private:
   /// Which of the games of its strategy and scenario this cell is, from 0.
-  std::size_t game_of(std::size_t i) const { return (cells_[i].number - 1) % suite_.planned_games(); }
+  std::size_t game_of(const Cell& cell) const { return (cell.number - 1) % suite_.planned_games(); }
 
   /// Plays the open cells of the first so many games of each strategy and scenario.
   Status play_open(std::size_t games) {
     if (!open_.empty() && !std::exchange(warned_, true))
       if (const auto warning = warning_without_wall()) host_.note(*warning);
-    const auto later = std::ranges::stable_partition(open_, [&](std::size_t i) { return game_of(i) < games; }).begin();
+    const auto later =
+        std::ranges::stable_partition(open_, [&](std::size_t i) { return game_of(cells_[i]) < games; }).begin();
     const std::vector<std::size_t> now(open_.begin(), later);
     open_.erase(open_.begin(), later);
     auto next = now.begin();

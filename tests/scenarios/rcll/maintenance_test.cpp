@@ -162,7 +162,8 @@ TEST(MachineFaults, APieceThatComesAfterTheFaultIsDueIsTakenAfterASecond) {
   EXPECT_TRUE(story.nothing_at("C-BS-OUTPUT"));
 }
 
-TEST(MachineFaults, OfInstructionsThatAreHeldUpOnlyTheCancelledOneIsNotAnswered) {
+/// Each instruction of two stations comes 4 s late.
+std::vector<sim::Fault> instructions_held_up() {
   std::vector<sim::Fault> faults(2);
   for (sim::Fault& fault : faults) {
     fault.kind = sim::FaultKind::kInstructionLate;
@@ -171,7 +172,11 @@ TEST(MachineFaults, OfInstructionsThatAreHeldUpOnlyTheCancelledOneIsNotAnswered)
   }
   faults[0].machine = "C-BS";
   faults[1].machine = "C-CS1";
-  GameStory story(GameStory::quiet_game(), 1, std::chrono::milliseconds(20), faults);
+  return faults;
+}
+
+TEST(MachineFaults, OfInstructionsThatAreHeldUpOnlyTheCancelledOneIsNotAnswered) {
+  GameStory story(GameStory::quiet_game(), 1, std::chrono::milliseconds(20), instructions_held_up());
   const std::size_t base = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
   const std::size_t cap = story.instruct("{machine: C-CS1, operation: RESET}");
   story.run_for(1);
@@ -185,17 +190,9 @@ TEST(MachineFaults, OfInstructionsThatAreHeldUpOnlyTheCancelledOneIsNotAnswered)
 }
 
 TEST(Pause, AnInstructionThatAFaultHoldsUpIsHeldUpInTheGamesTime) {
-  std::vector<sim::Fault> faults(2);
-  for (sim::Fault& fault : faults) {
-    fault.kind = sim::FaultKind::kInstructionLate;
-    fault.probability = 1;
-    fault.duration = std::chrono::seconds(4);
-  }
-  faults[0].machine = "C-BS";
-  faults[1].machine = "C-CS1";
   WorldConfig config = GameStory::quiet_game();
   config.pauses = {{2, 10}};
-  GameStory story(config, 1, std::chrono::milliseconds(20), faults);
+  GameStory story(config, 1, std::chrono::milliseconds(20), instructions_held_up());
   story.set_jumping(true);
   const std::size_t first = story.instruct("{machine: C-BS, side: OUTPUT, base_color: BASE_RED}");
   story.run_until(13.9);
