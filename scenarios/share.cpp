@@ -109,22 +109,25 @@ std::map<std::string, fs::path> own_scenarios() {
   return scenarios;
 }
 
+Expected<fs::path> own_scenario(const std::string& name) {
+  const std::map<std::string, fs::path> own = own_scenarios();
+  if (const auto known = own.find(name); known != own.end()) return known->second;
+  std::vector<std::string> names;
+  for (const auto& [known, file] : own) names.push_back(known);
+  const std::string near = did_you_mean(
+      fs::path(name).extension() == ".yaml" ? fs::path(name).replace_extension().generic_string() : name, names);
+  return input_error("there is no such file, and no scenario of that name" +
+                         (near.empty() ? "; cxlab list scenarios shows the names" : near),
+                     name);
+}
+
 Expected<fs::path> find_scenario(const std::string& file_or_name) {
   std::error_code ignored;
   const bool folder = fs::is_directory(file_or_name, ignored);
   if (fs::exists(file_or_name, ignored) && !folder) return fs::path(file_or_name);
-  const std::map<std::string, fs::path> own = own_scenarios();
-  const std::string name = fs::path(file_or_name).extension() == ".yaml"
-                               ? fs::path(file_or_name).replace_extension().generic_string()
-                               : file_or_name;
-  if (const auto known = own.find(file_or_name); known != own.end()) return known->second;
-  std::vector<std::string> names;
-  for (const auto& [known, file] : own) names.push_back(known);
-  const std::string near = did_you_mean(name, names);
-  if (folder) return input_error("is a folder, expected a scenario (YAML)", file_or_name);
-  return input_error("there is no such file, and no scenario of that name" +
-                         (near.empty() ? "; cxlab list scenarios shows the names" : near),
-                     file_or_name);
+  auto own = own_scenario(file_or_name);
+  if (!own && folder) return input_error("is a folder, expected a scenario (YAML)", file_or_name);
+  return own;
 }
 
 std::vector<std::string> default_prefixes() {

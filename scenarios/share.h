@@ -42,6 +42,8 @@ std::map<std::string, std::string> own_packages();
 
 /// The scenarios that come with cxlab: files by name, "rcll/game".
 std::map<std::string, std::filesystem::path> own_scenarios();
+/// The scenario that comes with cxlab under that name; the error names the nearest.
+Expected<std::filesystem::path> own_scenario(const std::string& name);
 /// The file of that path, else the scenario that comes with cxlab under that name.
 Expected<std::filesystem::path> find_scenario(const std::string& file_or_name);
 

@@ -227,10 +227,9 @@ Expected<Suite> Suite::load(const fs::path& file) {
     std::vector<fs::path> files;
     std::vector<Origin> origins;
     std::vector<std::string> names;
-    const auto own = own_scenarios();
     for (const yaml::Value& item : scenarios.as_list()) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
-      if (const auto known = own.find(item.text()); known != own.end() && !path_exists(path)) path = known->second;
+      if (const auto own = own_scenario(item.text()); own && !path_exists(path)) path = *own;
       if (std::find(files.begin(), files.end(), path) != files.end()) {
         item.fail(found_expected("the scenario '" + item.text() + "' twice", "each once"));
       } else {
@@ -401,8 +400,12 @@ Status check_world(const Scenario& scenario, const Suite& suite) {
 }  // namespace
 
 Status Suite::check() const {
-  for (const SuiteScenario& scenario : scenarios)
-    if (const auto text = read_file(scenario.file); !text) return input_error(text.error().text(), scenario.origin);
+  for (const SuiteScenario& scenario : scenarios) {
+    const auto text = read_file(scenario.file);
+    if (text) continue;
+    const auto own = own_scenario(scenario.named);
+    return input_error((own || path_exists(scenario.file) ? text.error() : own.error()).text(), scenario.origin);
+  }
   for (const Cell& cell : cells()) {
     const bool first_game = games.empty() || cell.game == games.front().name;
     if (cell.seed != seeds.front() || (!first_game && cell.strategy != strategies.front().name)) continue;

@@ -6,6 +6,7 @@
 #include "lab/sweep/row.h"
 #include "scenarios/catalogue.h"
 #include "scenarios/metric.h"
+#include "scenarios/share.h"
 
 namespace cxlab::lab {
 namespace {
@@ -165,6 +166,20 @@ TEST_F(SuiteTest, AMetricMustNotHaveTheNameOfAnotherKeyOfARow) {
     EXPECT_EQ(checked.error().kind, ErrorKind::kBug);
     EXPECT_THAT(checked.error().message, HasSubstr(said));
   }
+}
+
+TEST_F(SuiteTest, AScenarioThatIsNotThereNamesTheNearest) {
+  write("folder/x.txt", "");
+  const std::string rest = "]\nseeds: [1]\nstrategies: {s: []}\n";
+  for (const auto& [scenario, said] : {std::pair("rcll/gmae", "did you mean 'rcll/game'?"),
+                                       {"qwertzuiop", "cxlab list scenarios shows the names"},
+                                       {"folder", "folder: is a folder, expected a file"}}) {
+    const auto suite = load("# a suite\nscenarios: [" + std::string(scenario) + rest);
+    const Status checked = suite->check();
+    ASSERT_FALSE(checked) << scenario;
+    EXPECT_THAT(checked.error().text(), testing::AllOf(HasSubstr("suite.yaml:2: "), HasSubstr(said)));
+  }
+  EXPECT_EQ(load("scenarios: [rcll/game" + rest)->scenarios[0].file, own_scenario("rcll/game")->string());
 }
 
 TEST_F(SuiteTest, GamesAreAFolderThatHasSome) {
