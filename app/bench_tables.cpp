@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kFormats{"text", "markdown", "csv", "latex", "json"};
-const std::vector<std::string> kTables{"scores", "differences", "profile", "overview", "shares"};
+const std::vector<std::string> kTables{"scores", "differences", "profile", "overview", "parts", "shares"};
 
 struct TableOptions {
   std::string metric, format = "text";
@@ -43,7 +43,7 @@ struct CompareOptions : TableOptions {
   std::string before, now;
 };
 
-const std::vector<std::string> kPlots{"scores", "differences", "profile", "parts"};
+const std::vector<std::string> kPlots{"scores", "differences", "profile", "parts", "shares"};
 
 struct PlotOptions {
   std::string sweep, file, metric, against, kind = "scores";
@@ -80,7 +80,8 @@ int show(const ShowOptions& options) {
   if (!rows) return fail(rows.error());
   std::vector<Table> tables;
   for (const std::string& name : kTables) {
-    if (options.table.empty() ? name == "overview" || name == "shares" : name != options.table) continue;
+    if (options.table.empty() ? name != "scores" && name != "differences" && name != "profile" : name != options.table)
+      continue;
     auto table = Expected<Table>(Table());
     if (name == "differences") {
       const auto answers = lab::compare_strategies(*rows, options.against, options.metric, catalogue());
@@ -89,6 +90,8 @@ int show(const ShowOptions& options) {
       table = lab::difference_table(*answers);
     } else if (name == "overview") {
       table = lab::overview_table(*rows, options.against, catalogue());
+    } else if (name == "parts") {
+      table = lab::part_table(*rows, options.metric, catalogue());
     } else if (name == "shares") {
       table = lab::share_table(*rows, options.against, options.metric, catalogue());
     } else {
@@ -146,7 +149,7 @@ Expected<std::string> drawn(const std::vector<lab::Row>& rows, const PlotOptions
   if (options.kind == "scores") return lab::score_plot(rows, options.metric, options.against, catalogue());
   const auto answers = lab::compare_strategies(rows, options.against, options.metric, catalogue());
   if (!answers) return answers.error();
-  return lab::difference_plot(*answers);
+  return options.kind == "shares" ? lab::share_plot(*answers) : lab::difference_plot(*answers);
 }
 
 int plot(const PlotOptions& options) {
@@ -224,15 +227,15 @@ void add_bench_tables(CLI::App& bench, Action& action) {
       "Differences are from this strategy, and shares of its points (default: the first of each scenario)");
   show_command
       ->add_option("--table", shown->table,
-                   "Only this table; overview: several figures side by side; shares: of the figure of --against in the "
-                   "same game")
+                   "Only this table; overview: several figures side by side; parts: points by kind; shares: of the "
+                   "figure of --against in the same game")
       ->check(one_of(kTables));
   add_table_options(*show_command, *shown);
   show_command->callback([shown, &action] { action = [shown] { return show(*shown); }; });
 
   auto plotted = std::make_shared<PlotOptions>();
-  CLI::App* plot_command =
-      bench.add_subcommand("plot", "Draw scores, differences, profiles or parts of a figure of a sweep, as SVG");
+  CLI::App* plot_command = bench.add_subcommand(
+      "plot", "Draw scores, differences, profiles, parts or shares of a figure of a sweep, as SVG");
   plot_command->footer(
       "Examples:\n  cxlab bench plot runs/strategies strategies.svg\n"
       "  cxlab bench plot runs/strategies late.svg --kind differences --metric late_s");
@@ -244,7 +247,8 @@ void add_bench_tables(CLI::App& bench, Action& action) {
                            "Differences are from this strategy, which has the dashed line (default: the first)");
   plot_command
       ->add_option("--kind", plotted->kind,
-                   "The plot (default scores: games and means with intervals); parts: points by kind")
+                   "The plot (default scores: games and means with intervals); parts: points by kind; shares: of the "
+                   "figure of --against in the same game")
       ->check(one_of(kPlots));
   plot_command->callback([plotted, &action] { action = [plotted] { return plot(*plotted); }; });
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "cx/base/number_text.h"
@@ -17,7 +18,7 @@ namespace cxlab::lab {
 namespace {
 
 constexpr std::size_t kMostDots = 300;  ///< games of a strategy that are drawn one by one
-constexpr double kRowHeight = 20, kTop = 24, kCharacter = 7, kWidth = 520;
+constexpr double kRowHeight = 20, kTop = 24, kCharacter = 7, kWidth = 520, kLine = 16;
 constexpr double kBelow = 6;  ///< games lie so far below their mean, which would hide them
 
 /// Colours of series, readable on white and on black.
@@ -84,6 +85,38 @@ Expected<PlotLines> lines_of(const std::vector<Row>& rows, const std::string& me
   if (!any) return input_error("no game was completed");
   name_lines(out.lines, out.scenarios);
   return out;
+}
+
+/// A line for each answer, with what `values` makes of it, and what all of them are compared with.
+struct AnswerLines {
+  std::vector<PlotLine> lines;
+  std::string against;
+};
+
+template <class Values>
+Expected<AnswerLines> lines_of(const std::vector<Answer>& answers, Values&& values) {
+  AnswerLines out;
+  std::set<std::string> scenarios, references;
+  for (const Answer& one : answers) {
+    if (one.metric.name != answers.front().metric.name)
+      return input_error("the scenarios have different figures, " + answers.front().metric.name + " and " +
+                         one.metric.name + "; expected --metric with one that all have");
+    scenarios.insert(one.scenario);
+    references.insert(one.asked);
+    out.lines.push_back({one.scenario, one.strategy, {}, values(one)});
+  }
+  if (out.lines.empty()) return input_error("there is only one strategy, and no difference");
+  name_lines(out.lines, scenarios.size());
+  out.against = references.size() == 1 ? *references.begin() : "what it is compared with";
+  return out;
+}
+
+/// What dots and lines of games mean.
+std::string games_text(const std::vector<PlotLine>& lines) {
+  const bool some_only =
+      std::ranges::any_of(lines, [](const PlotLine& line) { return line.values.size() > kMostDots; });
+  return "grey " + (some_only ? std::to_string(kMostDots) + " quantiles of the games" : std::string("each game")) +
+         ", coloured the mean with its 95 % interval";
 }
 
 /// All values, or as many quantiles, the least and the most among them; in order.
@@ -164,18 +197,38 @@ class Drawing {
       line(kind, x(interval.low), y_of(row), x(interval.high), y_of(row), colour, " stroke-width=\"3\"");
     dot(kind, x(mean), y_of(row), 4.5, colour);
   }
+  /// The figure of each game in grey, and above them their mean with its interval.
+  void games(std::size_t row, const PlotLine& games, const std::string& kind, const std::string& colour) {
+    name(row, games.name);
+    if (games.values.empty()) return;
+    for (const double value : quantiles_of(games.values)) dot("game", x(value), y_of(row) + kBelow, 2.5, "#bbb");
+    estimate(kind, row, statistics::mean(games.values), statistics::interval_95(games.values, statistics::mean),
+             colour);
+  }
   /// What the scale on the left is of; it stands upright beside the names.
   void side_caption(const std::string& words) {
     out_ += "<text class=\"caption\" transform=\"translate(14 " + place((kTop + bottom_) / 2) +
             ") rotate(-90)\" text-anchor=\"middle\" fill=\"#111\">" + xml_text(words) + "</text>\n";
   }
-  /// What the scale is of.
+  /// What the scale is of, on as many lines as the drawing needs.
   void caption(const std::string& words) {
-    text("caption", (left_ + right()) / 2, bottom_ + 38, "middle", "#111", words);
+    constexpr auto kMost = static_cast<std::size_t>(kWidth / kCharacter);
+    caption_height_ = -kLine;
+    for (std::size_t begin = 0; begin < words.size();) {
+      std::size_t end = words.size();
+      if (end - begin > kMost) {
+        end = words.rfind(' ', begin + kMost);
+        if (end == std::string::npos || end <= begin) end = std::min(words.find(' ', begin + 1), words.size());
+      }
+      caption_height_ += kLine;
+      text("caption", (left_ + right()) / 2, bottom_ + 38 + caption_height_, "middle", "#111",
+           words.substr(begin, end - begin));
+      begin = end + 1;
+    }
   }
   /// Names beside their colours, below the caption.
   void key(const std::vector<std::string>& names) {
-    double at = 10, y = bottom_ + 62;
+    double at = 10, y = bottom_ + caption_height_ + 62;
     for (std::size_t i = 0; i < names.size(); ++i) {
       const double wide = 30 + kCharacter * static_cast<double>(names[i].size());
       if (at > 10 && at + wide > width_) {
@@ -187,7 +240,7 @@ class Drawing {
       text("name", at + 24, y, "start", "#111", names[i]);
       at += wide + 14;
     }
-    key_height_ = y - bottom_ - 38;
+    key_height_ = y - bottom_ - caption_height_ - 38;
   }
   static std::string series_class(std::size_t i) { return "series s" + std::to_string(i % std::size(kSeries)); }
   static const char* colour_of(std::size_t i) { return kSeries[i % std::size(kSeries)]; }
@@ -198,14 +251,14 @@ class Drawing {
 
   std::string svg() const {
     return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width_) + ' ' +
-           number(bottom_ + 46 + key_height_) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
+           number(bottom_ + 46 + caption_height_ + key_height_) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
            "<rect class=\"paper\" width=\"100%\" height=\"100%\" fill=\"white\"/>\n" + out_ + "</svg>\n";
   }
 
  private:
   static std::string place(double value) { return general_text(std::round(value * 10) / 10, 8); }
 
-  double left_ = 0, width_ = 0, bottom_ = 0, key_height_ = 0;
+  double left_ = 0, width_ = 0, bottom_ = 0, caption_height_ = 0, key_height_ = 0;
   std::vector<double> ticks_;
   std::string out_;
 };
@@ -233,54 +286,36 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
                        some_of_and_nearest(against, all->strategies, 8));
   const std::vector<PlotLine>& lines = all->lines;
   Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), all->least, all->most);
-  bool some_only = false;
-  for (const PlotLine& line : lines) some_only |= line.values.size() > kMostDots;
-  out.caption(all->metric.title + " of a game: grey " +
-              (some_only ? std::to_string(kMostDots) + " quantiles of the games" : "each game") +
-              ", coloured the mean with its 95 % interval");
+  out.caption(all->metric.title + " of a game: " + games_text(lines));
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PlotLine& line = lines[i];
     const bool reference = line.strategy == (against.empty() ? all->strategies.front() : against);
     const std::string colour = Drawing::colour_of(i), kind = Drawing::series_class(i);
-    out.name(i, line.name);
-    if (line.values.empty()) continue;
-    const double mean = statistics::mean(line.values);
-    if (reference && all->scenarios == 1)
-      out.line(kind, out.x(mean), kTop - 8, out.x(mean), out.bottom(), colour, " stroke-dasharray=\"4 3\"");
-    for (const double value : quantiles_of(line.values))
-      out.dot("game", out.x(value), Drawing::y_of(i) + kBelow, 2.5, "#bbb");
-    out.estimate(kind, i, mean, statistics::interval_95(line.values, statistics::mean), colour);
+    if (reference && all->scenarios == 1 && !line.values.empty()) {
+      const double mean = out.x(statistics::mean(line.values));
+      out.line(kind, mean, kTop - 8, mean, out.bottom(), colour, " stroke-dasharray=\"4 3\"");
+    }
+    out.games(i, line, kind, colour);
   }
   return out.svg();
 }
 
 Expected<std::string> difference_plot(const std::vector<Answer>& answers, const std::string& against) {
-  std::vector<PlotLine> lines;
-  std::map<std::string, bool> scenarios, references;
+  auto named = lines_of(answers, [](const Answer& one) { return one.values; });
+  if (!named) return named.error();
+  const std::vector<PlotLine>& lines = named->lines;
   double least = 0, most = 0;
-  for (const Answer& one : answers) {
-    if (one.metric.name != answers.front().metric.name)
-      return input_error("the scenarios have different figures, " + answers.front().metric.name + " and " +
-                         one.metric.name + "; expected --metric with one that all have");
-    scenarios.emplace(one.scenario, true);
-    references.emplace(one.asked, true);
-    lines.push_back({one.scenario, one.strategy, {}, one.values});
-    const statistics::Interval interval = statistics::interval_95(one.values, statistics::mean);
-    const double mean = statistics::mean(one.values);
-    for (const double end : {mean, interval.low, interval.high})
+  for (const PlotLine& line : lines) {
+    const statistics::Interval interval = statistics::interval_95(line.values, statistics::mean);
+    for (const double end : {statistics::mean(line.values), interval.low, interval.high})
       if (!std::isnan(end)) {
         least = std::min(least, end);
         most = std::max(most, end);
       }
   }
-  if (lines.empty()) return input_error("there is only one strategy, and no difference");
-  name_lines(lines, scenarios.size());
   Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
   const MetricOfRows& metric = answers.front().metric;
-  out.caption(metric.title + " more than " +
-              (!against.empty()         ? against
-               : references.size() == 1 ? references.begin()->first
-                                        : std::string("what it is compared with")) +
+  out.caption(metric.title + " more than " + (against.empty() ? named->against : against) +
               " in the same game, with the 95 % interval" + (metric.more_is_better ? "" : " (less is better)"));
   out.line("zero", out.x(0), kTop - 8, out.x(0), out.bottom(), "#555", " stroke-width=\"1.5\"");
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -293,6 +328,29 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
     out.estimate(std::string(to_string(judgement)), i, statistics::mean(lines[i].values),
                  statistics::interval_95(lines[i].values, statistics::mean), colour);
   }
+  return out.svg();
+}
+
+Expected<std::string> share_plot(const std::vector<Answer>& answers) {
+  auto named = lines_of(answers, [](const Answer& one) {
+    std::vector<double> percent = shares_of(one);
+    for (double& share : percent) share *= 100;
+    return percent;
+  });
+  if (!named) return named.error();
+  const std::vector<PlotLine>& lines = named->lines;
+  double least = 100, most = 100;
+  for (const PlotLine& line : lines)
+    for (const double value : line.values) {
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
+  out.caption("share of the " + answers.front().metric.title + " of " + named->against +
+              " in the same game, in %: " + games_text(lines));
+  out.line("zero", out.x(100), kTop - 8, out.x(100), out.bottom(), "#555", " stroke-dasharray=\"4 3\"");
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    out.games(i, lines[i], Drawing::series_class(0), Drawing::colour_of(0));
   return out.svg();
 }
 

@@ -20,6 +20,9 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
 /// A line for each difference: its mean with the 95 % interval, in the colour of its answer; 0 is no difference. All
 /// are of one metric, else an error.
 Expected<std::string> difference_plot(const std::vector<Answer>& answers, const std::string& against = {});
+/// A line for each difference: the share of the other strategy's figure, in per cent, of each game in grey and their
+/// mean with its 95 % interval above them. A dashed line is at 100 %. All are of one metric, else an error.
+Expected<std::string> share_plot(const std::vector<Answer>& answers);
 /// A curve for each strategy and scenario: the share of games (upwards) that reach a figure (to the right).
 Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::string& metric,
                                    const Catalogue& catalogue = shipped());

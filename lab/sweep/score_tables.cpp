@@ -293,6 +293,13 @@ Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metr
   return table;
 }
 
+std::vector<double> shares_of(const Answer& answer) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < answer.first.size(); ++i)
+    if (answer.first[i] > 0) out.push_back(answer.second[i] / answer.first[i]);
+  return out;
+}
+
 Expected<Table> share_table(const std::vector<Row>& rows, const std::string& against, const std::string& metric,
                             const Catalogue& catalogue) {
   const auto answers = compare_strategies(rows, against, metric, catalogue);
@@ -316,9 +323,7 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
     return out;
   };
   for (const Answer& one : *answers) {
-    std::vector<double> shares;
-    for (std::size_t i = 0; i < one.first.size(); ++i)
-      if (one.first[i] > 0) shares.push_back(one.second[i] / one.first[i]);
+    const std::vector<double> shares = shares_of(one);
     const statistics::Interval within = statistics::interval_95(shares, statistics::mean);
     TableCell shown;
     if (!std::isnan(within.low)) {

@@ -27,8 +27,11 @@ Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& m
 Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric,
                            const Catalogue& catalogue = shipped());
 
+/// The share of the other strategy's figure that each game of this answer reaches. Games in which that one has no
+/// figure above 0 are left out.
+std::vector<double> shares_of(const Answer& answer);
 /// A line for each strategy and scenario: its share of the figure of the first strategy, or of `against`, in the same
-/// game. Games in which that one has no figure above 0 are left out.
+/// game (shares_of).
 Expected<Table> share_table(const std::vector<Row>& rows, const std::string& against, const std::string& metric,
                             const Catalogue& catalogue = shipped());
 /// A line for each answer that is a difference.

@@ -214,8 +214,11 @@ Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<An
     add_plot(plots, prefix + "parts", "", parts_plot(rows, options.metric, catalogue));
     add_part("parts", part_table(rows, options.metric, catalogue), std::move(plots));
   }
-  if (!answers.empty())
-    add_part("shares", share_table(rows, answers.front().asked, options.metric, catalogue), Json::array());
+  if (!answers.empty()) {
+    plots = Json::array();
+    add_plot(plots, prefix + "shares", "", share_plot(answers));
+    add_part("shares", share_table(rows, answers.front().asked, options.metric, catalogue), std::move(plots));
+  }
   if (options.metric.empty())
     add_part("overview", overview_table(rows, answers.empty() ? "" : answers.front().asked, catalogue), Json::array());
   for (const ShownGame& game : ends_of(scenario.rows, *metric))

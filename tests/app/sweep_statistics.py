@@ -146,6 +146,17 @@ class SweepStatistics(Lab):
         (first,) = json.loads(self.cxlab("bench", "show", "s", "--table", "shares", "--against", "second", "--json").stdout)["shares"]
         self.assertEqual((first["games"], first["min"], first["max"]), (3, 0, 2))
         self.assertNotIn("share", self.cxlab("bench", "show", "s").stdout.replace("share of games", ""), "only where it is asked for")
+        self.cxlab("bench", "plot", "s", "out.svg", "--kind", "shares", "--against", "second")
+        drawing = (self.folder / "out.svg").read_text()
+        self.assertEqual(drawing.count('class="game"'), 3)
+        self.assertIn("share of the points of second in the same game", drawing)
+
+    def test_parts_are_points_by_kind(self):
+        columns = COLUMNS.replace("late_s", "points_delivery,points_ring")
+        self.write("s/rows.csv", columns + "game,first,,1,completed,0,30,20,10,h\ngame,first,,2,completed,0,10,10,0,h\n")
+        (first,) = json.loads(self.cxlab("bench", "show", "s", "--table", "parts", "--json").stdout)["parts"]
+        self.assertEqual((first["mean"], first["points_delivery"], first["points_ring"]), (20, 15, 5))
+        self.assertNotIn("points_ring", self.cxlab("bench", "show", "s").stdout, "only where it is asked for")
 
     def test_a_strategy_without_a_completed_game_has_no_shares(self):
         lines = [f"game,first,,{seed},completed,0,{points},1,h\n" for seed, points in ((1, 100), (2, 200))]
@@ -249,7 +260,7 @@ class SweepStatistics(Lab):
                 ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
                 ("no row has a metric 'point'; there are points, late_s; did you mean 'points'?", 3, "bench", "show", "s", "--metric", "point"),
                 ("there is no strategy 'c'", 3, "bench", "show", "s", "--against", "c"),
-                ("expected --table with one of: scores, differences, profile, overview, shares", 2, "bench", "show", "s", "--format", "csv"),
+                ("expected --table with one of: scores, differences, profile, overview, parts, shares", 2, "bench", "show", "s", "--format", "csv"),
                 ("expected one of", 2, "bench", "show", "s", "--format", "html"),
                 ("out.png: the drawing is an SVG, expected a name that ends in .svg", 2, "bench", "plot", "s", "out.png"),
                 ("there is no strategy 'c'", 3, "bench", "plot", "s", "out.svg", "--against", "c"),

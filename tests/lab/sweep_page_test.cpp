@@ -133,7 +133,8 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
       ElementsAre("Scores", "Differences in the same games", "How many games reach a figure", "What it is made of",
                   "Shares in the same games", "Several figures side by side", "Worst and best games"));
   EXPECT_THAT(found(text, "data-name=\"([^\"]*)"),
-              ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg"));
+              ElementsAre("apples-scores.svg", "apples-differences.svg", "apples-profile.svg", "apples-parts.svg",
+                          "apples-shares.svg"));
   // The mean difference of the 19 pairs: 10 and 1, 2 or 0.
   EXPECT_THAT(text, HasSubstr("data-order=\"11.0\">+11.0<"));
   // 3 worst and 3 best games of each strategy, the worst first; one has a page. No game that was not completed.
@@ -255,6 +256,31 @@ TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
   const auto plot = difference_plot(*answers);
   ASSERT_TRUE(plot);
   EXPECT_THAT(found(*plot, "<circle class=\"([a-z]*)"), ElementsAre("better", "worse", "undecided"));
+}
+
+TEST(Plots, SharesLieAroundWhatIsAllOfTheOther) {
+  std::vector<Row> rows;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    rows.push_back(row("first", seed, 40, 0));
+    rows.push_back(row("around", seed, seed % 2 ? 20 : 60, 0));
+    rows.push_back(row("half", seed, 20, 0));
+  }
+  rows.push_back(row("first", 9, 0, 0));  // nothing is a share of it
+  rows.push_back(row("around", 9, 20, 0));
+  const auto answers = compare_strategies(rows, "", "", catalogue());
+  ASSERT_TRUE(answers);
+  const auto plot = share_plot(*answers);
+  ASSERT_TRUE(plot);
+  const std::string all = found(*plot, "<line class=\"zero\" x1=\"([0-9.]+)").front();
+  const auto games = found(*plot, "<circle class=\"game\" cx=\"([0-9.]+)");
+  ASSERT_EQ(games.size(), 16u);
+  EXPECT_EQ(std::ranges::count(games, games.front()), 12) << "half of it, as often as it is: 4 of around, 8 of half";
+  const auto means = found(*plot, "<circle class=\"series[^\"]*\" cx=\"([0-9.]+)");
+  EXPECT_THAT(means, ElementsAre(all, games.front()));
+  EXPECT_THAT(found(*plot, "<text class=\"caption\"[^>]*>([^<]*)"),
+              ElementsAre("share of the apples of first in the same game, in %: grey each game,",
+                          "coloured the mean with its 95 % interval"));
+  EXPECT_THAT(share_plot({}).error().message, HasSubstr("only one strategy"));
 }
 
 TEST(Plots, DoNotGrowWithTheSweep) {
