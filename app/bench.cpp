@@ -80,7 +80,7 @@ void print_worst_games(const lab::JudgedRows& judged) {
     if (answer.lost > 0) games = named(shown->cell.game, shown->cell.seed) + " was not completed";
     std::printf("%s, %s: '%s' does not hold; %s\n  %s\n", printable(answer.scenario).c_str(),
                 printable(answer.strategy).c_str(), printable(answer.asked).c_str(), printable(games).c_str(),
-                lab::command_of(shown->cell).c_str());
+                shown->command().c_str());
   }
 }
 
@@ -117,10 +117,11 @@ int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
 }
 
 /// What a suite consists of, a line each: the number that `--cell` takes, and what is played.
-int list_cells(const lab::Suite& suite, const BenchOptions& options) {
+int list_cells(const lab::Suite& suite, const BenchOptions& options, const Limits& limits) {
   constexpr std::size_t kAtOnce = 1000;  // a suite may have a million
   Json list = Json::array();
-  const auto add = [&list, &options](const lab::Cell& cell) {
+  const lab::Allowance allowance(limits);
+  const auto add = [&list, &options, &allowance](const lab::Cell& cell) {
     if (!options.json) {
       std::string title = lab::title_of(cell);
       std::ranges::replace(title, '\n', ' ');
@@ -137,10 +138,10 @@ int list_cells(const lab::Suite& suite, const BenchOptions& options) {
                     {"parameters", std::move(parameters)},
                     {"tags", cell.tags},
                     {"row", "rows/" + lab::row_name(cell) + ".json"},
-                    {"command", lab::command_of(cell)}});
+                    {"command", lab::command_of(cell) + allowance.options()}});
   };
   if (options.missing) {
-    const auto cells = lab::missing_cells(suite, options.folder());
+    const auto cells = lab::missing_cells(suite, options.folder(), limits);
     if (!cells) return fail(cells.error());
     for (const lab::Cell& cell : *cells) add(cell);
   } else {
@@ -274,15 +275,15 @@ int bench(const BenchOptions& options) {
     if (!seeds) return fail(usage_error("--seeds: " + seeds.error().message));
     suite->seeds = *std::move(seeds);
   }
-  if (options.cells) return list_cells(*suite, options);
-  // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
-  if (options.cell.empty())
-    if (Status s = suite->check(); !s) return fail(s.error());
-  if (options.slurm) return write_slurm(*suite, options);
   Console console(options.quiet);
   if (options.quiet) stop_reporting();
   if (options.verbose) console.show_all_games();
   const lab::Host host = console.host();
+  if (options.cells) return list_cells(*suite, options, host.most);
+  // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
+  if (options.cell.empty())
+    if (Status s = suite->check(); !s) return fail(s.error());
+  if (options.slurm) return write_slurm(*suite, options);
   if (!options.cell.empty()) return play_cells(*suite, options, host);
   if (!options.collect.empty()) return collect_rows(*suite, options, host);
   if (!suite->require.empty()) {

@@ -23,10 +23,10 @@ std::vector<std::uint64_t> read_seeds(const Value& value) {
   std::vector<std::uint64_t> out;
   if (value.is_list()) {
     for (const Value& item : value.as_list())
-      if (const std::int64_t seed = item.as_integer(); seed < 0)
-        item.fail("expected a seed of at least 0");
+      if (const auto seed = read_number<std::uint64_t>(item.text()))
+        add_seed(*seed, item, out);
       else
-        add_seed(static_cast<std::uint64_t>(seed), item, out);
+        item.fail(found_expected(item.found(), "a seed, which is an integer of at least 0"));
     return out;
   }
   auto range = seeds_of_range(value.text());

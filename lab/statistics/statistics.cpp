@@ -119,9 +119,17 @@ double widened_level(double level, std::size_t n) {
 }
 
 Interval interval_95(Values values, const std::function<double(Values)>& statistic) {
+  if (values.size() < kFewestForBootstrap) return {kNone, kNone};
   constexpr std::size_t kMany = 2000;  // values of which fewer draws are enough, and many would take seconds
   return bootstrap_interval(values, statistic, widened_level(0.95, values.size()),
                             {.resamples = values.size() > kMany ? 1999u : 9999u, .seed = 1});
+}
+
+Interval mean_interval_95(Values values) {
+  if (values.size() < 2 || values.size() >= kFewestForBootstrap) return interval_95(values, mean);
+  const double n = count(values);
+  const double half = student_quantile(0.975, n - 1) * standard_deviation(values) / std::sqrt(n);
+  return {mean(values) - half, mean(values) + half};
 }
 
 std::vector<double> profile(Values values, Values thresholds, bool more_is_better) {

@@ -48,8 +48,12 @@ Interval bootstrap_interval(Values values, const std::function<double(Values)>& 
 /// scatter less than their mean does (Hesterberg). The width grows by 1 / n more, because the skewness that BCa
 /// corrects is itself uncertain; simulated sweeps have shown that (tests/lab/statistics/promises_test.cpp).
 double widened_level(double level, std::size_t n);
-/// bootstrap_interval at the widened level of 95 %.
+/// bootstrap_interval at the widened level of 95 %. NaN for fewer than `kFewestForBootstrap` values: no resample leaves
+/// their range, and the range of n values misses the median with a probability of 2^(1 - n).
 Interval interval_95(Values values, const std::function<double(Values)>& statistic);
+inline constexpr std::size_t kFewestForBootstrap = 6;
+/// interval_95 of the mean; for fewer than `kFewestForBootstrap` values, two at least, the interval of Student's t.
+Interval mean_interval_95(Values values);
 
 /// For each threshold the share of the values that reach it; in the other direction the share that stays at or below.
 std::vector<double> profile(Values values, Values thresholds, bool more_is_better = true);

@@ -48,7 +48,7 @@ CREATE TABLE metrics (
 /// The columns of `runs` before those of the metrics.
 constexpr const char* kRuns =
     "CREATE TABLE runs (cell INTEGER PRIMARY KEY, key TEXT NOT NULL, scenario TEXT NOT NULL, strategy TEXT NOT NULL, "
-    "game TEXT, seed INTEGER NOT NULL, status TEXT NOT NULL, completed INTEGER NOT NULL, exit INTEGER NOT NULL, "
+    "game TEXT, seed NOT NULL, status TEXT NOT NULL, completed INTEGER NOT NULL, exit INTEGER NOT NULL, "
     "reason TEXT, world TEXT, journal_hash TEXT, cpu_s REAL, peak_rss_mb REAL, host TEXT, agent_commit TEXT, "
     "program TEXT NOT NULL, command TEXT NOT NULL, row TEXT NOT NULL";
 
@@ -151,7 +151,7 @@ void insert_row(const Row& row, const std::vector<std::string>& metrics, IndexWr
                             text_or_null(row.circumstances.host),
                             text_or_null(row.circumstances.agent_commit),
                             row.program,
-                            command_of(row.cell),
+                            row.command(),
                             "rows/" + row_name(row.cell) + ".json"};
   for (const std::string& metric : metrics) {
     const auto value = row.journal_hash.empty() ? std::nullopt : row.figure(metric);

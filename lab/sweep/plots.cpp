@@ -202,7 +202,7 @@ class Drawing {
     name(row, games.name);
     if (games.values.empty()) return;
     for (const double value : quantiles_of(games.values)) dot("game", x(value), y_of(row) + kBelow, 2.5, "#bbb");
-    estimate(kind, row, statistics::mean(games.values), statistics::interval_95(games.values, statistics::mean),
+    estimate(kind, row, statistics::mean(games.values), statistics::mean_interval_95(games.values),
              colour);
   }
   /// What the scale on the left is of; it stands upright beside the names.
@@ -306,7 +306,7 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
   const std::vector<PlotLine>& lines = named->lines;
   double least = 0, most = 0;
   for (const PlotLine& line : lines) {
-    const statistics::Interval interval = statistics::interval_95(line.values, statistics::mean);
+    const statistics::Interval interval = statistics::mean_interval_95(line.values);
     for (const double end : {statistics::mean(line.values), interval.low, interval.high})
       if (!std::isnan(end)) {
         least = std::min(least, end);
@@ -326,7 +326,7 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
                                : judgement == Judgement::kWorse ? "#c62828"
                                                                 : "#777";
     out.estimate(std::string(to_string(judgement)), i, statistics::mean(lines[i].values),
-                 statistics::interval_95(lines[i].values, statistics::mean), colour);
+                 statistics::mean_interval_95(lines[i].values), colour);
   }
   return out.svg();
 }

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include "cx/base/file.h"
 #include "cx/base/json.h"
@@ -24,7 +25,7 @@ constexpr std::string_view kKeys[] = {
     "schema",    "key",          "scenario", "strategy",     "game",     "seed",      "parameters", "file",
     "overrides", "status",       "exit",     "errors",       "warnings", "world",     "compared",   "metrics",
     "played",    "journal_hash", "program",  "files",        "cell",     "completed", "reason",     "tags",
-    "cpu_s",     "peak_rss_mb",  "host",     "agent_commit", "command",  "row"};
+    "cpu_s",     "peak_rss_mb",  "host",     "agent_commit", "command",  "row",       "allowance"};
 
 }  // namespace
 
@@ -32,6 +33,20 @@ std::string_view shared_name(std::string_view metric) {
   static std::set<std::string, std::less<>> names;
   const auto found = names.find(metric);
   return found != names.end() ? *found : *names.emplace(metric).first;
+}
+
+bool Allowance::covers(const Allowance& other) const {
+  const auto at_least = [](std::int64_t mine, std::int64_t its) { return mine == 0 || (its != 0 && mine >= its); };
+  return at_least(memory, other.memory) && at_least(disk, other.disk) && at_least(steps, other.steps);
+}
+
+std::string Allowance::options() const {
+  std::string out;
+  for (const auto& [name, now, otherwise] : {std::tuple("memory", memory, Allowance().memory),
+                                             {"disk", disk, Allowance().disk},
+                                             {"steps", steps, Allowance().steps}})
+    if (now != otherwise) out += std::string(" --") + name + ' ' + std::to_string(now);
+  return out;
 }
 
 std::string hash_of(const fs::path& file) {
@@ -64,11 +79,14 @@ std::string Row::digest() const {
   std::string text = program;
   for (const std::string& part : portable_overrides(cell)) text += '\0' + part;
   for (const auto& [name, hash] : files) text += '\0' + name + '\0' + hash;
+  if (const std::string options = allowance.options(); !options.empty()) text += '\0' + options;
   return content_hash(text);
 }
 
-bool Row::is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash) const {
-  return !journal_hash.empty() && tells_of(now, program_now, names, hash);
+bool Row::is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash,
+                     const Allowance& allowed) const {
+  return !journal_hash.empty() && (counts() ? allowed.covers(allowance) : allowed == allowance) &&
+         tells_of(now, program_now, names, hash);
 }
 
 bool Row::tells_of(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash) const {
@@ -105,6 +123,8 @@ std::string Row::to_json() const {
   out["journal_hash"] = journal_hash;
   out["program"] = program;
   out["files"] = files;
+  if (allowance != Allowance())
+    out["allowance"] = {{"memory", allowance.memory}, {"disk", allowance.disk}, {"steps", allowance.steps}};
   played["cpu_s"] = circumstances.cpu_s;
   played["peak_rss_mb"] = circumstances.peak_rss_mb;
   played["host"] = circumstances.host;
@@ -128,6 +148,11 @@ Expected<Row> Row::parse(const std::string& text) {
     for (const auto& [name, value] : json.at("parameters").items()) row.cell.parameters.push_back({name, value});
     row.program = json.at("program");
     row.files = json.at("files").get<std::map<std::string, std::string>>();
+    if (const auto allowance = json.find("allowance"); allowance != json.end()) {
+      row.allowance.memory = allowance->at("memory");
+      row.allowance.disk = allowance->at("disk");
+      row.allowance.steps = allowance->at("steps");
+    }
     row.status = json.at("status");
     row.exit_code = json.at("exit");
     row.errors = json.at("errors").get<std::vector<std::string>>();

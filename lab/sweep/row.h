@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/engine/limits.h"
 #include "lab/file_names.h"
 #include "lab/sweep/suite.h"
 
@@ -35,13 +36,27 @@ struct Circumstances {
   std::string agent_commit;  ///< checked out in the git repository of the agent; empty: there is none
 };
 
+/// What the rules of a game may take, as in `Limits`; 0 = no limit.
+struct Allowance {
+  std::int64_t memory = Limits{}.memory, disk = Limits{}.disk, steps = Limits{}.steps;
+
+  Allowance() = default;
+  explicit Allowance(const Limits& limits) : memory(limits.memory), disk(limits.disk), steps(limits.steps) {}
+  bool operator==(const Allowance&) const = default;
+  /// Whether it allows at least as much of everything.
+  bool covers(const Allowance& other) const;
+  /// As options of a command: " --steps 2000". Empty where all is as without options.
+  std::string options() const;
+};
+
 struct Row {
   Cell cell;
   // What it was played from
   std::string program;                       ///< digest of cxlab itself
   std::string file;                          ///< the scenario by its name (FileNames)
   std::map<std::string, std::string> files;  ///< that the run read: name (FileNames) -> content hash
-  std::string key;                           ///< digest of all that (`digest`)
+  Allowance allowance{};
+  std::string key;  ///< digest of all that (`digest`)
   // How it went
   std::string status;  ///< as in result.json; "crashed" if the process ended without a result
   int exit_code = 0;
@@ -58,14 +73,17 @@ struct Row {
   std::optional<double> figure(std::string_view metric) const;
   /// Sets world, the compared metric and the figures.
   void measure(const WorldKind& kind, const std::string& result_json);
-  /// The digest of program, overrides and files. Rows with the same one are of the same game, wherever the files lie
+  /// The command that plays the game again.
+  std::string command() const { return command_of(cell) + allowance.options(); }
+  /// The digest of program, overrides, files and allowance. Rows with the same one are of the same game, wherever the files lie
   /// and whatever suite and strategy are called.
   std::string digest() const;
 
   using Hash = std::function<std::string(const std::filesystem::path&)>;
-  /// Whether the same would be played now: by this program, with the same overrides and the same content of all files,
-  /// wherever they lie.
-  bool is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {}) const;
+  /// Whether the game would go the same way now: by this program, with the same overrides and the same content of all
+  /// files, wherever they lie, and with as much allowed as it had. If it was not completed, more may change that, too.
+  bool is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {},
+                  const Allowance& allowed = {}) const;
   /// The same of a game that was begun, and perhaps not played to its end: it crashed, or could not read a file.
   bool tells_of(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {}) const;
 

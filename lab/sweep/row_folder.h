@@ -25,7 +25,8 @@ namespace cxlab::lab {
 /// Whether rows count for cells of a suite: what it has read once of scenarios and files it reads no more.
 class RowMatcher {
  public:
-  RowMatcher(const Catalogue& catalogue, std::string program) : catalogue_(catalogue), program_(std::move(program)) {}
+  RowMatcher(const Catalogue& catalogue, std::string program, const Limits& limits)
+      : catalogue_(catalogue), program_(std::move(program)), allowance_(limits) {}
 
   bool is_current(const Row& row, const Cell& cell);
   bool tells_of(const Row& row, const Cell& cell);
@@ -34,6 +35,8 @@ class RowMatcher {
   /// Checked out where its agent lies; empty: no git repository.
   const std::string& agent_commit_of(const Cell& cell) { return place_of(cell).agent_commit; }
   const std::string& program() const { return program_; }
+  /// What rules may take now.
+  const Allowance& allowance() const { return allowance_; }
   std::string hash(const std::filesystem::path& file);
   /// A file that has another content than when the row was played, by its name; empty: all are the same.
   std::string changed_file(const Row& row, const Cell& cell);
@@ -47,6 +50,7 @@ class RowMatcher {
 
   const Catalogue& catalogue_;
   std::string program_;
+  Allowance allowance_;
   std::map<std::pair<std::string, std::string>, Place> places_;  // by scenario and strategy
   std::map<std::filesystem::path, std::string> hashes_;
 };

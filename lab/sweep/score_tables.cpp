@@ -118,7 +118,9 @@ Expected<Table> score_table(const std::vector<Row>& rows, const std::string& met
     TableCell games = count_cell(values.size());
     games.shown = done_text(one);
     std::vector<TableCell> row{one.scenario, one.strategy, one.metric.title, games};
-    for (double (*statistic)(Values) : {statistics::mean, statistics::median, statistics::interquartile_mean}) {
+    row.push_back(number_cell(statistics::mean(values), digits));
+    row.push_back(interval(statistics::mean_interval_95(values), digits));
+    for (double (*statistic)(Values) : {statistics::median, statistics::interquartile_mean}) {
       row.push_back(number_cell(statistic(values), digits));
       row.push_back(interval(statistics::interval_95(values, statistic), digits));
     }
@@ -191,7 +193,7 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
                                one.metric.title,
                                games,
                                number_cell(statistics::mean(one.values), digits),
-                               interval(statistics::interval_95(one.values, statistics::mean), digits),
+                               interval(statistics::mean_interval_95(one.values), digits),
                                one.values.empty() ? TableCell() : number_cell(std::ranges::min(one.values), digits)};
     for (const std::string& name : further) {
       const Scores& other = of_metric.at(name)[i];
@@ -324,7 +326,7 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
   };
   for (const Answer& one : *answers) {
     const std::vector<double> shares = shares_of(one);
-    const statistics::Interval within = statistics::interval_95(shares, statistics::mean);
+    const statistics::Interval within = statistics::mean_interval_95(shares);
     TableCell shown;
     if (!std::isnan(within.low)) {
       shown = TableCell(TableCell::Stretch{within.low, within.high});
@@ -361,8 +363,13 @@ Table difference_table(const std::vector<Answer>& answers) {
                {"answer", "answer"},
                {"more_games", "more games", Kind::kNumber}},
               {}};
+  std::vector<double> p;
+  for (const Answer& one : answers)
+    if (one.is_difference) p.push_back(statistics::sign_flip_p(one.values));
+  std::size_t row = 0;
   for (const Answer& one : answers) {
     if (!one.is_difference) continue;
+    const double own_p = p[row++];
     const int digits = one.metric.digits;
     const bool more = one.metric.more_is_better;
     const Values values = one.values;
@@ -374,8 +381,13 @@ Table difference_table(const std::vector<Answer>& answers) {
     TableCell more_games;
     if (one.judgement == Judgement::kUndecided && !std::isnan(effect) && effect != 0) {
       constexpr double kMost = 100000;
+      // Holm multiplies p by the number of comparisons that are no clearer than this one.
+      const auto compared = static_cast<std::size_t>(
+          std::ranges::count_if(p, [own_p](double other) { return other >= own_p; }));
       const double needed =
-          statistics::pairs_needed(effect, statistics::kLastLevel) - static_cast<double>(values.size());
+          std::max(statistics::pairs_needed(effect, statistics::kLastLevel / static_cast<double>(compared)),
+                   static_cast<double>(statistics::fewest_games(statistics::Question::About::kDifferences, compared))) -
+          static_cast<double>(values.size());
       if (needed > kMost)
         more_games.shown = "> 100000";
       else
@@ -388,9 +400,9 @@ Table difference_table(const std::vector<Answer>& answers) {
     }
     table.rows.push_back({one.scenario, one.strategy, one.asked, one.metric.title, count_cell(values.size()),
                           number_cell(statistics::mean(values), digits, true),
-                          interval(statistics::interval_95(values, statistics::mean), digits),
+                          interval(statistics::mean_interval_95(values), digits),
                           number_cell(effect, 2, true), share, count_cell(signs.above), count_cell(signs.equal),
-                          count_cell(signs.below), probability(statistics::sign_flip_p(values)), probability(one.p),
+                          count_cell(signs.below), probability(own_p), probability(one.p),
                           TableCell(to_string(one.judgement)), more_games});
   }
   set_title(table, "differences");
@@ -415,7 +427,7 @@ Table requirement_table(const std::vector<Answer>& answers) {
     table.rows.push_back({one.scenario, one.strategy, one.asked, one.metric.title, TableCell(to_string(one.judgement)),
                           count_cell(one.after),
                           number_cell(statistics::mean(one.values), one.metric.digits, one.is_difference),
-                          interval(statistics::interval_95(one.values, statistics::mean), one.metric.digits),
+                          interval(statistics::mean_interval_95(one.values), one.metric.digits),
                           count_cell(one.values.size()), probability(one.p)});
   set_title(table, "requirements");
   return table;

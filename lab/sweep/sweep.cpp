@@ -68,6 +68,7 @@ Row play(const Cell& cell, const Catalogue& catalogue, const std::string& progra
   row.cell = cell;
   row.program = program;
   row.file = names.name_of(cell.file);
+  row.allowance = Allowance(host.most);
   row.status = "failed";
   const auto completed = [&]() -> Row& {
     row.key = row.digest();
@@ -170,7 +171,7 @@ class CellPlayer {
         options_(options),
         host_(host),
         folder_(folder),
-        matcher_(*suite.catalogue, program_digest()) {}
+        matcher_(*suite.catalogue, program_digest(), host.most) {}
 
   /// The rows of all cells, or those that existed before a stop: for a job of one machine, which writes no tables.
   Expected<std::vector<Row>> rows() {
@@ -363,6 +364,7 @@ class CellPlayer {
     Row row;
     row.cell = cell;
     row.program = matcher_.program();
+    row.allowance = matcher_.allowance();
     row.file = matcher_.names_of(cell).name_of(cell.file);
     row.files[row.file] = matcher_.hash(cell.file);
     if (!cell.game_file.empty())
@@ -444,10 +446,10 @@ Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell
   return CellPlayer(suite, cells, options, host, *folder).rows();
 }
 
-Expected<std::vector<Cell>> missing_cells(const Suite& suite, const fs::path& folder) {
+Expected<std::vector<Cell>> missing_cells(const Suite& suite, const fs::path& folder, const Limits& limits) {
   auto rows = RowFolder::open(folder, FolderUse::kTogether);
   if (!rows) return rows.error();
-  RowMatcher matcher(*suite.catalogue, program_digest());
+  RowMatcher matcher(*suite.catalogue, program_digest(), limits);
   std::vector<Cell> out;
   for (const Cell& cell : suite.cells())
     if (!rows->find(cell, matcher)) out.push_back(cell);
@@ -486,7 +488,7 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
       return input_error("expected a folder with the rows of a sweep, rows/*.json", source.string());
   auto out = RowFolder::open(folder, FolderUse::kTogether);
   if (!out) return out.error();
-  RowMatcher matcher(*suite.catalogue, program_digest());
+  RowMatcher matcher(*suite.catalogue, program_digest(), host.most);
   Collected collected;
 
   std::vector<fs::path> sources{folder};
@@ -516,8 +518,10 @@ Expected<Collected> collect(const Suite& suite, const std::vector<fs::path>& fro
       auto row = read_row(it->second);
       if (!row || !matcher.tells_of(*row, cell)) continue;
       used.insert(it->second);
-      const bool better = !best || (best->journal_hash.empty() && !row->journal_hash.empty());
-      if (best && !row->journal_hash.empty() && !best->journal_hash.empty() && outcome_of(*row) != outcome_of(*best)) {
+      const auto worth = [](const Row& one) { return one.counts() ? 2 : one.journal_hash.empty() ? 0 : 1; };
+      const bool better = !best || worth(*row) > worth(*best);
+      if (best && !row->journal_hash.empty() && !best->journal_hash.empty() && row->allowance == best->allowance &&
+          outcome_of(*row) != outcome_of(*best)) {
         contradictory = true;
         if (collected.differ.first.empty()) collected.differ = {place, it->second};
       }

@@ -45,7 +45,8 @@ Expected<std::vector<Row>> play_cells(const Suite& suite, const std::vector<Cell
 
 /// The cells that `sweep` would play in this folder: those without a row that is there and current. Fails if a sweep
 /// works in the folder.
-Expected<std::vector<Cell>> missing_cells(const Suite& suite, const std::filesystem::path& folder);
+Expected<std::vector<Cell>> missing_cells(const Suite& suite, const std::filesystem::path& folder,
+                                          const Limits& limits = {});
 
 struct Collected {
   std::vector<Row> rows;             ///< in the order of their cells

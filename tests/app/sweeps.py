@@ -272,6 +272,31 @@ class Sweeps(Lab):
             self.assertNotEqual(row["exit"], 0)
             self.assertIn("memory", row["errors"][0])
 
+    def test_games_that_failed_at_a_limit_are_played_again_where_it_is_another(self):
+        self.write("home/rules/rules.clp", "(defrule work (time ?) => (loop-for-count 5000 (random)))\n")
+        self.bench("--steps", 2000, "--out", "r", code=1)
+        self.assertEqual({(row["status"], row["allowance"]["steps"]) for row in self.rows(self.home / "r").values()}, {("failed", 2000)})
+        for (command,) in self.query(self.home / "r", "SELECT command FROM runs"):
+            again = subprocess.run([CXLAB, *shlex.split(command)[1:], "--out", "none"], cwd=self.home, text=True, capture_output=True, timeout=100)
+            self.assertEqual(again.returncode, 4, command + again.stderr)
+        self.assertIn("6 rows are current", self.bench("--steps", 2000, "--out", "r", code=1).stderr)
+        self.assertEqual(len(self.bench("--cells", "--missing", "--out", "r").stdout.splitlines()), 6)
+        self.bench("--out", "whole")
+        done = self.bench("--collect", "r", "--out", "whole")
+        self.assertNotIn("differ", done.stderr)
+        self.assertEqual(self.query(self.home / "whole", "SELECT sum(completed) FROM runs"), [(6,)])
+        self.assertNotIn("current", self.bench("--out", "r").stderr)
+        self.assertEqual((self.home / "r/rows.csv").read_bytes(), (self.home / "whole/rows.csv").read_bytes())
+        self.assertEqual(self.bench("--steps", 1_000_000_000, "--out", "r").stderr, "6 rows are current and kept\n")
+
+    def test_seeds_have_64_bits(self):
+        seeds = [0, 2**53 + 1, 2**63 - 1, 2**63, 2**64 - 2, 2**64 - 1]
+        self.write("home/suite.yaml", SUITE[:SUITE.index("grid")].replace("[1, 2]", str(seeds)))
+        self.bench("--out", "r")
+        self.assertEqual([int(seed) for (seed,) in self.query(self.home / "r", "SELECT seed FROM runs ORDER BY cell")], seeds)
+        page = (self.home / "r/index.html").read_text()
+        self.assertIn(f"seed {2**64 - 1}", page)
+
     def test_kills_at_any_moment_change_nothing(self):
         self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..6"'))
         self.bench("-j", 2, "--out", self.folder / "whole")
@@ -468,7 +493,7 @@ class Sweeps(Lab):
         (self.home / "suite.yaml").rename(self.home / "it's a suite.yaml")
         command = [CXLAB, "bench", "it's a suite.yaml"]
         run = lambda *arguments, **options: subprocess.run(arguments, cwd=self.home, text=True, capture_output=True, timeout=120, **options)
-        self.assertEqual(run(*command, "--quiet", "--out", "whole").returncode, 0)
+        self.assertEqual(run(*command, "--quiet", "--memory", "1GB", "--out", "whole").returncode, 0)
         done = run(*command, "--slurm", "--tasks", "4", "-j", "2", "--memory", "1GB", "--time-limit", "50", "--out", "r")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("r/slurm/cells.sh: 3 tasks of up to 2 cells\n", done.stdout)

@@ -39,6 +39,48 @@ TEST_F(RowTest, IsTheSameAfterWritingAndReading) {
   EXPECT_EQ(again->to_json(), row().to_json());
 }
 
+TEST_F(RowTest, SaysWhatItsRulesMayTake) {
+  Row limited = row();
+  EXPECT_EQ(limited.to_json().find("allowance"), std::string::npos) << "as without options";
+  EXPECT_EQ(limited.command(), command_of(limited.cell));
+  const std::string usual = limited.digest();
+  limited.allowance.steps = 2000;
+  EXPECT_NE(limited.digest(), usual);
+  const auto again = Row::parse(limited.to_json());
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(again->allowance, limited.allowance);
+  EXPECT_EQ(limited.command(), command_of(limited.cell) + " --steps 2000");
+}
+
+TEST_F(RowTest, IsPlayedAgainIfItsRulesMayTakeLessOrItFailedAndTheyMayTakeMore) {
+  write("rules.clp", "(defrule a =>)");
+  Row then = row();
+  Cell now = then.cell;
+  now.file = path("game.yaml");
+  const auto kept = [&](const Allowance& allowed) {
+    return then.is_current(now, "1234", FileNames(path("game.yaml")), {}, allowed);
+  };
+  then.allowance.steps = 2000;
+  Allowance less = then.allowance, more = then.allowance, none = then.allowance;
+  less.steps = 1999;
+  more.steps = 2001;
+  none.steps = 0;
+  for (const auto& [status, with_more] : {std::pair("completed", true), {"failed", false}}) {
+    then.status = status;
+    EXPECT_TRUE(kept(then.allowance)) << status;
+    EXPECT_FALSE(kept(less)) << status;
+    EXPECT_EQ(kept(more), with_more) << status;
+    EXPECT_EQ(kept(none), with_more) << status;
+  }
+  then.status = "completed";
+  then.allowance.steps = 0;
+  EXPECT_FALSE(kept(more));
+  EXPECT_TRUE(kept(none));
+  Allowance memory = none;
+  --memory.memory;
+  EXPECT_FALSE(kept(memory));
+}
+
 TEST_F(RowTest, IsAnErrorIfTheTextIsNoRow) {
   for (const char* text : {"", "{", "[]", "{}", "{\"schema\": 1}", "{\"schema\": 99}", "{\"schema\": \"one\"}"})
     EXPECT_FALSE(Row::parse(text)) << text;

@@ -168,6 +168,16 @@ TEST_F(SuiteTest, AMetricMustNotHaveTheNameOfAnotherKeyOfARow) {
   }
 }
 
+TEST_F(SuiteTest, SeedsOfAListHave64Bits) {
+  const auto seeds = [this](const std::string& list) {
+    return load("scenarios: [a.yaml]\nstrategies: {s: []}\nseeds: " + list + "\n");
+  };
+  EXPECT_THAT(seeds("[0, 9223372036854775808, 18446744073709551615]")->seeds,
+              ElementsAre(0, 9223372036854775808U, 18446744073709551615U));
+  for (const char* wrong : {"[-1]", "[18446744073709551616]", "[1.5]", "[one]", "[[1]]"})
+    EXPECT_THAT(seeds(wrong).error().text(), HasSubstr("expected a seed, which is an integer of at least 0")) << wrong;
+}
+
 TEST_F(SuiteTest, AScenarioThatIsNotThereNamesTheNearest) {
   write("folder/x.txt", "");
   const std::string rest = "]\nseeds: [1]\nstrategies: {s: []}\n";

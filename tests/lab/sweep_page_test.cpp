@@ -258,6 +258,27 @@ TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {
   EXPECT_THAT(found(*plot, "<circle class=\"([a-z]*)"), ElementsAre("better", "worse", "undecided"));
 }
 
+TEST(MoreGames, AreAsManyAsADecisionNeedsBesidesTheOtherComparisons) {
+  const auto more_games = [](const std::vector<Answer>& answers) {
+    std::vector<std::int64_t> out;
+    const Table table = difference_table(answers);
+    for (const auto& line : table.rows) out.push_back(std::get<std::int64_t>(line.back().value));
+    return out;
+  };
+  Answer few, many;
+  few.is_difference = many.is_difference = true;
+  few.values = {5, 6, 7.5};  // however large: three pairs have a p of 0.25, and six are needed for 0.04, seven for 0.02
+  for (int i = 0; i < 20; ++i) many.values.push_back(i % 3 - 0.6);
+  for (Answer* one : {&few, &many}) one->first = one->second = one->values;
+  const double effect = statistics::effect_size(many.values);
+  EXPECT_THAT(more_games({few}), ElementsAre(3));
+  EXPECT_THAT(more_games({few, few}), ElementsAre(4, 4));
+  EXPECT_THAT(more_games({many}), ElementsAre(statistics::pairs_needed(effect, 0.04) - 20));
+  // Holm corrects the clearer one for both, and the other one for itself.
+  ASSERT_LT(statistics::sign_flip_p(many.values), 0.25);
+  EXPECT_THAT(more_games({few, many}), ElementsAre(3, statistics::pairs_needed(effect, 0.02) - 20));
+}
+
 TEST(Plots, SharesLieAroundWhatIsAllOfTheOther) {
   std::vector<Row> rows;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -408,7 +429,7 @@ TEST_F(SweepPageTest, KeepsTheAnswersToRequirements) {
 TEST(Statistics, TheIntervalOfManyValuesIsNearThatOfTheNormalDistribution) {
   std::vector<double> values;
   for (int i = 0; i < 4000; ++i) values.push_back(static_cast<double>(i * 7919 % 4001));
-  const auto interval = statistics::interval_95(values, statistics::mean);
+  const auto interval = statistics::mean_interval_95(values);
   const double half = 1.96 * statistics::standard_deviation(values) / std::sqrt(4000.0);
   EXPECT_NEAR(interval.low, statistics::mean(values) - half, half / 10);
   EXPECT_NEAR(interval.high, statistics::mean(values) + half, half / 10);

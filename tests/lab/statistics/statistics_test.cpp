@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "cx/base/random.h"
 #include "lab/statistics/distributions.h"
 
 namespace cxlab::statistics {
@@ -89,12 +90,36 @@ TEST(BootstrapInterval, IsTheSameEachTimeAndAnotherWithAnotherSeed) {
 }
 
 TEST(BootstrapInterval, OfTooFewAndOfEqualValues) {
-  EXPECT_TRUE(std::isnan(interval_95(std::vector{3.0}, mean).low));
-  EXPECT_EQ(interval_95(std::vector{3.0, 3.0, 3.0}, mean).low, 3);
-  EXPECT_EQ(interval_95(std::vector{3.0, 3.0, 3.0}, mean).high, 3);
-  const Interval two = interval_95(std::vector{1.0, 2.0}, mean);
-  EXPECT_EQ(two.low, 1);
-  EXPECT_EQ(two.high, 2);
+  EXPECT_TRUE(std::isnan(mean_interval_95(std::vector{3.0}).low));
+  EXPECT_EQ(mean_interval_95(std::vector{3.0, 3.0, 3.0}).low, 3);
+  EXPECT_EQ(mean_interval_95(std::vector{3.0, 3.0, 3.0}).high, 3);
+  EXPECT_EQ(interval_95(std::vector(6, 3.0), median).high, 3);
+}
+
+TEST(MeanInterval, OfFewValuesIsStudents) {
+  const Interval two = mean_interval_95(std::vector{1.0, 2.0});  // 1.5 +- 12.7062 / 2
+  EXPECT_NEAR(two.low, -4.8531, 1e-4);
+  EXPECT_NEAR(two.high, 7.8531, 1e-4);
+  const std::vector five{4.0, 1.0, 5.0, 2.0, 3.0}, six{4.0, 1.0, 5.0, 2.0, 3.0, 6.0};
+  EXPECT_NEAR(mean_interval_95(five).high, 3 + 2.7764 * std::sqrt(2.5 / 5), 1e-3);
+  EXPECT_TRUE(std::isnan(interval_95(five, median).low));
+  EXPECT_LE(interval_95(six, median).high, 6);
+  EXPECT_EQ(mean_interval_95(six).high, interval_95(six, mean).high);
+}
+
+TEST(MeanInterval, OfFewValuesCoversWhatItPromises) {
+  constexpr int kSweeps = 4000;
+  RandomStream random(1, "few values");
+  for (const std::size_t n : {2u, 3u, 5u}) {
+    int covered = 0;
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      std::vector<double> values(n);
+      for (double& value : values) value = random.normal(0, 1);
+      const Interval interval = mean_interval_95(values);
+      covered += interval.low <= 0 && 0 <= interval.high;
+    }
+    EXPECT_NEAR(static_cast<double>(covered) / kSweeps, 0.95, 0.012) << n << " values";
+  }
 }
 
 TEST(WidenedLevel, GivesIntervalsOfFewValuesTheWidthOfStudentsAndMore) {
