@@ -247,7 +247,12 @@ std::string table_latex(const Table& table) {
                                                }) + '\n';
   out += "\\begin{tabular}{" + columns + "}\n\\hline\n";
   const auto add_row = [&](const auto& text_at) {
-    for (std::size_t i = 0; i < table.columns.size(); ++i) out += (i > 0 ? " & " : "") + text_at(i);
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+      const std::string text = text_at(i);
+      // LaTeX reads a [ or * after the \\ of the row before as an option of it.
+      out += i > 0 ? " & " : text.starts_with('[') || text.starts_with('*') ? "{}" : "";
+      out += text;
+    }
     out += " \\\\\n";
   };
   add_row([&](std::size_t i) { return latex_text(table.columns[i].title); });

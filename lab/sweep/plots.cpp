@@ -202,8 +202,7 @@ class Drawing {
     name(row, games.name);
     if (games.values.empty()) return;
     for (const double value : quantiles_of(games.values)) dot("game", x(value), y_of(row) + kBelow, 2.5, "#bbb");
-    estimate(kind, row, statistics::mean(games.values), statistics::mean_interval_95(games.values),
-             colour);
+    estimate(kind, row, statistics::mean(games.values), statistics::mean_interval_95(games.values), colour);
   }
   /// What the scale on the left is of; it stands upright beside the names.
   void side_caption(const std::string& words) {

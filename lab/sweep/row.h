@@ -75,8 +75,8 @@ struct Row {
   void measure(const WorldKind& kind, const std::string& result_json);
   /// The command that plays the game again.
   std::string command() const { return command_of(cell) + allowance.options(); }
-  /// The digest of program, overrides, files and allowance. Rows with the same one are of the same game, wherever the files lie
-  /// and whatever suite and strategy are called.
+  /// The digest of program, overrides, files and allowance. Rows with the same one are of the same game, wherever the
+  /// files lie and whatever suite and strategy are called.
   std::string digest() const;
 
   using Hash = std::function<std::string(const std::filesystem::path&)>;

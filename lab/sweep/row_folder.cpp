@@ -60,7 +60,8 @@ std::string RowMatcher::hash(const fs::path& file) {
 }
 
 bool RowMatcher::is_current(const Row& row, const Cell& cell) {
-  return row.is_current(cell, program_, names_of(cell), [this](const fs::path& file) { return hash(file); }, allowance_);
+  return row.is_current(
+      cell, program_, names_of(cell), [this](const fs::path& file) { return hash(file); }, allowance_);
 }
 
 bool RowMatcher::tells_of(const Row& row, const Cell& cell) {

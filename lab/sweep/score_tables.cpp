@@ -382,8 +382,8 @@ Table difference_table(const std::vector<Answer>& answers) {
     if (one.judgement == Judgement::kUndecided && !std::isnan(effect) && effect != 0) {
       constexpr double kMost = 100000;
       // Holm multiplies p by the number of comparisons that are no clearer than this one.
-      const auto compared = static_cast<std::size_t>(
-          std::ranges::count_if(p, [own_p](double other) { return other >= own_p; }));
+      const auto compared =
+          static_cast<std::size_t>(std::ranges::count_if(p, [own_p](double other) { return other >= own_p; }));
       const double needed =
           std::max(statistics::pairs_needed(effect, statistics::kLastLevel / static_cast<double>(compared)),
                    static_cast<double>(statistics::fewest_games(statistics::Question::About::kDifferences, compared))) -
@@ -400,10 +400,9 @@ Table difference_table(const std::vector<Answer>& answers) {
     }
     table.rows.push_back({one.scenario, one.strategy, one.asked, one.metric.title, count_cell(values.size()),
                           number_cell(statistics::mean(values), digits, true),
-                          interval(statistics::mean_interval_95(values), digits),
-                          number_cell(effect, 2, true), share, count_cell(signs.above), count_cell(signs.equal),
-                          count_cell(signs.below), probability(own_p), probability(one.p),
-                          TableCell(to_string(one.judgement)), more_games});
+                          interval(statistics::mean_interval_95(values), digits), number_cell(effect, 2, true), share,
+                          count_cell(signs.above), count_cell(signs.equal), count_cell(signs.below), probability(own_p),
+                          probability(one.p), TableCell(to_string(one.judgement)), more_games});
   }
   set_title(table, "differences");
   return table;

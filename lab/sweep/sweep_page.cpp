@@ -286,8 +286,9 @@ Status keep_requirements(const fs::path& folder, const std::vector<Answer>& answ
     fs::remove(file, error);
     return error ? Status(resource_error(error.message(), file.string())) : Status();
   }
-  Json json = json_of_table(requirement_table(answers));
-  json["remarks"] = remarks_on(answers);
+  const Table table = requirement_table(answers);
+  const Json json{
+      {"requirements", table_json(table)}, {"remarks", remarks_on(answers)}, {"shown", json_of_table(table)}};
   return replace_file(file, json_text(json, 2) + '\n');
 }
 
@@ -342,10 +343,11 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
     const auto text = read_file(sweep.path / kRequirements);
     if (!text) return text.error();
     const Json kept = parse_json(*text);
-    if (!kept.is_object() || !kept.contains("columns") || !kept.contains("rows"))
+    if (!kept.is_object() || !kept.contains("remarks") || !kept.contains("shown") || !kept["shown"].contains("rows"))
       return input_error("found no table of requirements; cxlab bench writes it",
                          (sweep.path / kRequirements).string());
-    data["requirements"] = kept;
+    data["requirements"] = kept["shown"];
+    data["requirements"]["remarks"] = kept["remarks"];
   }
   data["comparison"] = nullptr;
   if (before) {

@@ -34,7 +34,7 @@ Json summary_json(const Summary& s) {
   const auto of_any = [&s](double value) { return s.n == 0 ? Json() : Json(value); };
   return {{"n", s.n},
           {"mean", of_any(s.mean)},
-          {"interval_95", std::isnan(s.half) ? Json() : Json(s.half)},
+          {"interval_95", std::isnan(s.half) ? Json() : Json{s.mean - s.half, s.mean + s.half}},
           {"min", of_any(s.min)},
           {"max", of_any(s.max)}};
 }

@@ -117,6 +117,10 @@ class SweepStatistics(Lab):
         self.assertTrue(markdown[5].startswith("| 50 % \\| all | 30/30 | "), markdown[5])
         latex = self.cxlab("bench", "show", "s", "--format", "latex", "--table", "differences").stdout.splitlines()
         self.assertEqual(latex[1], "\\begin{tabular}{llrrrrrrrrrrlr}")
+        self.sweep("odd", [("[greedy]", 1, 500), ("*", 1, 400)])
+        odd = self.cxlab("bench", "show", "odd", "--format", "latex", "--table", "scores").stdout
+        self.assertIn("\n{}[greedy] & ", odd)
+        self.assertIn("\n{}* & ", odd)
         self.assertRegex(latex[5], r"^50 \\% \| all & first\\_one & 30 & \$-\$\d+\.\d & \[\$-\$\d+\.\d, \$-\$\d+\.\d\] & .* & worse & -- \\\\$")
         profile = json.loads(self.cxlab("bench", "show", "s", "--json", "--table", "profile").stdout)["profile"]
         for line in profile:

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <regex>
 
+#include "cx/base/file.h"
+#include "cx/base/json.h"
 #include "folder.h"
 #include "lab/statistics/statistics.h"
 #include "lab/sweep/judge.h"
@@ -420,10 +422,15 @@ TEST_F(SweepPageTest, KeepsTheAnswersToRequirements) {
   ASSERT_TRUE(keep_requirements(path("sweep"), {answer(std::vector<double>(9, 4.0), Judgement::kUndecided)}));
   EXPECT_THAT(page(sweep), HasSubstr("mean(apples) &gt;= 5"));
   EXPECT_THAT(page(sweep), HasSubstr("expected at least 10"));
+  const Json kept = parse_json(*read_file(path("sweep/requirements.json")));
+  EXPECT_EQ(kept["requirements"][0]["answer"], "undecided") << "as bench --json prints them";
+  EXPECT_EQ(kept["requirements"][0]["found"], 4);
   ASSERT_TRUE(keep_requirements(path("sweep"), {}));
   EXPECT_THAT(page(sweep), Not(HasSubstr("Requirements")));
-  write("sweep/requirements.json", "[1]");
-  EXPECT_THAT(page(sweep), HasSubstr("requirements.json"));
+  for (const char* broken : {"[1]", "{", R"({"remarks": [], "shown": 1})"}) {
+    write("sweep/requirements.json", broken);
+    EXPECT_THAT(page(sweep), HasSubstr("requirements.json: found no table of requirements")) << broken;
+  }
 }
 
 TEST(Statistics, TheIntervalOfManyValuesIsNearThatOfTheNormalDistribution) {

@@ -217,6 +217,8 @@ TEST(LinesOfATable, UseTheWholeWidthButNoMore) {
 
 TEST(TableJson, WritesAMissingIntervalAsNull) {
   EXPECT_THAT(to_json(table_of({row("first", 1, 100)})), HasSubstr("\"interval_95\": null"));
+  const std::string two = to_json(table_of({row("first", 1, 100), row("first", 2, 102)}));
+  EXPECT_THAT(two, testing::AllOf(HasSubstr("88.2937"), HasSubstr("113.706")));  // 101 +- 12.7062
 }
 
 }  // namespace
