@@ -92,26 +92,16 @@ Expected<RowFolder> RowFolder::open(const fs::path& folder, FolderUse use) {
   std::error_code error;
   fs::create_directories(folder / "rows", error);
   if (error) return resource_error(error.message(), folder.string());
-  const int lock = ::open((folder / ".lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-  if (lock < 0) return resource_error("cannot be written", folder.string());
-  RowFolder out(folder, lock);
+  Descriptor lock(::open((folder / ".lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644));
+  if (!lock) return resource_error("cannot be written", folder.string());
   // Some file systems of clusters have no locks; rows replace each other whole there as well.
-  if (flock(lock, (use == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+  if (flock(lock.number(), (use == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     return resource_error("another sweep works in this folder; wait for it or use another one", folder.string());
-  return out;
+  return RowFolder(folder, std::move(lock));
 }
 
-RowFolder::RowFolder(fs::path folder, int lock) : folder_(std::move(folder)), rows_(folder_ / "rows"), lock_(lock) {}
-
-RowFolder::RowFolder(RowFolder&& other) noexcept
-    : folder_(std::move(other.folder_)),
-      rows_(std::move(other.rows_)),
-      lock_(std::exchange(other.lock_, -1)),
-      known_(std::move(other.known_)) {}
-
-RowFolder::~RowFolder() {
-  if (lock_ >= 0) close(lock_);
-}
+RowFolder::RowFolder(fs::path folder, Descriptor lock)
+    : folder_(std::move(folder)), rows_(folder_ / "rows"), lock_(std::move(lock)) {}
 
 fs::path RowFolder::unfinished(const fs::path& file) const {
   char host[256] = {};

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "cx/base/expected.h"
+#include "cx/base/servant.h"
 #include "lab/host.h"
 #include "lab/sweep/row.h"
 #include "lab/sweep/suite.h"
@@ -65,9 +66,6 @@ class RowFolder {
  public:
   /// Makes the folder. kResource if it cannot be written, or is used in another way.
   static Expected<RowFolder> open(const std::filesystem::path& folder, FolderUse use);
-  RowFolder(RowFolder&& other) noexcept;
-  RowFolder& operator=(RowFolder&&) = delete;
-  ~RowFolder();
 
   std::filesystem::path file_of(const Cell& cell) const { return rows_ / (row_name(cell) + ".json"); }
   std::filesystem::path log_of(const Cell& cell) const { return rows_ / (row_name(cell) + ".log"); }
@@ -90,11 +88,11 @@ class RowFolder {
   Status take_tables_over(const std::vector<Row>& lost, const Suite& suite, const Host& host) const;
 
  private:
-  RowFolder(std::filesystem::path folder, int lock);
+  RowFolder(std::filesystem::path folder, Descriptor lock);
   using Known = std::multimap<std::string, std::filesystem::path>;  // by identity
 
   std::filesystem::path folder_, rows_;
-  int lock_ = -1;
+  Descriptor lock_;
   std::unique_ptr<Known> known_;  // read when it is first needed
 };
 

@@ -234,6 +234,30 @@ TEST_F(SweepTest, ASecondSweepInTheFolderIsRefused) {
   EXPECT_TRUE(play(suite("[1]")));
 }
 
+TEST_F(SweepTest, HasItsFolderForItselfUntilItEnds) {
+  struct Stranger final : ProgressSink {
+    explicit Stranger(std::filesystem::path lock) : lock_(std::move(lock)) {}
+    bool gets_in() const {
+      const int file = open(lock_.c_str(), O_RDWR);
+      const bool in = flock(file, LOCK_SH | LOCK_NB) == 0;
+      close(file);
+      return in;
+    }
+    void progress(double, double) override {}
+    void game_ended(std::string_view, const GamesProgress&, bool) override { got_in.push_back(gets_in()); }
+    void note(std::string_view) override {}
+    std::vector<bool> got_in;
+
+   private:
+    std::filesystem::path lock_;
+  };
+  scenario("game", kRules);
+  Stranger stranger(path("out/.lock"));
+  ASSERT_TRUE(sweep(suite("[1]"), {path("out"), 2}, {.progress = &stranger}));
+  EXPECT_THAT(stranger.got_in, ElementsAre(false, false));
+  EXPECT_TRUE(stranger.gets_in());
+}
+
 TEST_F(SweepTest, StagesHaveOneProgressAndKeepRowsOfLaterGames) {
   struct Totals final : ProgressSink {
     std::set<std::size_t> totals;
