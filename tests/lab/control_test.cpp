@@ -256,6 +256,19 @@ TEST_F(ControlledRunTest, ARuleThatIsBuiltFires) {
   EXPECT_FALSE(played_->result.deterministic);
 }
 
+TEST_F(ControlledRunTest, ABreakPointStopsWheneverItsFactHasComeAgain) {
+  begin(
+      "(deffacts start (left 3))\n"
+      "(defrule ring ?l <- (left ?n&~0) (not (bell ?)) => (retract ?l) (assert (bell ?n) (left (- ?n 1))))\n"
+      "(defrule still ?b <- (bell ?) => (retract ?b))\n");
+  EXPECT_EQ(ask("break fact (bell ?)"), "break point 1");
+  for (const char* bell : {"(bell 3)", "(bell 2)", "(bell 1)"}) {
+    EXPECT_THAT(ask("continue"), HasSubstr("before rule still fires"));
+    EXPECT_THAT(ask("facts bell"), HasSubstr(bell));
+  }
+  EXPECT_THAT(ask("continue"), HasSubstr("2.000 s"));
+}
+
 class PlayersTest : public ControlServerTest {};
 
 TEST_F(PlayersTest, ReachOnlyRunsOfTheirPlace) {

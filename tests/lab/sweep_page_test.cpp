@@ -240,6 +240,19 @@ TEST(Plots, AnEqualProfileDoesNotHideTheFirst) {
   EXPECT_THAT(*plot, HasSubstr(">twin (as first)<"));
 }
 
+TEST(Plots, APartThatNoGameHasIsLeftOutAndNoOther) {
+  for (const char* const lacking : {"red", "rotten"}) {
+    std::vector<Row> rows = orchard();
+    for (Row& one : rows) std::erase_if(one.figures, [&](const auto& figure) { return figure.metric == lacking; });
+    const auto table = part_table(rows, "", catalogue());
+    ASSERT_TRUE(table) << table.error().text();
+    std::vector<std::string> columns;
+    for (const Column& column : table->columns) columns.push_back(column.key);
+    EXPECT_THAT(columns, ElementsAre("strategy", "mean", lacking == std::string("red") ? "rotten" : "red"));
+    for (const auto& line : table->rows) EXPECT_EQ(line.size(), columns.size());
+  }
+}
+
 TEST(Plots, PartsWithoutAFigureAreAnError) {
   std::vector<Row> rows = orchard();
   for (Row& one : rows) one.figures.resize(1);
