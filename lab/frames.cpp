@@ -174,14 +174,13 @@ void Frames::write_caption(SimTime now) {
   for (const sim::ColouredText& words : headline) write(words);
   if (!options_.events) return;
   constexpr std::size_t kMost = 8;
-  int line = 1;
   for (const PageEvent& event : options_.events->last(t, kMost)) {
     const std::string text = text_of_event(event);
     const bool fits = left + font_->width(text) <= right;
     if (!fits && left > kMargin) {
-      if (++line > kCaptionLines) return;
       left = kMargin;
       top += font_->height();
+      if (top + font_->height() > picture_.height) return;
     }
     write({text, t - event.t > kFresh ? kFaded : is_bad(event) ? kBad : kPlain});
   }

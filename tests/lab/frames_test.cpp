@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "folder.h"
 #include "lab/happenings.h"
 #include "scenarios/shipped/catalogue.h"
 #include "sim/mujoco/font.h"
@@ -46,7 +47,7 @@ TEST(Tiles, CoverThePictureSideBySide) {
   EXPECT_EQ(tile_places(2, 600, 700)[1][0], 0) << "else one below the other";
 }
 
-/// Draws its cameras in one colour each, and has a headline.
+/// Draws its cameras in one colour each, with dark corners above on the left and below on the right, and has a headline.
 class Painted final : public View {
  public:
   Painted(int width, int height, std::vector<sim::ColouredText> words) : words_(std::move(words)) {
@@ -58,6 +59,7 @@ class Painted final : public View {
     for (std::size_t i = 0; i < picture_.rgb.size(); ++i)
       picture_.rgb[i] =
           i % 3 == (camera == "red" ? 0u : 2u) ? 200 : static_cast<std::uint8_t>(now_.count() / 1'000'000'000);
+    for (const auto corner : {picture_.rgb.begin(), picture_.rgb.end() - 3}) std::fill_n(corner, 3, std::uint8_t{1});
     return &picture_;
   }
   std::vector<std::string> cameras() const override { return {"red"}; }
@@ -122,6 +124,18 @@ TEST(Frames, CamerasHaveTilesAboveACaption) {
   EXPECT_EQ(rows_of_caption(bare), 0);
 }
 
+TEST(Frames, EachTileShowsAPictureOfItsSize) {
+  for (const std::size_t count : {1u, 2u, 3u, 5u, 6u}) {
+    const std::vector<std::string> cameras(count, "red");
+    const sim::Picture picture =
+        drawn(painted({}), {.width = 400, .height = 300, .cameras = count, .caption = false}, cameras);
+    for (const auto& [left, top, width, height] : tile_places(count, 400, 300)) {
+      EXPECT_EQ(pixel_at(picture, left, top)[0], 1) << count;
+      EXPECT_EQ(pixel_at(picture, left + width - 1, top + height - 1)[0], 1) << count;
+    }
+  }
+}
+
 TEST(Frames, ShowTheTimeThatIsAsked) {
   const auto make = painted({});
   auto frames = std::move(*Frames::create(make, {.width = 60, .height = 40}));
@@ -152,6 +166,52 @@ TEST(Frames, CaptionLeavesOutWhatDoesNotFitAndKeepsToThePicture) {
   }
   EXPECT_EQ(rows_of_caption(drawn(painted({{"x", {1, 1, 1}}}), {.width = 64, .height = 64}, {"red"})), 0)
       << "a small picture has no caption";
+}
+
+/// Errors of rules, as the journal of a game has them.
+JournalRecord error_at(int seconds, const char* message) {
+  const auto text = [](const char* value) { return RecordValue{std::string(value)}; };
+  return {"env/main",
+          0,
+          std::chrono::seconds(seconds),
+          RecordKind::kError,
+          RecordValue{RecordValue::Map{{"message", text(message)},
+                                       {"rule", text("r")},
+                                       {"file", text("a.clp")},
+                                       {"line", RecordValue{std::int64_t{3}}}}},
+          {}};
+}
+
+TEST(Frames, EventsStandOnTheTwoLinesOfTheCaptionAndNoFurther) {
+  auto scenario = Scenario::parse("schema: 1\nworld: {kind: rcll}\ntier: timed\n", "game.yaml", shipped());
+  ASSERT_TRUE(scenario.ok());
+  const int line = sim::Font::load(false)->height();
+  for (const int count : {1, 2, 3, 8}) {
+    Happenings events(*scenario);
+    for (int i = 0; i < count; ++i) events.heard(error_at(i, "the conveyor belt of a machine does not move"));
+    const sim::Picture picture = drawn(painted({{"CYAN 12", {1, 1, 1}}}),
+                                       {.width = 400, .height = 300, .cameras = 1, .events = &events}, {"red"},
+                                       std::chrono::seconds(9));
+    const int rows = rows_of_caption(picture);
+    EXPECT_GE(rows, 2 * line);
+    EXPECT_EQ(ink(picture, (rows - 2 * line) / 2), 0) << "a margin below, with " << count << " events";
+    EXPECT_GT(ink(picture, rows / 2), 50) << "the second line, with " << count << " events";
+  }
+}
+
+/// Pictures of a run that is over show what its journal has.
+class RecordedHappenings : public FolderTest {};
+
+TEST_F(RecordedHappenings, AreThoseOfTheJournal) {
+  scenario("game", "(defrule wrong (time ?) => (+ 1 (nth$ 1 (create$ one))))\n");
+  play("game");
+  const Scenario played = loaded("game");
+  Happenings events(played);
+  events.read(run());
+  const std::vector<PageEvent> all = events.last(2, 9);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].kind + ' ' + all[0].who, "error main");
+  EXPECT_THAT(all[0].reason, testing::MatchesRegex(".*wrong, .*rules.clp:1"));
 }
 
 TEST(Font, TextThatIsTooWideEndsInDots) {
@@ -190,15 +250,7 @@ TEST(Happenings, AreThoseUpToATimeTheLastFirst) {
   };
   events.heard(skill(3, 201));
   events.heard(skill(4, 0));
-  events.heard({"env/main",
-                0,
-                std::chrono::seconds(5),
-                RecordKind::kError,
-                map({{"message", text("wrong")},
-                     {"rule", text("r")},
-                     {"file", text("a.clp")},
-                     {"line", RecordValue{std::int64_t{3}}}}),
-                {}});
+  events.heard(error_at(5, "wrong"));
   events.heard({"referee",
                 0,
                 std::chrono::seconds(6),
