@@ -123,7 +123,7 @@ void LeagueInstructions::follow() {
       finish(instruction, InstructError::kBroken, instruction.machine + " broke");
     else if (!instruction.reset && (ready || (instruction.at_work && idle)))
       finish(instruction, InstructError::kNone, "");
-    else if (!instruction.at_work && link_.now - instruction.since > kNotTaken && state != "DOWN")
+    else if (!instruction.at_work && link_.now - instruction.since >= kNotTaken && state != "DOWN")
       finish(instruction, InstructError::kNotReady, instruction.machine + " takes no instruction");
     else
       continue;

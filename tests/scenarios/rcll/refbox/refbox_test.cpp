@@ -1,6 +1,7 @@
 // The protocol of the league: what goes out on which channel and when, and what comes of what teams send.
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "refbox_story.h"
@@ -1045,6 +1046,28 @@ TEST_F(OutsideLeague, AnInstructionThatNoMachineTakesEndsAfterTenSeconds) {
   EXPECT_FALSE(down->ended) << "it may take it when it is up again";
   machine_is("IDLE");
   EXPECT_EQ(down->code, 209) << "a machine that was down has done nothing";
+}
+
+/// The client looks each second.
+TEST_F(OutsideLeague, AnInstructionThatNoMachineTakesEndsAtTheFirstSecondAfterTen) {
+  story_.run_for(0.1);
+  machine_is("IDLE");
+  story_.take_every_tick();
+  const auto seconds_of = [&](const RefboxStory::Outcome& outcome) {
+    const double sent = story_.now();
+    while (!outcome.ended && story_.now() < sent + 20) story_.run_for(0.02);
+    return story_.now() - sent;
+  };
+  const double way = seconds_of(*story_.send_goal("/outside/factory/instruct_machine", kInstruct, "{machine: C-XX}"));
+  double shortest = 99, longest = 0;
+  for (int phase = 0; phase < 50; ++phase) {  // the ticks of a second
+    while (std::llround(story_.now() / 0.02) % 50 != phase) story_.run_for(0.02);
+    const double lasted = seconds_of(*instruct()) - way;
+    shortest = std::min(shortest, lasted);
+    longest = std::max(longest, lasted);
+  }
+  EXPECT_NEAR(shortest, 10, 1e-6);
+  EXPECT_NEAR(longest, 10.98, 1e-6);
 }
 
 TEST_F(OutsideLeague, ThatAPieceIsDescribedAnewIsSaidOnceAndDoneAtOnce) {
