@@ -460,6 +460,63 @@ TEST_P(Skills, ASkillEndsInTheTickInWhichItsRobotIsCarriedOffTheField) {
   EXPECT_EQ(refused.code, static_cast<int>(SkillCode::kOffField));
 }
 
+TEST_P(Skills, NobodyWaitsForARobotThatWasCarriedAway) {
+  const Pose2 place = world->robot(RobotId{1}).pose_in_world;
+  world->take_off_field(RobotId{1}, {6.5, -0.6, 0});
+  tick();
+  const Heard& drive = send("robot1", SkillKind::kDriveTo, "", place);
+  while (!drive.ended) {
+    tick();
+    EXPECT_EQ(fleet->doing(RobotId{1}), "off-field");
+    EXPECT_NEAR(distance(world->robot(RobotId{1}).pose_in_world.position(), {6.5, -0.6}), 0, 0.05);
+  }
+  EXPECT_EQ(drive.code, 0) << drive.error;
+  EXPECT_EQ(drive.phases, (std::vector<std::string>{"drive"}));
+  EXPECT_NEAR(fleet->stats()[0].wait_s, 0, 0.05);
+}
+
+TEST_P(Skills, ARobotThatIsSetDownInTheWayOfAnotherIsNotRunOver) {
+  world->take_off_field(RobotId{1}, {6.5, -0.6, 0});
+  tick();
+  const Heard& drive = send("robot1", SkillKind::kDriveTo, "", {-5, 3, 0});
+  wait(3);
+  const Vec2 at = robot1().pose_in_world.position(), way = Vec2(-5, 3) - at;
+  const Vec2 ahead = at + 1.5 * way.normalized();
+  world->bring_back(RobotId{1}, {ahead.x(), ahead.y(), 0});
+  double least = 99;
+  while (!drive.ended) {
+    tick();
+    least = std::min(least, distance(robot1().pose_in_world.position(), world->robot(RobotId{1}).pose_in_world.position()));
+  }
+  EXPECT_EQ(drive.code, 0) << drive.error;
+  EXPECT_GT(least, 2 * kRobot.hull_radius);
+  EXPECT_EQ(robot1().robot_contacts, 0u);
+}
+
+/// A fast robot came to a stand beyond the place where its motion was.
+TEST_P(Skills, ARobotThatStoodInAPauseDrivesOnFromThereAndBrakesAtItsGoalOnly) {
+  if (GetParam() == Tier::kTimed) return;  // robots in the book have no momentum
+  const auto to_go = [&] { return distance(robot1().pose_in_world.position(), {1.5, 1.5}); };
+  const auto speed = [&] { return std::hypot(robot1().vx, robot1().vy); };
+  for (const double fast : {0.2, 0.45}) {
+    const Heard& drive = send("robot1", SkillKind::kDriveTo, "C_Z22");
+    while (speed() < fast) tick();
+    world->halt();
+    wait(3);
+    world->go_on();
+    double nearest = to_go(), fastest = 0;
+    while (!drive.ended) {
+      tick();
+      EXPECT_LT(to_go(), nearest + 0.01);
+      EXPECT_TRUE(to_go() < 0.6 || speed() > fastest - 0.05) << to_go() << " m to go at " << speed() << " m/s";
+      nearest = std::min(nearest, to_go());
+      fastest = std::max(fastest, speed());
+    }
+    EXPECT_EQ(drive.code, 0) << drive.error;
+    finish(send("robot1", SkillKind::kDriveTo, "", {0.3, 4, 0}));
+  }
+}
+
 TEST_P(Skills, DriveToTakesSpotsPlacesAndPoses) {
   ASSERT_EQ(done("robot1", SkillKind::kDriveTo, "C-CS1-OUTPUT").status, bus::GoalStatus::kSucceeded);
   EXPECT_NEAR(robot1().pose_in_world.x, 4.5 - 0.675, 0.03);
