@@ -40,9 +40,6 @@ bool is_unfinished(const std::filesystem::path& run) {
          result["reason"].value("code", "") == "unfinished";
 }
 
-/// One line of a request; more would be another request.
-bool is_one_line(const std::string& text) { return text.find_first_of("\r\n") == text.npos; }
-
 /// The command that a request of `go` stands for; an error where it stands for none.
 Expected<std::string> command_of(const Json& request) {
   struct Verb {
@@ -58,10 +55,10 @@ Expected<std::string> command_of(const Json& request) {
     if (found == request.end()) continue;
     if (found->is_boolean() && *found && !verb.text) return std::string(verb.command);
     if (found->is_number() && !verb.text) return std::string(verb.command) + ' ' + json_text(*found);
-    if (found->is_string() && verb.text && is_one_line(found->get<std::string>()))
+    if (found->is_string() && verb.text)
       return std::string(verb.command) + ' ' + found->get<std::string>();
     return input_error("\"" + std::string(verb.key) +
-                       "\": " + found_expected(json_text(*found), verb.text ? "a text of one line" : "a number"));
+                       "\": " + found_expected(json_text(*found), verb.text ? "a text" : "a number"));
   }
   return input_error(
       "expected where to go: {\"t\": S}, {\"step\": N}, {\"back\": N}, {\"until\": TEXT} or {\"back_until\": TEXT}; "
@@ -333,7 +330,9 @@ ViewReply Visit::go(const Json& request) {
   const std::unique_lock turn(turn_, kLongestTurn);
   if (!turn) return view_error(409, kBusy);
   if (const Status there = connect(); !there) return view_error(500, there.error().text());
-  if (const auto env = request.find("env"); env != request.end() && env->is_string() && is_one_line(*env)) {
+  if (const auto env = request.find("env"); env != request.end()) {
+    if (!env->is_string())
+      return view_error(400, "\"env\": " + found_expected(json_text(*env), "the name of an environment"));
     const std::string name = env->get<std::string>();
     if (const Answer used = carry_out("use " + (name.empty() ? "all" : name), true); used.error) return reply(used);
   }

@@ -30,9 +30,9 @@ LOOP = "(deffacts start (n 0))\n(defrule round (time ?t&:(>= ?t 1)) ?f <- (n ?n)
 class Server:
     """cxlab view at work, and one who asks it."""
 
-    def __init__(self, test, *arguments):
+    def __init__(self, test, *arguments, env=None):
         self.process = subprocess.Popen([CXLAB, "view", *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True, cwd=test.folder)
+                                        stderr=subprocess.PIPE, text=True, cwd=test.folder, env=env)
         test.addCleanup(self.process.stderr.close)
         test.addCleanup(self.process.stdout.close)
         test.addCleanup(self.process.wait)
@@ -208,6 +208,14 @@ class Questions(View):
         self.assertEqual([server.ask("words", begun=begun, t=5)["words"] for begun in ("robb", "jo")],
                          [[{"word": "robbed", "kind": "rule"}], [{"word": "job", "kind": "template"}]])
         self.assertEqual(server.ask("facts", limit=1, t=5)["total"], server.ask("envs", t=5)["environments"][0]["facts"])
+        # Facts are the first ones, changes and firings the last ones.
+        for name, key, asked, end in [("facts", "facts", {"what": "job"}, 0), ("changes", "facts", {"what": "job"}, -1), ("firings", "firings", {}, -1)]:
+            with self.subTest(name):
+                everything = server.ask(name, t=5, **asked)
+                self.assertGreater(everything["total"], 1)
+                self.assertEqual(everything["total"], len(everything[key]))
+                one = server.ask(name, limit=1, t=5, **asked)
+                self.assertEqual((one["total"], one[key]), (everything["total"], [everything[key][end]]))
         brief = server.ask("facts", what="job", brief=True, t=5)["facts"]
         self.assertEqual([len(fact["changes"]) for fact in brief], [2, 2])
         self.assertEqual(brief[0]["changes"][1]["what"], "modify")
@@ -245,7 +253,9 @@ class Questions(View):
                            ({"ask": "line", "line": "eval (exit)"}, "no question")]:
             with self.subTest(asked=asked):
                 self.assertIn(why, server.post("/run/run/ask", asked, 400)["error"])
-        for order, why in [({"step": "1"}, "expected a number"), ({"until": "a\nb"}, "one line"), ({"eval": "(exit)"}, "expected where to go"), ({"step": -1}, "from 1"),
+        for order, why in [({"step": "1"}, "expected a number"), ({"until": "a\nb"}, "there is no rule 'a\nb'"), ({"until": 3}, "found 3, expected a text"),
+                           ({"until": "(job\n(x 1))"}, "no slot 'x'"), ({"env": 3, "step": 1}, "found 3, expected the name of an environment"),
+                           ({"env": "a\nb", "step": 1}, "there is no environment 'a\nb'"), ({"eval": "(exit)"}, "expected where to go"), ({"step": -1}, "from 1"),
                            ({"pause": True, "x": 1}, None), ({"speed": 2}, "is over")]:
             with self.subTest(order=order):
                 if why:
@@ -558,7 +568,9 @@ class Folders(View):
     def test_two_runs(self):
         self.play(out="runs/a")
         self.play(RULES.replace("(+ ?now 1)", "(+ ?now 2)"), out="runs/b")
-        server = Server(self, "runs")
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        server = Server(self, "runs", env={**os.environ, "TMPDIR": str(temporary)})
         found = server.get("/api/two?a=a&b=b")
         told = subprocess.run([CXLAB, "diff", "runs/a", "runs/b"], cwd=self.folder, capture_output=True, text=True, timeout=60)
         self.assertEqual(found["text"], told.stdout)
@@ -566,6 +578,7 @@ class Folders(View):
         self.assertEqual((found["first"]["t"], found["first"]["a"], found["first"]["b"]), (exact["first"]["t_s"], exact["first"]["a"]["what"], exact["first"]["b"]["what"]))
         same = server.get("/api/two?a=a&b=a")
         self.assertEqual((same["same"], same["first"]), (True, None))
+        self.assertEqual(list(temporary.iterdir()), [], "no comparison leaves its files")
         self.assertEqual(server.send("GET", "/api/two?a=a")[0], 404)
 
     def test_five_runs_have_four_processes(self):
