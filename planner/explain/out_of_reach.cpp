@@ -579,7 +579,6 @@ class Explainer {
 
   /// A fact of the initial state that differs in one object: a name may be misspelt.
   std::string nearest_initial(const FactPattern& fact) const {
-    if (fact.objects.empty()) return "";
     for (const Fact& known : problem_.init) {
       if (known.predicate != fact.predicate) continue;
       std::size_t others = 0;
