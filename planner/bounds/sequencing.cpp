@@ -28,6 +28,7 @@ class Sequences {
   }
 
  private:
+  /// Not of an activity and itself, which are no time apart.
   bool exclusive(int i, int j) const { return activities_.apart[i][j] > 0 && activities_.apart[j][i] > 0; }
 
   /// Maximal sets of which no two can begin together, grown from pairs by what leaves most to grow.
@@ -44,7 +45,7 @@ class Sequences {
           if (k != i && k != j && exclusive(i, k) && exclusive(j, k)) left.push_back(k);
         while (!left.empty()) {
           const auto room = [&](int k) {
-            return std::ranges::count_if(left, [&](int other) { return other != k && exclusive(k, other); });
+            return std::ranges::count_if(left, [&](int other) { return exclusive(k, other); });
           };
           const int next = *std::ranges::max_element(left, {}, room);
           group.push_back(next);
