@@ -101,10 +101,10 @@ std::optional<double> Moments::room(const LinearForm& gap, const GroundAction& a
                                          : std::nullopt;
 }
 
-/// As many copies as its conditions over all leave room for may end at an instant at which as many begin.
+/// As many copies as its conditions over all leave room for may end at an instant at which as many begin. An action that
+/// may take no time then has no conditions over all (ground.cpp).
 int Moments::most_copies(const GroundAction& action) const {
   int most = std::numeric_limits<int>::max();
-  if (!action.durative || constant_durations(action).least <= 0) return most;
   for (const int c : action.over_all.comparisons) {
     const LinearForm& gap = task_.comparisons[c].linear;
     if (!gap.is_linear || gap.duration_weight != 0) continue;
