@@ -68,6 +68,35 @@ TEST(OutOfReach, ObjectsAndTypes) {
       "the goal (p l) is out of reach: no action makes it true (make makes others of p true), and :init lacks it");
 }
 
+TEST(OutOfReach, OnlyRulesOfItsTypeMakeAFact) {
+  EXPECT_EQ(
+      why(R"((:types cup plate) (:predicates (clean ?x) (washed ?c - cup) (wiped ?p - plate))
+  (:derived (clean ?x - cup) (washed ?x))
+  (:derived (clean ?x - plate) (wiped ?x))
+  (:action wipe :parameters (?p - plate) :precondition (not (wiped ?p)) :effect (wiped ?p)))",
+          "(:objects c - cup p - plate) (:init) (:goal (clean c))"),
+      "the goal (clean c) is out of reach: only the rule of clean (domain.pddl:3) makes it true, and needs (washed c); "
+      "no action makes it true, and :init lacks it");
+}
+
+TEST(OutOfReach, TheNumberOfOneObjectIsNotThatOfAnother) {
+  const std::string burn = "(:functions (fuel ?r)) (:action burn :parameters (?r) :effect (decrease (fuel ?r) 1))";
+  const std::string init = "(:objects a b) (:init (= (fuel a) 1) (= (fuel b) 2)) ";
+  EXPECT_EQ(why(burn, init + "(:goal (exists (?r) (>= (fuel ?r) 3)))"),
+            "the goal (>= (fuel ?r) 3) is out of reach: no action raises (fuel ?r)");
+  EXPECT_EQ(why(burn, init + "(:goal (>= (fuel b) 3))"),
+            "the goal (>= (fuel b) 3) is out of reach: no action raises (fuel b), and in :init (fuel b) is 2");
+}
+
+TEST(OutOfReach, WhatChangesWhileAnActionLastsIsInReach) {
+  EXPECT_EQ(why(R"((:predicates (key) (done)) (:functions (level))
+  (:durative-action fill :parameters () :duration (= ?duration 5) :condition () :effect (increase (level) (* #t 1)))
+  (:action use :parameters () :precondition (and (>= (level) 3) (key)) :effect (done)))",
+                "(:init (= (level) 0)) (:goal (done))"),
+            "the goal (done) is out of reach: only use (domain.pddl:4) makes it true, and needs (key); no action makes "
+            "it true, and :init lacks it");
+}
+
 TEST(OutOfReach, QuantifiedGoals) {
   const std::string made =
       "(:predicates (p ?x) (q ?x)) (:action make :parameters (?x) :precondition (q ?x) :effect (p ?x))";

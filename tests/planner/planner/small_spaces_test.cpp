@@ -140,6 +140,12 @@ const Row kRows[] = {
    :effect (and (at end (assign (level) 5)) (increase (level) (* #t 1))))
   (:action look :parameters () :precondition (= (level) 5) :effect (g)))",
      "(:init) (:goal (g))", 0.001},
+    {"SetWhereAConditionHolds",
+     R"((:predicates (idle) (ready) (late) (g)) (:functions (watch))
+  (:durative-action measure :parameters () :duration (= ?duration 6) :condition (and (at start (idle)) (over all (<= (watch) 12)))
+   :effect (and (at start (not (idle))) (when (at start (ready)) (at start (assign (watch) 0)))
+    (when (at start (late)) (at end (ready))) (increase (watch) (* #t 2)) (at end (late)) (at end (g)))))",
+     "(:init (idle) (ready)) (:goal (g))", 6},
     {"ComparedWithItself", R"((:predicates (g)) (:functions (x) (y))
   (:action weigh :parameters () :precondition () :effect (assign (x) 1))
   (:action sell :parameters () :precondition (and (<= (x) (x)) (>= (+ (y) (x)) (+ 2 (x)))) :effect (g)))",

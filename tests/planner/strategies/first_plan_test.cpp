@@ -268,19 +268,25 @@ TEST(HappeningStrategy, RatesAndConditionsThatAreNoNumbersRuleOutTheirActions) {
   for (const char* action :
        {":duration (= ?duration 3) :condition () :effect (and (at end (done)) (increase (x) (* #t (/ (a) (b)))))",
         ":duration (= ?duration 3) :condition (at start (>= (/ (a) (b)) 0)) :effect (at end (done))",
-        ":duration (= ?duration 3) :condition (at end (not (< (/ (a) (b)) 0))) :effect (at end (done))"}) {
-    Prepared problem(
-        "(:predicates (done)) (:functions (x) (a) (b)) (:action raise :parameters () :effect (increase (b) 1)) "
-        "(:durative-action flow :parameters () " +
-            std::string(action) + ")",
-        "(:init (= (x) 0) (= (a) 0) (= (b) 0)) (:goal (and (done) (not (< (x) 0))))");
-    HappeningStrategy strategy(*problem, false);
-    for (std::uint64_t round = 0; round < 20 && !problem->best.exists(); ++round) strategy.run({round, 20'000});
-    ASSERT_TRUE(problem->best.exists()) << action;
-    PlanAnswer answer;
-    std::move(problem->best).report(answer);
-    EXPECT_EQ(answer.plan->steps.size(), 2u) << action;
-    EXPECT_EQ(answer.refused, 0) << answer.refusal;
+        ":duration (= ?duration 3) :condition (at end (not (< (/ (a) (b)) 0))) :effect (at end (done))",
+        ":duration (= ?duration 3) :condition () :effect (when (at start (>= (/ (a) (b)) 0)) (at end (done)))",
+        ":duration (= ?duration 3) :condition () :effect (when (over all (= (/ (a) (b)) 0)) (at end (done)))",
+        ":duration (= ?duration 3) :condition () :effect (when (at end (<= (/ (a) (b)) 0)) (at end (done)))"}) {
+    // What a rate changes is read by the goal, or by another way to it that leads nowhere.
+    for (const char* goal : {"(and (done) (not (< (x) 0)))", "(done)"}) {
+      Prepared problem(
+          "(:predicates (done)) (:functions (x) (a) (b)) (:action raise :parameters () :effect (increase (b) 1)) "
+          "(:action other :parameters () :precondition (>= (x) 5) :effect (done)) (:durative-action flow :parameters () " +
+              std::string(action) + ")",
+          "(:init (= (x) 0) (= (a) 0) (= (b) 0)) (:goal " + std::string(goal) + ")");
+      HappeningStrategy strategy(*problem, false);
+      for (std::uint64_t round = 0; round < 20 && !problem->best.exists(); ++round) strategy.run({round, 20'000});
+      ASSERT_TRUE(problem->best.exists()) << action << goal;
+      PlanAnswer answer;
+      std::move(problem->best).report(answer);
+      EXPECT_GE(answer.plan->steps.size(), 2u) << action << goal;
+      EXPECT_EQ(answer.refused, 0) << answer.refusal;
+    }
   }
 }
 
