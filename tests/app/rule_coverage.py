@@ -1,5 +1,6 @@
 """cxlab coverage and cxlab test --coverage: what stories and runs reach of rules, conditions and functions."""
 
+import html
 import json
 import os
 import re
@@ -16,7 +17,7 @@ RULES = """(deffunction twice (?x) (* 2 ?x))
   (test (> (twice ?x) 2))
   => (assert (gone ?x)))
 (defrule robbed (declare (salience -1)) (gone ?x) (not (tired)) => (assert (rest)))
-(defrule thief ?g <- (gone ?) => (retract ?g))
+(defrule thief"Takes what is gone." ?g <- (gone ?) => (retract ?g))
 (defrule deaf
   (start ?x)
   (bell ?x) (door) => (assert (heard)))
@@ -79,6 +80,11 @@ class Coverage(Lab):
         for line in ("DA:4,2", "DA:5,1", "DA:10,2", "DA:11,0", "DA:1,2", "DA:2,0", "FNDA:2,twice", "FNDA:0,unused"):
             self.assertIn(line + "\n", text)
 
+    def test_one_way_of_an_or_is_enough_to_activate_a_rule(self):
+        self.write("r.clp", "(defrule thief ?g <- (gone ?) => (retract ?g))\n(defrule either (declare (salience -1)) (or (bell ?x) (gone ?x)) => (assert (rest)))\n")
+        self.write("r.story.yaml", "- {story: r, rules: r.clp, given: [(gone 1)], expect: [{fires: thief, within_s: 1}]}\n")
+        self.assertIn("r.clp:2: either: activated but never fired\n", self.cxlab("test", "--coverage", "c.info").stdout)
+
     def test_too_few_rules_are_a_no(self):
         self.story("(start 2)")
         self.cxlab("test", "--fail-under", "50")
@@ -97,6 +103,10 @@ class Coverage(Lab):
         self.assertIn(("miss", "(bell ?x)", "condition 2 of deaf: passed 0 times"), page.marked)
         self.assertIn(("half", "robbed", "robbed: activated once, fired 0 times"), page.marked)
         self.assertIn(("miss", "unused", "unused: called 0 times"), page.marked)
+        self.assertEqual([data for _, data, title in page.marked if title.startswith("condition ")],
+                         ["(start ?x)", "(test (> (twice ?x) 2))", "(gone ?x)", "(not (tired))", "?g <- (gone ?)", "(start ?x)", "(bell ?x)", "(door)"])
+        self.assertEqual([data for _, data, title in page.marked if re.search(r": (called|activated) ", title)],
+                         ["twice", "unused", "go", "robbed", "thief", "deaf"])
         self.assertNotIn("0 of 0", text)
         (self.folder / "more.clp").write_text("(deffunction alone () 1)\n")
         story = next(self.folder.glob("*.story.yaml"))
@@ -107,7 +117,7 @@ class Coverage(Lab):
         self.assertNotIn("0 of 0", more, "a file without rules has no share of them")
         source = re.sub("<[^>]*>", "", text.split("<pre>")[1].split("</pre>")[0])
         for line in RULES.splitlines():
-            self.assertIn(line.replace("&", "&amp;").replace(">", "&gt;").replace("<", "&lt;"), source)
+            self.assertIn(html.escape(line, quote=True), source)
 
     def test_runs_are_summed_up_and_agree_with_their_rules(self):
         self.run_of("(start 1) (start 2) (bell 2)", "runs/a")
@@ -146,6 +156,14 @@ class Coverage(Lab):
         text = rules.read_text()
         rules.write_text(text.replace("(start 2)", "(start 3)"))
         self.assertEqual(self.cxlab("coverage", "--trust-programs", "sweep").stderr.count("the game goes otherwise now"), 2)
+
+    def test_a_run_that_failed_counts_up_to_there_and_has_one_note(self):
+        self.agent(RULES + "(deffacts given (start 2))\n(defrule wrong (start ?) => (+ 1 (nth$ 1 (create$ one))))\n")
+        done = subprocess.run([*self.command(), "--out", self.folder / "runs/a"], cwd=self.folder, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 4, done.stderr)
+        covered = self.cxlab("coverage", "runs", "--json")
+        self.assertRegex(covered.stderr, r"\Anote: the run failed at 0\.000 s: [^\n]*\n\Z")
+        self.assertEqual(next(rule["fired"] for rule in json.loads(covered.stdout)["rules"] if rule["rule"] == "wrong"), 1)
 
     def test_what_is_no_run_is_an_error(self):
         self.folder.joinpath("empty").mkdir()
