@@ -256,7 +256,7 @@ Expected<std::vector<Answer>> Judge::judge(const std::vector<Row>& rows,
     for (const Contestant& contestant : sorted.order) {
       const auto& [scenario, strategy] = contestant;
       if (!requirement.strategy.empty() && strategy != requirement.strategy) continue;
-      if (!before && strategy == requirement.than) continue;
+      if (strategy == requirement.than) continue;
       auto metric = metric_of(rows, requirement.metric, *catalogue_, &scenario);
       if (!metric && before) metric = metric_of(earlier->second, requirement.metric, *catalogue_, &scenario);
       const bool any = std::ranges::any_of(

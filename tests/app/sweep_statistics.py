@@ -226,6 +226,9 @@ class SweepStatistics(Lab):
         said = self.cxlab("bench", "before.yaml", "--out", "after", "--quiet", code=3).stderr
         self.assertFalse((self.folder / "after/rows").exists(), "nothing is played")
         self.assertIn("main has no strategy 'short' in s; there are long, same", said)
+        self.write("one.yaml", SUITE.replace("same: []", "other: []") + "earlier: {main: kept}\nrequire: 'long: not worse than main in sim_time_s'\n")
+        answer = json.loads(self.cxlab("bench", "one.yaml", "--out", "one", "--quiet", "--json", code=6).stdout)
+        self.assertEqual([line["strategy"] for line in answer["requirements"]], ["long"], "main need not have the others")
         self.write("worse.yaml", SUITE.replace("{long: [], short: [duration_s=1], same: []}", "{long: [duration_s=1]}") + "earlier: {main: kept}\nrequire: not worse than main in sim_time_s\n")
         said = self.cxlab("bench", "worse.yaml", "--out", "after", "--quiet", code=1).stdout
         self.assertRegex(said, r"\nlong +not worse than main in sim_time_s +worse +12 +-1\.0")
@@ -292,6 +295,8 @@ class SweepStatistics(Lab):
             self.assertIn(said, done.stderr)
             self.assertIn("suite.yaml:4: ", done.stderr)
             self.assertFalse((self.folder / "o/rows").exists(), "nothing is played")
+        self.write("suite.yaml", SUITE.replace("{long: [], short: [duration_s=1], same: []}", "{long: []}") + "require: not worse than long\n")
+        self.assertIn("no other strategy is compared with 'long'", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("suite.yaml", SUITE + "earlier: {main: nowhere}\nrequire: not worse than main\n")
         self.assertIn("nowhere: there is no such sweep", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("suite.yaml", SUITE + "earlier: {long: s}\nrequire: not worse than long\n")

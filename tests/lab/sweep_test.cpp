@@ -10,6 +10,7 @@
 
 #include "cx/base/process.h"
 #include "folder.h"
+#include "lab/sweep/judged_sweep.h"
 #include "scenarios/catalogue.h"
 
 namespace cxlab::lab {
@@ -305,6 +306,32 @@ TEST_F(SweepTest, AStopKeepsTheRowsThatAreThere) {
   EXPECT_LT(some->size(), 6u);
   EXPECT_GE(some->size(), 1u);
   EXPECT_EQ(play(suite())->size(), 6u);
+}
+
+TEST_F(SweepTest, AStopBetweenTwoLooksAnswersNothing) {
+  struct Stopper final : ProgressSink {
+    explicit Stopper(std::size_t after) : after_(after) {}
+    void progress(double, double) override {}
+    void game_ended(std::string_view, const GamesProgress&, bool) override { stop = ++ended_ >= after_; }
+    void note(std::string_view) override {}
+    std::atomic<bool> stop = false;
+
+   private:
+    std::size_t after_, ended_ = 0;
+  };
+  scenario("game", kQuietRules);
+  const auto games = Suite::load(
+      write("suite.yaml",
+            "scenarios: [game.yaml]\nseeds: 1..20\nstrategies: {one: [duration_s=0.1], two: [duration_s=0.1]}\n"
+            "require: not worse than one in sim_time_s\n"));
+  ASSERT_TRUE(games) << games.error().text();
+  for (const auto& [after, answers] : {std::pair{30, 0u}, {1000, 1u}}) {  // the first look is after 12 of 20 games
+    Stopper stopper(static_cast<std::size_t>(after));
+    const auto judged = judged_sweep(*games, {path("out"), 2}, false, {.progress = &stopper, .stop = &stopper.stop});
+    ASSERT_TRUE(judged) << judged.error().text();
+    EXPECT_GE(judged->rows.size(), 30u);
+    EXPECT_EQ(judged->answers.size(), answers);
+  }
 }
 
 TEST_F(SweepTest, KillsAtAnyMomentLoseNothing) {
