@@ -6,10 +6,11 @@ namespace cxlab::testing {
 
 using bus::Delivery;
 
-/// An outcome with its message.
+/// An outcome with its messages.
 struct StandIns::Answer {
   Outcome outcome;
   bus::SharedMessage message;
+  std::vector<bus::SharedMessage> feedback;
 };
 
 struct StandIns::Served {
@@ -32,12 +33,16 @@ struct StandIns::Ending {
   bool is_canceling(const bus::Bus& bus) const {
     return action && bus.server_goal_status(endpoint, taken.goal) == bus::GoalStatus::kCanceling;
   }
+  SimTime next_feedback() const { return next < feedback.size() ? feedback[next].first : kNever; }
   bool action = true;
   SimTime due{};
   bus::EndpointId endpoint{};
   Delivery taken;
   bus::GoalStatus status{};
   bus::SharedMessage message;
+  /// Feedback and when it is due; that before `next` was given.
+  std::vector<std::pair<SimTime, bus::SharedMessage>> feedback = {};
+  std::size_t next = 0;
 };
 
 namespace {
@@ -104,7 +109,13 @@ Expected<std::vector<StandIns::Answer>> StandIns::answers_of(const Served& serve
   for (const Outcome& outcome : outcomes) {
     auto message = result_of(server.action ? *server.action->result : *server.service->response, outcome);
     if (!message) return at(message.error(), server.stand_in.name, server.stand_in.file, outcome.line);
-    out.push_back({outcome, *message});
+    out.push_back({outcome, *message, {}});
+    if (!server.action) continue;
+    for (const Feedback& one : outcome.feedback) {
+      auto feedback = bus::Message::from_yaml(*server.action->feedback, one.data.empty() ? "{}" : one.data);
+      if (!feedback) return at(feedback.error(), server.stand_in.name + ": feedback", server.stand_in.file, one.line);
+      out.back().feedback.push_back(std::make_shared<const bus::Message>(*std::move(feedback)));
+    }
   }
   return out;
 }
@@ -218,7 +229,7 @@ Status StandIns::publish(const std::string& topic, const std::string& type, cons
 
 void StandIns::on_goal(Served& server, const Delivery& goal) {
   heard_.push_back({Heard::Kind::kGoal, bus_.now(), server.stand_in.name, goal.message->view().to_string()});
-  const auto& [outcome, message] = answer(server);
+  const auto& [outcome, message, feedback] = answer(server);
   if (outcome.kind == Outcome::Kind::kReject) {
     bus_.answer_goal(server.endpoint, goal.goal, bus::GoalAnswer::kReject);
     return;
@@ -228,13 +239,15 @@ void StandIns::on_goal(Served& server, const Delivery& goal) {
   endings_.push_back({true, never ? kNever : bus_.now() + duration(server, outcome), server.endpoint, goal,
                       outcome.kind == Outcome::Kind::kSucceed ? bus::GoalStatus::kSucceeded : bus::GoalStatus::kAborted,
                       message});
+  for (std::size_t i = 0; i < feedback.size(); ++i)
+    endings_.back().feedback.emplace_back(bus_.now() + outcome.feedback[i].after, feedback[i]);
 }
 
 void StandIns::on_call(Served& server, const Delivery& request) {
   heard_.push_back({Heard::Kind::kCall, bus_.now(), server.stand_in.name, request.message->view().to_string()});
-  const auto& [outcome, message] = answer(server);
-  if (outcome.kind == Outcome::Kind::kNever) return;
-  endings_.push_back({false, bus_.now() + duration(server, outcome), server.endpoint, request, {}, message});
+  const Answer& met = answer(server);
+  if (met.outcome.kind == Outcome::Kind::kNever) return;
+  endings_.push_back({false, bus_.now() + duration(server, met.outcome), server.endpoint, request, {}, met.message});
 }
 
 Expected<bool> StandIns::end_goal(const std::string& action, const Outcome& outcome) {
@@ -257,6 +270,8 @@ Status StandIns::sense(SimTime now) {
   std::vector<Ending> open;
   for (Ending& ending : endings_) {
     const bool canceling = ending.is_canceling(bus_);
+    for (; !canceling && ending.next_feedback() <= std::min(now, ending.due); ++ending.next)
+      bus_.publish_feedback(ending.endpoint, ending.taken.goal, ending.feedback[ending.next].second);
     if (ending.due > now && !canceling) {
       open.push_back(std::move(ending));
     } else if (ending.action) {
@@ -278,7 +293,7 @@ Status StandIns::act(SimTime) {
 SimTime StandIns::next_due() const {
   SimTime first = kNever;
   for (const Ending& ending : endings_)
-    first = std::min(first, ending.is_canceling(bus_) ? SimTime::zero() : ending.due);
+    first = std::min({first, ending.is_canceling(bus_) ? SimTime::zero() : ending.due, ending.next_feedback()});
   return first;
 }
 

@@ -13,6 +13,13 @@
 
 namespace cxlab::testing {
 
+/// What a goal says on its way.
+struct Feedback {
+  SimTime after{};   ///< counts as `Outcome::takes` does
+  std::string data;  ///< fields, YAML
+  int line = 0;
+};
+
 /// How one goal or call ends.
 struct Outcome {
   enum class Kind { kSucceed, kFail, kReject, kNever };
@@ -21,6 +28,14 @@ struct Outcome {
   SimTime longest{};   ///< more than `takes`: chance decides between the two
   std::string result;  ///< fields of the result or response, YAML; `success` follows the kind where it is not given
   int line = 0;
+  std::vector<Feedback> feedback = {};  ///< in order of time; of goals only
+
+  /// Everything comes later by this.
+  void delay(SimTime by) {
+    takes += by;
+    longest += by;
+    for (Feedback& one : feedback) one.after += by;
+  }
 };
 
 /// A goal that was sent before the moment at which facts are given, and is not over then.

@@ -4,6 +4,7 @@
 #include <map>
 #include <span>
 
+#include "cx/base/number_text.h"
 #include "cx/testing/story.h"
 #include "cx/yaml/seeds.h"
 #include "cx/yaml/yaml.h"
@@ -53,6 +54,24 @@ void read_duration(yaml::Map& map, Outcome& outcome) {
   outcome.longest = from_seconds(high);
 }
 
+/// `feedback: [{after_s: 1, data: {progress: 0.5}}]`
+void read_feedback(const yaml::Value& list, Outcome& outcome) {
+  if (outcome.kind == Outcome::Kind::kReject)
+    list.fail(found_expected("`feedback` of a goal that is rejected", "it only for goals that run"));
+  const SimTime end = outcome.kind == Outcome::Kind::kNever ? kNever : std::max(outcome.takes, outcome.longest);
+  for (const yaml::Value& item : list.as_list()) {
+    yaml::Map map = item.as_map();
+    Feedback one{{}, dumped(map, "data"), item.line()};
+    const yaml::Value after = map.require("after_s");
+    map.read_seconds("after_s", one.after);
+    if (one.after > end)
+      after.fail(found_expected(after.text(), "no time after takes_s (" + general_text(to_seconds(end), 12) + ')'));
+    outcome.feedback.push_back(std::move(one));
+    map.finish();
+  }
+  std::ranges::stable_sort(outcome.feedback, {}, &Feedback::after);
+}
+
 Outcome read_outcome(yaml::Map& map) {
   static const std::vector<std::string> kWords = {"succeed", "fail", "reject", "never"};  // as in Outcome::Kind
   std::string word = kWords.front();
@@ -66,7 +85,13 @@ Outcome read_outcome(yaml::Map& map) {
     if (!outcome.result.empty()) code.fail("give it in `result` when there is one");
     outcome.result = "{error_code: " + std::to_string(code.as_integer()) + '}';
   }
+  if (const yaml::Value list = map.get("feedback")) read_feedback(list, outcome);
   return outcome;
+}
+
+void check_of_service(const yaml::Map& map, const Outcome& outcome) {
+  if (outcome.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
+  if (!outcome.feedback.empty()) map.fail("a service gives no feedback");
 }
 
 /// Reads the goals that run when the story begins, and how they end.
@@ -95,7 +120,7 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
       next.finish();
     }
   for (const Outcome& o : out.outcomes)
-    if (!out.action && o.kind == Outcome::Kind::kReject) map.fail("a service cannot reject");
+    if (!out.action) check_of_service(map, o);
   if (const yaml::Value list = map.get("under_way")) {
     if (!out.action || step)
       list.fail(found_expected("`under_way` here", "it only in `skills`: only goals can run when a story begins"));
@@ -113,8 +138,7 @@ Fault read_fault(const yaml::Value& item) {
   fault.name = kind.text;
   map.require("outcome");
   fault.outcome = read_outcome(map);
-  if (kind.given == 1 && kind.index == 1 && fault.outcome.kind == Outcome::Kind::kReject)
-    map.fail("a service cannot reject");
+  if (kind.given == 1 && kind.index == 1) check_of_service(map, fault.outcome);
   const yaml::Value probability = map.require("probability");
   if (probability) fault.probability = probability.as_number();
   if (!(fault.probability >= 0 && fault.probability <= 1))
@@ -260,8 +284,8 @@ void check_under_way(const yaml::Map& map, StorySpec& spec) {
     if (!spec.moment || spec.given_at == spec.begins)
       return map.fail(stand_in.name +
                       ": `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`");
-    for (std::size_t i = 0; i < stand_in.under_way.size(); ++i)  // they count from `given_at_s` on
-      for (SimTime* t : {&stand_in.outcomes[i].takes, &stand_in.outcomes[i].longest}) *t += spec.given_at - spec.begins;
+    for (std::size_t i = 0; i < stand_in.under_way.size(); ++i)
+      stand_in.outcomes[i].delay(spec.given_at - spec.begins);  // they count from `given_at_s` on
   }
 }
 

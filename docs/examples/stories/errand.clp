@@ -3,6 +3,8 @@
 
 (deffacts errand (errand (state WANTED)))
 
+(deftemplate way (slot m))  ; what is left of it
+
 (defrule open-clients
   "At the start: the service and the action are known by name."
   (errand (state WANTED))
@@ -49,6 +51,15 @@
   =>
   (retract ?response)
   (modify ?errand (state REFUSED)))
+
+(defrule robot-drives
+  "The robot says how far it still has to go: keep the latest."
+  ?feedback <- (ros-msgs-feedback (server "/robot1/pick") (feedback-ptr ?message))
+  =>
+  (do-for-all-facts ((?way way)) TRUE (retract ?way))
+  (assert (way (m (ros-msgs-get-field ?message "remaining_m"))))
+  (ros-msgs-destroy-message ?message)
+  (retract ?feedback))
 
 (defrule close-clients
   "At the end: what was opened is closed."

@@ -251,6 +251,58 @@ TEST_F(Stories, ChanceDecidesByTheSeed) {
       << "one fault more changes no draw of another";
 }
 
+TEST_F(Stories, AGoalGivesFeedbackUntilItEnds) {
+  write("errand.clp",
+        kErrand + std::string("(defrule on-its-way ?f <- (ros-msgs-feedback (feedback-ptr ?p)) => "
+                              "(retract ?f)\n  (assert (at ?p (ros-msgs-get-field ?p \"phase\") "
+                              "(ros-msgs-get-field ?p \"remaining_m\") (now))))\n"
+                              "(defrule stop (stop) ?r <- (ros-msgs-goal-response "
+                              "(client-goal-handle-ptr ?h)) => (ros-msgs-async-cancel-goal \"/go\" ?h))\n"));
+  const auto failures_of = [&](const std::string& answer, const std::string& expect, const std::string& more = "") {
+    const auto stories = read("- story: s\n  rules: errand.clp\n  given: [(wanted)]\n  end: 9\n" + more +
+                              "  skills: [{action: /go, type: cxlab_skills/action/DriveTo, " + answer +
+                              "}]\n  expect: [" + expect + "]\n");
+    if (!stories) return std::vector{stories.error().text()};
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? std::vector{result.bad->text()} : result.failures;
+  };
+  const std::string twice =
+      "takes_s: 4, feedback: [{after_s: 3, data: {phase: there}}, {after_s: 1, data: {phase: far, remaining_m: 2.5}}, "
+      "{after_s: 4}]";
+  EXPECT_THAT(failures_of(twice,
+                          "{fact: '(at ? \"far\" 2.5 1)', at: 1}, {no_fact: '(at $?)', within_s: 0.98}, "
+                          "{no_fact: '(at ? \"there\" $?)', within_s: 2.98}, {fact: '(at ? \"there\" 0.0 3)', at: 3}, "
+                          "{fact: '(at ? \"\" 0.0 4)', at: 4}, {fact: (errand (state DONE)), at: 4}"),
+              IsEmpty());
+  EXPECT_THAT(failures_of(twice, "{fires: on-its-way, count: 4, within_s: 9}"), ElementsAre(HasSubstr("3 s, 4 s")));
+  EXPECT_THAT(failures_of("outcome: never, feedback: [{after_s: 2}]", "{fires: on-its-way, after: 2, within_s: 2}"),
+              IsEmpty());
+  EXPECT_THAT(failures_of(twice, "{not_fires: on-its-way, after: 1.1}", "  steps: [{at: 2, assert: (stop)}]\n"),
+              IsEmpty())
+      << "a canceled goal says no more";
+  EXPECT_THAT(failures_of("outcome: fail, takes_s: 1, feedback: [{after_s: 0.5}], then: [{takes_s: 1, feedback: "
+                          "[{after_s: 0.2, data: {phase: again}}]}]",
+                          "{fact: '(at ? \"\" 0.0 0.5)', at: 1}, {fact: '(at ? \"again\" $?)', within_s: 1.3}, "
+                          "{fires: on-its-way, count: 2, within_s: 2}"),
+              IsEmpty());
+  for (const auto& [answer, what] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"takes_s: 2, feedback: [{after_s: 3}]",
+            "t.story.yaml:5: [0].skills[0].feedback[0].after_s: found 3, expected no time after takes_s (2)"},
+           {"takes_s: [1, 2], feedback: [{after_s: 2.5}]", "found 2.5, expected no time after takes_s (2)"},
+           {"feedback: [{data: {}}]", "key 'after_s' is missing"},
+           {"feedback: [{after_s: -1}]", "after_s"},
+           {"feedback: {after_s: 1}", "expected a list"},
+           {"feedback: [{after_s: 0, date: {}}]",
+            "unknown key 'date' in '[0].skills[0].feedback[0]', did you mean 'data'?"},
+           {"feedback: [{after_s: 0, data: {phase: x, speed: 1}}]", "t.story.yaml:5: /go: feedback: "},
+           {"outcome: reject, feedback: [{after_s: 0}]",
+            "found `feedback` of a goal that is rejected, expected it only for goals that run"}})
+    EXPECT_THAT(failures_of(answer, "{fires: send, within_s: 1}"), ElementsAre(HasSubstr(what))) << answer;
+  EXPECT_THAT(failures_of("takes_s: 1", "{fires: send, within_s: 1}",
+                          "  serve: [{service: /s, type: std_srvs/srv/Trigger, feedback: [{after_s: 0}]}]\n"),
+              ElementsAre(HasSubstr("a service gives no feedback")));
+}
+
 TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
   const auto said = [&](const std::string& more) {
     const auto stories =
