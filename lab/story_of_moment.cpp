@@ -56,8 +56,9 @@ struct SkillAnswer {
   std::string id;  ///< of the goal, or the number of the call
   SimTime sent{};
   std::optional<SimTime> ended = {};
-  std::string outcome = "never", result = {};  // JSON
-  std::string handle = {};                     ///< of the client of a goal that was accepted before the moment
+  std::string outcome = "never", result = {};                  // JSON
+  std::vector<std::pair<SimTime, std::string>> feedback = {};  ///< after the moment, JSON
+  std::string handle = {};  ///< of the client of a goal that was accepted before the moment
 };
 /// The goals or calls of one action or service, in order of sending. Those of before the moment have no answer by then.
 using SkillAnswers = std::list<SkillAnswer>;
@@ -84,7 +85,7 @@ Expected<LoggedAnswers> read_answers(const fs::path& inputs, std::string_view st
       const bus::Delivery& delivery = logged.delivery;
       const bool is_response = delivery.kind == bus::DeliveryKind::kServiceResponse;
       if (is_response || delivery.kind == bus::DeliveryKind::kGoalResponse ||
-          delivery.kind == bus::DeliveryKind::kResult)
+          delivery.kind == bus::DeliveryKind::kFeedback || delivery.kind == bus::DeliveryKind::kResult)
         out[{std::string(logged.cause_stream), delivery.cause.n}] = {
             is_response ? std::to_string(delivery.request_id) : bus::to_string(delivery.goal), delivery.accepted,
             delivery.status};
@@ -297,8 +298,8 @@ class Writer {
   /// What a goal or a call met: answers may come in another order than what they answer. Whether it is one of these.
   bool answered(const JournalRecord& record) {
     const std::string_view what = record.data.text("what");
-    const bool is_response = what == "response", is_result = what == "result";
-    if (!is_response && !is_result && what != "goal-response") return false;
+    const bool is_response = what == "response", is_result = what == "result", is_feedback = what == "feedback";
+    if (!is_response && !is_result && !is_feedback && what != "goal-response") return false;
     accepted_ = nullptr;
     if (record.causes.empty()) return true;
     const auto logged = logged_.find({record.causes.front().stream, record.causes.front().n});
@@ -307,6 +308,10 @@ class Writer {
     const auto is_open = [&](const SkillAnswer& one) { return one.id == logged->second.id && !one.ended; };
     const auto found = std::ranges::find_if(met, is_open);
     if (found == met.end()) return true;
+    if (is_feedback) {
+      if (record.t > at_) found->feedback.emplace_back(record.t, message(record, "message"));
+      return true;
+    }
     const bool ends = is_response || is_result || !logged->second.accepted;
     if (!ends) {
       accepted_ = &*found;
@@ -380,8 +385,6 @@ class Writer {
                          ", data: " + message(record, "message") + "}");
     } else if (answered(record)) {
       return;
-    } else if (what == "feedback") {
-      ++feedback_[name];
     } else if (what != "look") {
       others_.insert(what + ' ' + name);
     }
@@ -440,9 +443,6 @@ class Writer {
     for (const auto& [name, calls] : services_met_)
       if (std::ranges::any_of(calls, [&](const SkillAnswer& call) { return call.sent <= at_ && call.ended; }))
         notes_.push_back(name + " was called before: what it answered is not in the story");
-    for (const auto& [name, times] : feedback_)
-      notes_.push_back("not in the story: feedback of " + name + ", " + std::to_string(times) +
-                       (times == 1 ? " time" : " times") + ": a stand-in gives none");
     for (const std::string& other : others_) notes_.push_back("not in the story: " + other);
   }
 
@@ -464,6 +464,10 @@ class Writer {
     std::string out = "outcome: " + answer.outcome;
     if (answer.ended) out += ", takes_s: " + seconds_of(*answer.ended - from);
     if (!answer.result.empty()) out += ", result: " + answer.result;
+    std::string feedback;
+    for (const auto& [t, data] : answer.feedback)
+      feedback += (feedback.empty() ? "" : ", ") + ("{after_s: " + seconds_of(t - from)) + ", data: " + data + '}';
+    if (!feedback.empty()) out += ", feedback: [" + feedback + ']';
     return out;
   }
 
@@ -577,8 +581,7 @@ class Writer {
   std::vector<bus::Bus::Info> topics_, services_, actions_;
   std::map<std::string, SkillAnswers> actions_met_, services_met_;
   std::map<std::string, std::pair<int, SimTime>> fired_;
-  std::map<std::string, int> feedback_;  // by action
-  SkillAnswer* accepted_ = nullptr;      // its handle is in the fact that comes next
+  SkillAnswer* accepted_ = nullptr;  // its handle is in the fact that comes next
 };
 
 /// The lines of this file that the texts name first: "FILE:12: ...".
