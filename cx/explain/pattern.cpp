@@ -1,6 +1,7 @@
 #include "cx/explain/pattern.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "cx/base/number_text.h"
@@ -359,8 +360,11 @@ class Pattern::Matching {
   }
   bool same(const Value& constant, const Value& value) const {
     if (constant == value) return true;
-    return pattern_.loose_numbers_ && constant.is_number() && value.is_number() &&
-           constant.as_number() == value.as_number();
+    if (!pattern_.loose_numbers_ || !constant.is_number() || !value.is_number()) return false;
+    const double a = constant.as_number(), b = value.as_number();
+    if (a == b) return true;
+    // A value that was copied from a fact has the digits that CLIPS prints.
+    return value.is(ValueType::kFloat) && std::abs(a - b) <= 1e-14 * std::abs(a) && print_float(a) == print_float(b);
   }
 
   const Pattern& pattern_;

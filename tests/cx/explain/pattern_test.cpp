@@ -50,6 +50,10 @@ TEST(PlainPattern, ComparesNumbersAsNumbersAndStringsApartFromSymbols) {
   const auto matches = [&](const std::string& text) { return Pattern::parse_plain(text, "f", 1)->matches(t); };
   EXPECT_TRUE(matches("(t (a 1) (b \"x\"))"));
   EXPECT_FALSE(matches("(t (a 2))"));
+  EXPECT_FALSE(matches("(t (a 1.0000000000001))"));
+  const FactCopy third = fact("t", {{"a", Value::number(1.0 / 3)}});
+  EXPECT_TRUE(Pattern::parse_plain("(t (a 0.333333333333333))", "f", 1)->matches(third)) << "as CLIPS prints it";
+  EXPECT_FALSE(Pattern::parse_plain("(t (a 0.33333333333333))", "f", 1)->matches(third));
   EXPECT_FALSE(matches("(t (b x))"));
   EXPECT_TRUE(matches("(t (b ?) (c 1 $?))"));
   EXPECT_TRUE(matches("(t (c $? 3))"));
