@@ -207,12 +207,6 @@ void RuleEngine::refresh_all_agendas() {
   RefreshAllAgendas(environment_);
 }
 
-void RuleEngine::forget_agenda() {
-  for (Defmodule* module = GetNextDefmodule(environment_, nullptr); module != nullptr;
-       module = GetNextDefmodule(environment_, module))
-    DeleteAllActivations(module);
-}
-
 bool RuleEngine::Impl::anything_left() const {
   for (const FocalModule* focus = engine_data(env)->CurrentFocus; focus != nullptr; focus = focus->next) {
     if (focus->theDefruleModule->agenda != nullptr) return true;

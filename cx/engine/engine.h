@@ -227,8 +227,12 @@ class RuleEngine {
 
   void reset();
   void refresh_all_agendas();
-  /// Empties the agenda. An activation returns only with other facts, as if it had fired.
-  void forget_agenda();
+  /// Empties the agenda. An activation returns only with other facts, as if it had fired. The facts that it would
+  /// assert with `logical` and that are there rest on what it matches from now on.
+  void settle_agenda();
+  /// Facts that rest on others, and that `settle_agenda` could not make rest on these again. Their rules assert them
+  /// within a condition or a loop, with what other actions have bound, or with a function that acts or is generic.
+  std::vector<FactCopy> facts_not_supported_when_settled() const;
   /// Fires rules until none is left, `limit` have fired (0 = no limit), or a rule raised an error that halts.
   RunReport run(std::int64_t limit = 0);
   /// Evaluates a call or a word as at the prompt.

@@ -291,7 +291,7 @@ Expected<std::string> Environment::carry_out(ControlAct::Verb verb, const std::s
       return said.empty() ? index.error() : input_error(said.front().message);
     }
     case ControlAct::Verb::kFail: return input_error(text);
-    case ControlAct::Verb::kSettle: engine_->forget_agenda(); return std::string();
+    case ControlAct::Verb::kSettle: engine_->settle_agenda(); return std::string();
     case ControlAct::Verb::kRetract: {
       const auto index = read_number<std::int64_t>(text);
       if (!index || !engine_->retract(*index)) return input_error("there is no fact f-" + text);

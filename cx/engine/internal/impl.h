@@ -169,6 +169,8 @@ struct RuleEngine::Impl {
   /// Whether a function acts itself, or nothing where that is for its body to say.
   std::optional<bool> acts_itself(const std::string& function) const;
   bool is_acting(const std::string& function);
+  bool only_gives_values(const clips::expr* expressions, std::vector<const clips::Deffunction*> within = {});
+  void support_facts_of(const clips::Activation& activation);
   std::map<std::string, bool, std::less<>> known_acting;  ///< deffunctions and generics, until one of them changes
 
   // --- Facts and journal (facts.cpp, journal.cpp) ----------------------------------------------------------------
