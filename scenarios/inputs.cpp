@@ -188,7 +188,7 @@ std::optional<cx::ControlAct> read_act(SimTime t, std::string_view bytes) {
   act.verb = in.fixed<cx::ControlAct::Verb>();
   if (cx::is_planned(act.verb)) act.name = in.raw(in.fixed<std::uint32_t>());
   act.text = in.raw(in.left());
-  if (!in.ok() || act.verb > cx::ControlAct::Verb::kSettle) return {};
+  if (!in.ok() || act.verb > cx::ControlAct::Verb::kCount) return {};
   return act;
 }
 

@@ -299,6 +299,18 @@ std::uint64_t Bus::call(EndpointId client, SharedMessage request, Causes causes)
   return number;
 }
 
+bool Bus::number_requests_from(ParticipantId p, std::string_view service_as_written, std::uint64_t number) {
+  const Participant& owner = state_->participant(p);
+  const std::string name = owner.name.resolve(service_as_written, NameKind::kService);
+  bool any = false;
+  for (const auto& endpoint : owner.endpoints) {
+    if (!endpoint || endpoint->kind != EndpointKind::kClient || endpoint->channel->name != name) continue;
+    endpoint->next_number = number;
+    any = true;
+  }
+  return any;
+}
+
 bool Bus::respond(EndpointId service, const Delivery& request, SharedMessage response) {
   Endpoint* from = state_->find(service, EndpointKind::kServer);
   if (from == nullptr) return false;

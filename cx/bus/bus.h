@@ -199,6 +199,8 @@ class Bus : private Feed {
   bool service_ready(EndpointId client) const;
   /// The request's number, from 1 a client; waits in the bus until a server is there.
   std::uint64_t call(EndpointId client, SharedMessage request, Causes causes = {});
+  /// The next request of the participant's clients of that service gets this number. False if it has no client of it.
+  bool number_requests_from(ParticipantId p, std::string_view service_as_written, std::uint64_t number);
   /// Answers `request` that was delivered to this service, now or later. A second answer is ignored: false.
   bool respond(EndpointId service, const Delivery& request, SharedMessage response);
 

@@ -260,7 +260,7 @@ Expected<std::string> Environment::act(ControlAct::Verb verb, const std::string&
     const ControlPlace place = between_ticks ? ControlPlace::after_tick(place_.t) : place_;
     options_.run->control_log->add(options_.unique_name, {place, verb, text, name});
   }
-  constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail", "retract", "settle"};
+  constexpr const char* kWords[] = {"eval", "build", "load", "assert", "set", "fail", "retract", "settle", "count"};
   data_.begin().field("what", kWords[static_cast<std::size_t>(verb)]);
   if (!name.empty()) data_.field("name", name);
   if (between_ticks) data_.field("by", "program");
@@ -295,6 +295,12 @@ Expected<std::string> Environment::carry_out(ControlAct::Verb verb, const std::s
     case ControlAct::Verb::kRetract: {
       const auto index = read_number<std::int64_t>(text);
       if (!index || !engine_->retract(*index)) return input_error("there is no fact f-" + text);
+      return std::string();
+    }
+    case ControlAct::Verb::kCount: {
+      const auto number = read_number<std::uint64_t>(text);
+      if (!number || !bus_.number_requests_from(participant_, name, *number))
+        return input_error("there is no client of service " + name);
       return std::string();
     }
     case ControlAct::Verb::kSet: break;

@@ -38,6 +38,7 @@ struct ControlAct {
     kFail,     ///< planned: the run ends here, the text says why
     kRetract,  ///< planned: the text is the index of a fact
     kSettle,   ///< planned: the activations on the agenda count as fired
+    kCount,    ///< planned: the next request to the service of the name has the number of the text
   };
   ControlPlace place;
   Verb verb = Verb::kEval;

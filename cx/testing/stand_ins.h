@@ -38,15 +38,15 @@ struct Outcome {
   }
 };
 
-/// A goal that was sent before the moment at which facts are given, and is not over then.
+/// A goal or request that was sent before the moment at which facts are given, and is not over then.
 struct UnderWay {
   std::string handle;  ///< of the client, as `given` has it: "<Pointer-C-0x10a2>"; empty: the answer to it comes later
-  std::string id;      ///< of the goal, as `given` has it
+  std::string id;      ///< of the goal, as `given` has it; the number of the request
   int line = 0;
 };
 
 /// An action server or a service. The k-th goal or call meets the k-th outcome, later ones the last. The first outcomes
-/// belong to goals that run when the story begins.
+/// belong to what is in progress when the story begins.
 struct StandIn {
   bool action = true;
   std::string name, type;
@@ -54,6 +54,7 @@ struct StandIn {
   std::string file;
   int line = 0;
   std::vector<UnderWay> under_way = {};
+  std::int64_t next_id = 0;  ///< number of the agent's next request to the service; 0: as it comes
 };
 
 /// What chance does to goals, or to the calls of a service.

@@ -27,6 +27,13 @@ struct Line {
   int line = 0;
 };
 
+/// A fact at the start.
+struct GivenFact {
+  std::string text;
+  int line = 0;
+  std::string as = {};  ///< the word by which later facts point to it: "<Fact-12>"
+};
+
 /// Something that happens at a time.
 struct Step {
   enum class Verb { kAssert, kRetract, kPublish, kStandIn };
@@ -62,7 +69,7 @@ struct StorySpec {
   std::string environment;  ///< empty = the first
   std::uint64_t seed = 1;
   std::vector<std::uint64_t> seeds;  ///< with each of which it must hold; empty: `seed` alone
-  std::vector<Line> given;
+  std::vector<GivenFact> given;
   SimTime begins{};              ///< time of the first tick
   SimTime given_at{};            ///< when facts are given: not before `begins`
   bool moment = false;           ///< at `given_at` only the facts of `given` exist, and the activations that they cause

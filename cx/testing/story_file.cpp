@@ -94,12 +94,20 @@ void check_of_service(const yaml::Map& map, const Outcome& outcome) {
   if (!outcome.feedback.empty()) map.fail("a service gives no feedback");
 }
 
-/// Reads the goals that run when the story begins, and how they end.
+void check_request_id(const yaml::Value& id) {
+  if (id.as_integer(1) < 1) id.fail(found_expected(id.text(), "the number of a request, from 1"));
+}
+
+/// Reads the goals and requests that are in progress when the story begins, and how they end.
 void read_under_way(const yaml::Value& list, StandIn& out) {
   for (const yaml::Value& item : list.as_list()) {
     yaml::Map map = item.as_map();
     UnderWay goal{{}, {}, item.line()};
-    map.read("handle", goal.handle).read("id", goal.id);
+    if (out.action)
+      map.read("handle", goal.handle);
+    else
+      check_request_id(map.require("id"));
+    map.read("id", goal.id);
     out.outcomes.insert(out.outcomes.begin() + static_cast<std::ptrdiff_t>(out.under_way.size()), read_outcome(map));
     out.under_way.push_back(std::move(goal));
     map.finish();
@@ -119,13 +127,16 @@ StandIn read_stand_in(const yaml::Value& value, bool step = false) {
       out.outcomes.push_back(read_outcome(next));
       next.finish();
     }
-  for (const Outcome& o : out.outcomes)
-    if (!out.action) check_of_service(map, o);
   if (const yaml::Value list = map.get("under_way")) {
-    if (!out.action || step)
-      list.fail(found_expected("`under_way` here", "it only in `skills`: only goals can run when a story begins"));
+    if (step) list.fail(found_expected("`under_way` in a step", "it only in `skills` and `serve`"));
     read_under_way(list, out);
   }
+  if (const yaml::Value next = out.action || step ? yaml::Value() : map.get("next_id")) {
+    check_request_id(next);
+    out.next_id = next.as_integer();
+  }
+  for (const Outcome& o : out.outcomes)
+    if (!out.action) check_of_service(map, o);
   map.finish();
   return out;
 }
@@ -147,6 +158,22 @@ Fault read_fault(const yaml::Value& item) {
   if (map.has("times") && fault.most < 1) map.fail("times: expected at least 1");
   map.finish();
   return fault;
+}
+
+/// `(bell)`, or `{fact: (bell), as: <Fact-1>}` for one to which later facts point.
+GivenFact read_given(const yaml::Value& value, const std::vector<GivenFact>& before) {
+  if (!value.is_map()) return {value.as_string(), value.line()};
+  yaml::Map map = value.as_map();
+  GivenFact fact{map.require("fact").as_string(), value.line()};
+  const yaml::Value as = map.require("as");
+  fact.as = as.as_string();
+  if (as && (fact.as.size() < 3 || !fact.as.starts_with('<') || !fact.as.ends_with('>')))
+    as.fail(found_text(fact.as, "a word in angle brackets, like <Fact-1>"));
+  const auto same = std::ranges::find(before, fact.as, &GivenFact::as);
+  if (as && same != before.end())
+    as.fail("the fact on line " + std::to_string(same->line) + " has the name '" + fact.as + "', too");
+  map.finish();
+  return fact;
 }
 
 Step read_step(const yaml::Value& item) {
@@ -262,7 +289,7 @@ void read_story(yaml::Map& map, StorySpec& spec) {
   if (const yaml::Value calls = map.get("calls"))
     for (const yaml::Value& call : calls.as_list()) spec.calls.push_back({call.as_string(), call.line()});
   if (const yaml::Value given = map.get("given"))
-    for (const yaml::Value& fact : given.as_list()) spec.given.push_back({fact.as_string(), fact.line()});
+    for (const yaml::Value& fact : given.as_list()) spec.given.push_back(read_given(fact, spec.given));
   for (const char* key : {"skills", "serve"})
     if (const yaml::Value list = map.get(key))
       for (const yaml::Value& item : list.as_list()) spec.stand_ins.push_back(read_stand_in(item));
@@ -275,15 +302,24 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     for (const yaml::Value& item : expect.as_list()) spec.expect.push_back(read_expectation(item));
 }
 
+/// A fact can point only to one that is given before it.
+void check_pointers(const yaml::Map& map, const StorySpec& spec) {
+  for (std::size_t i = 0; i < spec.given.size(); ++i)
+    for (std::size_t k = i; k < spec.given.size(); ++k)
+      if (!spec.given[k].as.empty() && spec.given[i].text.find(spec.given[k].as) != std::string::npos)
+        return map.fail(spec.given[i].text + " points to " + spec.given[k].as + ", which is given later (line " +
+                        std::to_string(spec.given[k].line) + "): give it before");
+}
+
 /// Running goals are sent at the first tick. Facts are given later, when these goals have been answered.
 void check_under_way(const yaml::Map& map, StorySpec& spec) {
   spec.given_at = std::max(spec.given_at, spec.begins);
   if (spec.given_at > spec.begins && !spec.moment) map.fail("given_at_s is for stories with `moment: true`");
   for (StandIn& stand_in : spec.stand_ins) {
     if (stand_in.under_way.empty()) continue;
-    if (!spec.moment || spec.given_at == spec.begins)
-      return map.fail(stand_in.name +
-                      ": `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`");
+    if (!spec.moment || (stand_in.action && spec.given_at == spec.begins))
+      return map.fail(stand_in.name + ": `under_way` needs a story with `moment: true`" +
+                      (stand_in.action ? " and a `given_at_s` after `begins_s`" : ""));
     for (std::size_t i = 0; i < stand_in.under_way.size(); ++i)
       stand_in.outcomes[i].delay(spec.given_at - spec.begins);  // they count from `given_at_s` on
   }
@@ -340,6 +376,7 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     read_story(map, spec);
     map.finish();
     check_under_way(map, spec);
+    check_pointers(map, spec);
     if (!spec.golden.empty())
       check_golden(map);
     else if (spec.config.empty() == spec.rules.empty())

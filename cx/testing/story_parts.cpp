@@ -138,17 +138,58 @@ Status StoryFacts::evaluate(cx::Environment& environment, const Line& text) cons
 Status StoryFacts::begin(cx::Environment& environment) {
   for (const Line& call : spec_->calls)
     if (Status s = evaluate(environment, call); !s) return s;
+  if (Status s = send_goals(environment); !s) return s;
   for (const StandIn& server : spec_->stand_ins)
-    for (const UnderWay& goal : server.under_way)
-      sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*'});
-  for (const Sent& sent : sent_) {
-    const std::string request = "(ros-msgs-create-goal-request \"" + sent.server->type + "\")";
-    const std::string send = "(ros-msgs-async-send-goal " + sent.handle + " \"" + sent.server->name + "\")";
-    for (const std::string& text : {"(defglobal " + sent.handle + " = " + request + ")", send,
-                                    "(ros-msgs-destroy-message " + sent.handle + ")", "(bind " + sent.handle + " nil)"})
-      if (Status s = evaluate(environment, {text, sent.goal->line}); !s) return s;
-  }
+    if (Status s = send_requests(environment, server); !s) return s;
   return {};
+}
+
+/// Sends a message without content. The global is nil then.
+Status StoryFacts::send(cx::Environment& environment, const std::string& global, const std::string& created,
+                        const std::string& sent, int line) const {
+  for (const std::string& text : {"(defglobal " + global + " = " + created + ')', sent,
+                                  "(ros-msgs-destroy-message " + global + ')', "(bind " + global + " nil)"})
+    if (Status s = evaluate(environment, {text, line}); !s) return s;
+  return {};
+}
+
+Status StoryFacts::send_goals(cx::Environment& environment) {
+  for (const StandIn& server : spec_->stand_ins)
+    if (server.action)
+      for (const UnderWay& goal : server.under_way)
+        sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*'});
+  for (const Sent& sent : sent_)
+    if (Status s =
+            send(environment, sent.handle, "(ros-msgs-create-goal-request \"" + sent.server->type + "\")",
+                 "(ros-msgs-async-send-goal " + sent.handle + " \"" + sent.server->name + "\")", sent.goal->line);
+        !s)
+      return s;
+  return {};
+}
+
+/// Requests in progress have the numbers that they had, and so have those that follow.
+Status StoryFacts::send_requests(cx::Environment& environment, const StandIn& server) {
+  if (server.action) return {};
+  for (const UnderWay& request : server.under_way) {
+    if (Status s = number_requests(environment, server, request.id, request.line); !s) return s;
+    const std::string global = "?*request-under-way-" + std::to_string(++requests_) + '*';
+    if (Status s = send(environment, global, "(ros-msgs-create-request \"" + server.type + "\")",
+                        "(ros-msgs-async-send-request " + global + " \"" + server.name + "\")", request.line);
+        !s)
+      return s;
+  }
+  return server.next_id > 0 ? number_requests(environment, server, std::to_string(server.next_id), server.line)
+                            : Status();
+}
+
+Status StoryFacts::number_requests(cx::Environment& environment, const StandIn& server, const std::string& number,
+                                   int line) const {
+  if (environment.act(cx::ControlAct::Verb::kCount, number, server.name)) return {};
+  return input_error(server.name +
+                         ": the agent has no client of this service when the story begins, so no request to it can "
+                         "have been sent; open one in `calls`: (ros-msgs-create-client \"" +
+                         server.name + "\" \"" + server.type + "\")",
+                     spec_->file, line);
 }
 
 /// Keeps the handles of goals that were answered, and lets nothing fire.
@@ -178,9 +219,9 @@ Status StoryFacts::answer(cx::Environment& environment) const {
   return {};
 }
 
-/// The fact with the handles and ids of this story's goals in place of those of recorded running goals. Empty if it has
+/// The fact as an expression that names the goals of this story and the facts that it was given; empty if it names
 /// none.
-std::string StoryFacts::with_goals(const std::string& fact) const {
+std::string StoryFacts::with_pointers(const std::string& fact) const {
   std::string out = fact;
   const auto replace = [&out](const std::string& word, const std::string& by) {
     for (std::size_t at = 0; !word.empty() && (at = out.find(word, at)) != std::string::npos; at += by.size())
@@ -192,26 +233,35 @@ std::string StoryFacts::with_goals(const std::string& fact) const {
     replace(sent.goal->id, id);
     replace(sent.goal->handle, sent.handle);
   }
+  for (const auto& [word, global] : named_) replace(word, global);
   return out == fact ? "" : "(assert " + out + ')';
 }
 
-Status StoryFacts::give_all(cx::Environment& environment) const {
+Status StoryFacts::give_all(cx::Environment& environment) {
   using Verb = cx::ControlAct::Verb;
   if (!sent_.empty())
     if (Status s = hold(environment); !s) return s;
   std::set<std::string> wanted;
-  for (const Line& fact : spec_->given) wanted.insert(fact.text);
+  for (const GivenFact& fact : spec_->given) wanted.insert(fact.text);
   if (spec_->moment)
     for (const FactCopy& fact : environment.engine().facts())
       if (!wanted.contains(fact.print())) (void)retract(environment, fact);
-  for (const Line& fact : spec_->given)
+  for (const GivenFact& fact : spec_->given)
     if (Status s = give(environment, fact); !s) return s;
   if (spec_->moment) (void)environment.act(Verb::kSettle, {});
   return {};
 }
 
-Status StoryFacts::give(cx::Environment& environment, const Line& fact) const {
-  if (const std::string text = with_goals(fact.text); !text.empty()) return evaluate(environment, {text, fact.line});
+Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
+  const std::string text = with_pointers(fact.text);
+  if (!fact.as.empty()) {
+    const std::string global = "?*given-" + std::to_string(named_.size() + 1) + '*';
+    named_.emplace_back(fact.as, global);
+    return evaluate(
+        environment,
+        {"(defglobal " + global + " = " + (text.empty() ? "(assert " + fact.text + ')' : text) + ')', fact.line});
+  }
+  if (!text.empty()) return evaluate(environment, {text, fact.line});
   const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text, std::string(kActOfStory));
   if (done) return {};
   const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);

@@ -65,19 +65,27 @@ class StoryFacts final : public cx::RunControl {
     const UnderWay* goal;
     std::string handle;  ///< the global that has it
   };
+  Status send_goals(cx::Environment& environment);
+  Status send_requests(cx::Environment& environment, const StandIn& server);
+  Status number_requests(cx::Environment& environment, const StandIn& server, const std::string& number,
+                         int line) const;
+  Status send(cx::Environment& environment, const std::string& global, const std::string& created,
+              const std::string& sent, int line) const;
   Status begin(cx::Environment& environment);
   Status evaluate(cx::Environment& environment, const Line& text) const;
   Status hold(cx::Environment& environment) const;
   Status answer(cx::Environment& environment) const;
-  std::string with_goals(const std::string& fact) const;
-  Status give_all(cx::Environment& environment) const;
-  Status give(cx::Environment& environment, const Line& fact) const;
+  std::string with_pointers(const std::string& fact) const;
+  Status give_all(cx::Environment& environment);
+  Status give(cx::Environment& environment, const GivenFact& fact);
   Status take(cx::Environment& environment, const Step& step) const;
 
   const StorySpec* spec_;
   std::string environment_;  // its stream; empty: not known yet
   bool begun_ = false, given_ = false, answered_ = false;
   std::vector<Sent> sent_;
+  int requests_ = 0;                                        // sent at the beginning
+  std::vector<std::pair<std::string, std::string>> named_;  // words for facts that were given, and their globals
   std::size_t next_ = 0;
 };
 

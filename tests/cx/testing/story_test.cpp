@@ -203,6 +203,129 @@ TEST_F(Stories, AMomentIsAllThatThereIsAndHasFired) {
   EXPECT_THAT(failures_of("  given: [(door (state AJAR))]\n", "{fact: \"(opened AJAR ?)\", within_s: 1}"), IsEmpty());
 }
 
+/// Plays stories of a moment with the rules in door.clp.
+class Moments : public Stories {
+ protected:
+  std::vector<std::string> failures_of(const std::string& more, const std::string& expect) {
+    const auto stories =
+        read("- story: s\n  rules: door.clp\n  moment: true\n  end: 5\n" + more + "  expect: [" + expect + "]\n");
+    if (!stories) return {stories.error().text()};
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? std::vector{result.bad->text()} : result.failures;
+  }
+};
+
+TEST_F(Moments, AFactGoesWithWhatItFollowsFrom) {
+  write(
+      "door.clp",
+      "(deftemplate door (slot name) (slot state))\n(deffunction twice (?x) (* 2 ?x))\n"
+      "(defglobal ?*calls* = 0)\n(deffunction count () (bind ?*calls* (+ ?*calls* 1)) ?*calls*)\n"
+      "(defrule pass (logical (door (name ?n) (state OPEN))) (light) => (assert (way ?n)) (assert (ways (twice 1))))\n"
+      "(defrule pass-first (logical (or (door (name A) (state OPEN)) (all-open))) => (assert (first) (way A)))\n"
+      "(defrule no-way (logical (not (door (state OPEN)))) => (assert (closed)))\n"
+      "(defrule counted (logical (bell)) => (assert (counted (count))))\n"
+      "(defrule bound (logical (bell)) => (bind ?x 1) (assert (bound ?x)))\n");
+  const std::string given =
+      "  given: [(door (name A) (state OPEN)), (door (name B) (state OPEN)), (light), (way A), (ways 2), (way C), "
+      "(first), (all-open), (bell), (counted 1), (bound 1)]\n";
+  EXPECT_THAT(failures_of(given,
+                          "{fact: (way A), at: 4}, {fact: (ways 2), at: 4}, {no_fact: (way B)}, {no_fact: "
+                          "(closed), at: 4}, {fact: (way C), at: 4}, {not_fires: pass}, {no_fact: (counted 2)}"),
+              IsEmpty())
+      << "nothing follows anew at the moment";
+  const auto without = [&](const std::string& pattern) {
+    return given + "  steps: [{at: 1, retract: " + pattern + "}, {at: 2, assert: (done)}]\n";
+  };
+  EXPECT_THAT(failures_of(without("(door (name A))"),
+                          "{fact: (way A), at: 0.9}, {fact: (way A), at: 4}, {fact: (ways "
+                          "2), at: 4}, {fact: (first), at: 4}"),
+              IsEmpty())
+      << "they rest on other facts, too";
+  EXPECT_THAT(failures_of(without("(light)"), "{fact: (way A), at: 4}, {fact: (ways 2), at: 4}"), IsEmpty())
+      << "(light) is not within `logical`";
+  EXPECT_THAT(failures_of(without("(door)"),
+                          "{fact: (ways 2), at: 0.9}, {no_fact: (ways 2), at: 1}, {fact: (way A), at: "
+                          "4}, {fact: (way C), at: 4}, {fact: (closed), at: 1}"),
+              IsEmpty());
+  EXPECT_THAT(failures_of(given + "  steps: [{at: 1, retract: (door)}, {at: 2, retract: (all-open)}]\n",
+                          "{fact: (way A), at: 1.9}, {fact: (first), at: 1.9}, {no_fact: (way A), at: 2}, {no_fact: "
+                          "(first), at: 2}, {fact: (way C), at: 2}"),
+              IsEmpty());
+  EXPECT_THAT(failures_of(without("(bell)"), "{fact: (counted 1), at: 4}, {fact: (bound 1), at: 4}"), IsEmpty())
+      << "a function that acts is not called again, and nothing is bound";
+}
+
+TEST_F(Moments, AFactPointsToFactsThatAreGivenBeforeIt) {
+  write("door.clp",
+        "(deftemplate door (slot state))\n"
+        "(defrule knock (knock) ?w <- (wants ?who ?door) => (retract ?w) (modify ?door (state OPEN)) (assert (let-in "
+        "?who)))\n");
+  const std::string given =
+      "  given:\n    - {fact: (door (state SHUT)), as: <Fact-7>}\n    - {fact: (ada), as: <ada>}\n"
+      "    - (wants <ada> <Fact-7>)\n    - (plain)\n  steps: [{at: 1, assert: (knock)}, {at: 2, assert: (sees "
+      "<Fact-7>)}]\n";
+  EXPECT_THAT(failures_of(given,
+                          "{no_fact: (door (state OPEN)), within_s: 0.9}, {fact: (door (state OPEN)), at: 1}, "
+                          "{fact: '(let-in ?)', at: 1}, {no_fact: (let-in <ada>)}, {no_fact: (sees <Fact-7>)}, "
+                          "{fact: '(sees ?)', at: 2}"),
+              IsEmpty());
+  for (const auto& [facts, what] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"(wants ada <d>), {fact: (door), as: <d>}",
+            "t.story.yaml:1: [0]: (wants ada <d>) points to <d>, which is given later (line 5): give it before"},
+           {"{fact: (wants ada <d>), as: <d>}", "points to <d>, which is given later"},
+           {"{fact: (door), as: d}", "found 'd', expected a word in angle brackets, like <Fact-1>"},
+           {"{fact: (a), as: <d>}, {fact: (b), as: <d>}", "the fact on line 5 has the name '<d>', too"},
+           {"{fact: (a)}", "key 'as' is missing"},
+           {"{fact: (a), as: <d>, ass: <e>}", "unknown key 'ass'"},
+           {"{fact: (door (stat OPEN)), as: <d>}",
+            "t.story.yaml:5: (defglobal ?*given-1* = (assert (door (stat OPEN))))"}})
+    EXPECT_THAT(failures_of("  given: [" + std::string(facts) + "]\n", "{not_fires: knock}"),
+                ElementsAre(HasSubstr(what)))
+        << facts;
+}
+
+TEST_F(Moments, RequestsThatWereSentBeforeAreAnswered) {
+  write(
+      "door.clp",
+      "(deffacts start (start))\n(defrule open (start) => (ros-msgs-create-client \"/may\" \"std_srvs/srv/SetBool\"))\n"
+      "(defrule ask ?a <- (ask) => (retract ?a) (bind ?m (ros-msgs-create-request \"std_srvs/srv/SetBool\"))\n"
+      "  (assert (asked (ros-msgs-async-send-request ?m \"/may\"))) (ros-msgs-destroy-message ?m))\n"
+      "(defrule hear ?r <- (ros-msgs-response (service \"/may\") (request-id ?id) (msg-ptr ?m)) ?a <- (asked ?id) =>\n"
+      "  (retract ?r ?a) (assert (said ?id (ros-msgs-get-field ?m \"message\"))))\n");
+  const auto served = [](const std::string& keys, const std::string& name = "/may") {
+    return "  given: [(asked 40), (asked 38)]\n  serve: [{service: " + name + ", type: std_srvs/srv/SetBool, " + keys +
+           "}]\n  steps: [{at: 3, assert: (ask)}]\n";
+  };
+  const std::string two =
+      "result: {message: new}, under_way: [{id: 38, takes_s: 2, result: {message: late}}, {id: 40, takes_s: 1, result: "
+      "{message: soon}}]";
+  EXPECT_THAT(failures_of(served(two),
+                          "{fact: '(said 40 \"soon\")', at: 1}, {no_fact: '(said 38 $?)', within_s: 1.98}, "
+                          "{fact: '(said 38 \"late\")', at: 2}, {fact: '(said 41 \"new\")', within_s: 3.2}"),
+              IsEmpty());
+  EXPECT_THAT(failures_of(served(two + ", next_id: 77"), "{fact: '(said 77 \"new\")', within_s: 3.2}"), IsEmpty());
+  EXPECT_THAT(failures_of(served("next_id: 5"), "{fact: '(said 5 \"\")', within_s: 3.2}, {fact: (asked 38), at: 4}"),
+              IsEmpty());
+  for (const auto& [keys, what] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"under_way: [{takes_s: 1}]", "key 'id' is missing"},
+           {"under_way: [{id: 0}]", "found 0, expected the number of a request, from 1"},
+           {"under_way: [{id: x}]", "id"},
+           {"under_way: [{id: 1, handle: <x>}]", "unknown key 'handle'"},
+           {"under_way: [{id: 1, outcome: reject}]", "a service cannot reject"},
+           {"next_id: 0", "found 0, expected the number of a request, from 1"}})
+    EXPECT_THAT(failures_of(served(keys), "{not_fires: open}"), ElementsAre(HasSubstr(what))) << keys;
+  EXPECT_THAT(
+      failures_of(served("next_id: 5", "/other"), "{not_fires: open}"),
+      ElementsAre(HasSubstr("/other: the agent has no client of this service when the story begins, so no request "
+                            "to it can have been sent; open one in `calls`: (ros-msgs-create-client \"/other\" "
+                            "\"std_srvs/srv/SetBool\")")));
+  EXPECT_THAT(
+      read("- story: s\n  rules: door.clp\n" + served("under_way: [{id: 1}]") + "  expect: [{not_fires: open}]\n")
+          .error()
+          .text(),
+      HasSubstr("/may: `under_way` needs a story with `moment: true`"));
+}
+
 /// An errand that is run again until it succeeds.
 const char* const kErrand =
     "(deftemplate errand (slot state (default NEW)) (slot tries (default 0)))\n"
