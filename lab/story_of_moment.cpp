@@ -1,21 +1,17 @@
 #include "lab/story_of_moment.h"
 
 #include <algorithm>
-#include <cstring>
-#include <list>
 #include <map>
 #include <set>
 
-#include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
-#include "cx/engine/form_reader.h"
-#include "cx/journal/input_log.h"
 #include "cx/journal/journal_reader.h"
-#include "cx/journal/run_folder.h"
 #include "cx/testing/story_parts.h"
 #include "lab/child.h"
 #include "lab/moment.h"
+#include "lab/moment_exchanges.h"
+#include "lab/moment_facts.h"
 #include "scenarios/share.h"
 
 namespace cxlab::lab {
@@ -32,66 +28,26 @@ class Records final : public JournalListener {
   std::vector<JournalRecord> all;
 };
 
-/// In single quotes of YAML.
-std::string yaml_quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + '\'';
-}
-
 std::string seconds_of(SimTime t) { return general_text(to_seconds(t), 12); }
 
-/// Names in the records of an environment are as its rules wrote them.
-std::string whole_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
-
-std::string name_in(const JournalRecord& record) { return whole_name(std::string(record.data.text("name"))); }
-
 std::string type_of(const std::vector<bus::Bus::Info>& all, const std::string& name) {
-  const auto found = std::ranges::find(all, whole_name(name), &bus::Bus::Info::name);
+  const auto found = std::ranges::find(all, name, &bus::Bus::Info::name);
   return found == all.end() ? "" : found->type;
 }
 
-/// A goal or a call of the environment, and how it ended.
-struct SkillAnswer {
-  std::string id;  ///< of the goal, or the number of the call
-  SimTime sent{};
-  std::optional<SimTime> ended = {};
-  std::string outcome = "never", result = {};                  // JSON
-  std::vector<std::pair<SimTime, std::string>> feedback = {};  ///< after the moment, JSON
-  std::string handle = {};  ///< of the client of a goal that was accepted before the moment
-};
-/// The goals or calls of one action or service, in order of sending. Those of before the moment have no answer by then.
-using SkillAnswers = std::list<SkillAnswer>;
+std::string rule_in(const JournalRecord& record) {
+  const std::string rule(record.data.text("rule"));
+  return rule.starts_with("MAIN::") ? rule.substr(6) : rule;
+}
 
-/// What the bus knows of an answer, and its record in the journal does not say.
-struct LoggedAnswer {
-  std::string id;  ///< as in `SkillAnswer`
-  bool accepted = false;
-  bus::GoalStatus status{};
-};
-constexpr std::size_t kIdSize = 32;  // of a goal, in hex digits
-/// By the record of the post.
-using LoggedAnswers = std::map<std::pair<std::string, std::uint64_t>, LoggedAnswer>;
+std::string section(const std::string& key, const std::string& items) {
+  return items.empty() ? items : "  " + key + ":\n" + items;
+}
 
-/// The answers that an environment took.
-Expected<LoggedAnswers> read_answers(const fs::path& inputs, std::string_view stream) {
-  auto log = InputLogReader::open(inputs);
-  if (!log) return log.error();
-  LoggedAnswers out;
-  while (const auto input = log->next()) {
-    const auto* take = std::get_if<LoggedTake>(&*input);
-    if (take == nullptr || take->to != stream) continue;
-    for (const LoggedDelivery& logged : take->deliveries) {
-      const bus::Delivery& delivery = logged.delivery;
-      const bool is_response = delivery.kind == bus::DeliveryKind::kServiceResponse;
-      if (is_response || delivery.kind == bus::DeliveryKind::kGoalResponse ||
-          delivery.kind == bus::DeliveryKind::kFeedback || delivery.kind == bus::DeliveryKind::kResult)
-        out[{std::string(logged.cause_stream), delivery.cause.n}] = {
-            is_response ? std::to_string(delivery.request_id) : bus::to_string(delivery.goal), delivery.accepted,
-            delivery.status};
-    }
-  }
-  return out;
+std::string list_section(const std::string& key, const std::vector<std::string>& items) {
+  std::string out;
+  for (const std::string& item : items) out += "    - " + item + '\n';
+  return section(key, out);
 }
 
 class Writer {
@@ -99,26 +55,26 @@ class Writer {
   Writer(const Run& run, const MomentStory& moment, const fs::path& file, const Host& host)
       : run_(run), given_(moment), file_(file), host_(host) {}
 
+  /// Reads the moment and what comes after it, then writes: facts, stand-ins, steps, expectations.
   Expected<WrittenStory> write() {
     if (Status s = find(); !s) return s.error();
-    auto logged = read_answers(run_.folder / "inputs.bin", stream_);
-    if (!logged) return logged.error();
-    logged_ = *std::move(logged);
+    auto exchanges = MomentExchanges::read(run_.folder / "inputs.bin", stream_, at_);
+    if (!exchanges) return exchanges.error();
+    exchanges_ = *std::move(exchanges);
     if (Status s = agent(); !s) return s.error();
-    for (const JournalRecord& record : records_.all)
-      if (record.stream == stream_) before(record);
     const std::size_t so_far = records_.all.size();
-    facts();
+    for (const JournalRecord& record : records_.all)
+      if (record.stream == stream_) exchanges_.hear(record);
+    facts_.read(environment_->engine(), exchanges_);
     if (Status s = play_on(); !s) return s.error();
     for (std::size_t i = so_far; i < records_.all.size(); ++i)
-      if (const JournalRecord& record = records_.all[i]; record.stream == stream_)
-        record.t <= at_ ? before(record) : after(record);
-    what_is_left();
-    WrittenStory out;
-    out.text = text();
-    out.notes = notes_;
-    out.expectations = static_cast<int>(expect_.size());
-    return expect_.empty() ? Expected<WrittenStory>(nothing_happened()) : out;
+      if (records_.all[i].stream == stream_) happened(records_.all[i]);
+    compare_facts();
+    if (expect_.empty()) return nothing_happened();
+    std::vector<std::string> notes = facts_.lost();
+    notes.insert(notes.end(), notes_.begin(), notes_.end());
+    for (const std::string& other : others_) notes.push_back("not in the story: " + other);
+    return WrittenStory{text(), std::move(notes), static_cast<int>(expect_.size())};
   }
 
  private:
@@ -148,7 +104,8 @@ class Writer {
   bool is_expected(const JournalRecord& record) const {
     if (record.kind == RecordKind::kFire) return rules_.contains(rule_in(record));
     const std::string_view op = record.data.text("op");
-    return record.kind == RecordKind::kBus && (op == "goal" || (op == "publish" && is_topic_of_rules(name_in(record))));
+    return record.kind == RecordKind::kBus &&
+           (op == "goal" || (op == "publish" && is_topic_of_rules(name_on_bus(record))));
   }
 
   /// Goes to the last time at which the executive ran the rules.
@@ -184,9 +141,7 @@ class Writer {
     }
     environment_ = found->front();
     stream_ = moment_->episode().journal().stream_name(environment_->engine().stream());
-    at_the_start_.clear();
-    for (const auto& [global, value] : environment_->engine().globals()) at_the_start_[global] = value.print();
-    for (const FactCopy& fact : environment_->engine().facts()) at_the_start_[fact.print()];
+    facts_.begin(environment_->engine());
     return moment_->seek(t);
   }
 
@@ -228,42 +183,6 @@ class Writer {
     return {};
   }
 
-  void facts() {
-    const RuleEngine& engine = environment_->engine();
-    for (const FactCopy& fact : engine.facts()) {
-      const std::string text = fact.print();
-      if (points_elsewhere(text))
-        notes_.push_back("left out, because what it points to is not in a story: " + text);
-      else if (text != "(initial-fact)")
-        given_facts_.push_back(text);
-    }
-    for (const auto& [global, value] : engine.globals())
-      if (const auto then = at_the_start_.find(global); then == at_the_start_.end() || then->second != value.print())
-        globals_.emplace_back(global,
-                              value.is(ValueType::kMultifield) ? "(create$ " + value.print().substr(1) : value.print());
-    next_symbol();
-    if (const std::size_t waiting = engine.agenda().size(); waiting > 0)
-      notes_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
-  }
-
-  /// `gensym` goes on where it was: `setgen` takes back that it was asked.
-  void next_symbol() {
-    RuleEngine& engine = environment_->engine();
-    const auto next = engine.eval("(gensym)");
-    if (!next || !next->print().starts_with("gen")) return;
-    const std::string set = "(setgen " + next->print().substr(3) + ")";
-    if (engine.eval(set) && set != "(setgen 1)") setgen_ = set;
-  }
-
-  /// Whether it points to something other than running goals.
-  bool points_elsewhere(std::string text) const {
-    for (const auto& [name, met] : actions_met_)
-      for (const SkillAnswer& goal : met)
-        for (std::size_t at; !goal.handle.empty() && (at = text.find(goal.handle)) != std::string::npos;)
-          text.erase(at, goal.handle.size());
-    return text.find("<Pointer-") != std::string::npos || text.find("<Fact-") != std::string::npos;
-  }
-
   Status play_on() {
     end_ = std::min(at_ + from_seconds(given_.seconds), moment_->end());
     for (const ConstructInfo& c : environment_->engine().constructs())
@@ -276,94 +195,21 @@ class Writer {
     return {};
   }
 
-  /// Finds goals and calls on their way at the moment, and what servers there are.
-  void before(const JournalRecord& record) {
-    if (record.kind == RecordKind::kBus) sent(record);
-    if (record.kind == RecordKind::kAssert || record.kind == RecordKind::kDecision) accepted(record);
-    if (record.kind == RecordKind::kInput) {
-      answered(record);
-      look(record);
-    }
-  }
-
-  /// A goal or a call.
-  void sent(const JournalRecord& record) {
-    const std::string_view op = record.data.text("op");
-    if (op == "goal")
-      actions_met_[name_in(record)].push_back({std::string(record.data.text("goal_id")), record.t});
-    else if (op == "call")
-      services_met_[name_in(record)].push_back({std::to_string(record.data.integer("id")), record.t});
-  }
-
-  /// What a goal or a call met: answers may come in another order than what they answer. Whether it is one of these.
-  bool answered(const JournalRecord& record) {
-    const std::string_view what = record.data.text("what");
-    const bool is_response = what == "response", is_result = what == "result", is_feedback = what == "feedback";
-    if (!is_response && !is_result && !is_feedback && what != "goal-response") return false;
-    accepted_ = nullptr;
-    if (record.causes.empty()) return true;
-    const auto logged = logged_.find({record.causes.front().stream, record.causes.front().n});
-    if (logged == logged_.end()) return true;
-    SkillAnswers& met = (is_response ? services_met_ : actions_met_)[name_in(record)];
-    const auto is_open = [&](const SkillAnswer& one) { return one.id == logged->second.id && !one.ended; };
-    const auto found = std::ranges::find_if(met, is_open);
-    if (found == met.end()) return true;
-    if (is_feedback) {
-      if (record.t > at_) found->feedback.emplace_back(record.t, message(record, "message"));
-      return true;
-    }
-    const bool ends = is_response || is_result || !logged->second.accepted;
-    if (!ends) {
-      accepted_ = &*found;
-    } else if (record.t <= at_) {
-      met.erase(found);
-    } else if (!is_response && !is_result) {
-      found->outcome = "reject";
-    } else if (logged->second.status != bus::GoalStatus::kCanceled) {  // a stand-in cancels by itself
-      found->ended = record.t;
-      found->outcome = logged->second.status == bus::GoalStatus::kAborted ? "fail" : "succeed";
-      found->result = message(record, "message");
-    }
-    return true;
-  }
-
-  /// A plugin says in a fact of its own, with the handle of the client, that a goal was accepted.
-  void accepted(const JournalRecord& record) {
-    const RecordValue* slots = record.data.find("slots");
-    if (accepted_ == nullptr || slots == nullptr || !record.data.text("template").ends_with("goal-response")) return;
-    const RecordValue* handle = slots->find("client-goal-handle-ptr");
-    accepted_->handle = Value::handle(static_cast<Handle>(handle ? handle->integer("handle") : 0)).print();
-    accepted_ = nullptr;
-  }
-
-  /// "action-ready /robot1/pick": rules asked whether it is served.
-  void look(const JournalRecord& record) {
-    if (record.data.text("what") != "look" || record.data.text("value") != "TRUE") return;
-    const std::string text(record.data.text("name"));
-    const std::size_t blank = text.find(' ');
-    if (text.starts_with("action-ready ")) actions_met_[whole_name(text.substr(blank + 1))];
-    if (text.starts_with("service-ready ")) services_met_[whole_name(text.substr(blank + 1))];
-  }
-
-  void after(const JournalRecord& record) {
+  void happened(const JournalRecord& record) {
+    const bool is_answer = exchanges_.hear(record);
+    if (record.t <= at_) return;
     switch (record.kind) {
       case RecordKind::kBus: return did(record);
-      case RecordKind::kInput: return came(record);
+      case RecordKind::kInput: return is_answer ? void() : came(record);
       case RecordKind::kFire: return fired(record);
       case RecordKind::kControl: return was_done(record);
       default: return;
     }
   }
 
-  std::string message(const JournalRecord& record, const char* key) const {
-    const RecordValue* value = record.data.find(key);
-    return value == nullptr ? "" : to_json(*value);
-  }
-
   void did(const JournalRecord& record) {
-    sent(record);
-    const std::string op(record.data.text("op")), name = name_in(record);
-    const std::string fields = message(record, op == "goal" ? "goal" : "msg");
+    const std::string op(record.data.text("op")), name = name_on_bus(record);
+    const std::string fields = message_of(record, op == "goal" ? "goal" : "msg");
     if (op == "goal")
       expect("goal: " + yaml_quoted(name) + ", fields: " + fields, record.t);
     else if (op == "publish" && is_topic_of_rules(name))
@@ -376,23 +222,13 @@ class Writer {
   }
 
   void came(const JournalRecord& record) {
-    const std::string what(record.data.text("what")), name = name_in(record);
-    look(record);
-    if (what == "topic") {
-      const std::string type = type_of(topics_, name);
-      if (!type.empty())
-        steps_.push_back("{at: " + seconds_of(record.t) + ", publish: " + yaml_quoted(name) + ", type: " + type +
-                         ", data: " + message(record, "message") + "}");
-    } else if (answered(record)) {
-      return;
-    } else if (what != "look") {
+    const std::string what(record.data.text("what")), name = name_on_bus(record);
+    const std::string type = type_of(topics_, name);
+    if (what == "topic" && !type.empty())
+      steps_.push_back("{at: " + seconds_of(record.t) + ", publish: " + yaml_quoted(name) + ", type: " + type +
+                       ", data: " + message_of(record, "message") + "}");
+    else if (what != "topic" && what != "look")
       others_.insert(what + ' ' + name);
-    }
-  }
-
-  static std::string rule_in(const JournalRecord& record) {
-    const std::string rule(record.data.text("rule"));
-    return rule.starts_with("MAIN::") ? rule.substr(6) : rule;
   }
 
   void fired(const JournalRecord& record) {
@@ -406,7 +242,7 @@ class Writer {
   /// What a story, a person or `cxlab rerun` did.
   void was_done(const JournalRecord& record) {
     const std::string what(record.data.text("what")), text(record.data.text("text"));
-    if (what == "assert" && !points_elsewhere(text))
+    if (what == "assert" && !has_pointer(text))
       steps_.push_back("{at: " + seconds_of(record.t) + ", assert: " + yaml_quoted(text) + "}");
     else
       others_.insert("what was done from outside, " + what);
@@ -418,49 +254,35 @@ class Writer {
                       ", within_s: " + seconds_of(t + std::chrono::milliseconds(100)) + "}");
   }
 
-  /// Firings, and facts that are there at the end and were not, or the other way round.
-  void what_is_left() {
+  /// Facts that are there at the end and were not, or the other way round; and the firings.
+  void compare_facts() {
     for (const auto& [rule, use] : fired_)
       expect("fires: " + yaml_quoted(rule) + (use.first > 1 ? ", count: " + std::to_string(use.first) : ""),
              use.second);
-    std::set<std::string> before(given_facts_.begin(), given_facts_.end());
+    const std::vector<std::string> given = facts_.texts();
+    std::set<std::string> before(given.begin(), given.end());
     constexpr std::size_t kMost = 20;
     std::size_t fresh = 0, gone = 0;
     for (const FactCopy& fact : environment_->engine().facts()) {
       const std::string text = fact.print();
       if (before.erase(text) > 0 || text.find('<') != std::string::npos || is_of_plugin(text)) continue;
-      const std::string pattern = without_ids(text);
+      const std::string pattern = exchanges_.without_ids(text);
       if (++fresh <= kMost) expect_.push_back("{fact: " + yaml_quoted(pattern) + ", at: " + seconds_of(end_) + "}");
     }
     for (const std::string& text : before)
-      if (!is_of_plugin(text) && text.find("<Pointer-") == std::string::npos && without_ids(text) == text &&
-          ++gone <= kMost)
+      if (!is_of_plugin(text) && !has_pointer(text) && exchanges_.without_ids(text) == text && ++gone <= kMost)
         expect_.push_back("{no_fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
     for (const auto& [count, what] : {std::pair(fresh, "new facts"), {gone, "facts that went"}})
       if (count > kMost)
         notes_.push_back("of " + std::to_string(count) + ' ' + what + " the story expects the first " +
                          std::to_string(kMost));
-    for (const auto& [name, calls] : services_met_)
-      if (std::ranges::any_of(calls, [&](const SkillAnswer& call) { return call.sent <= at_ && call.ended; }))
-        notes_.push_back(name + " was called before: what it answered is not in the story");
-    for (const std::string& other : others_) notes_.push_back("not in the story: " + other);
-  }
-
-  /// Goals have other ids in a story.
-  std::string without_ids(std::string fact) const {
-    for (const auto& [post, logged] : logged_) {
-      if (logged.id.size() != kIdSize) continue;
-      for (const std::string& word : {'"' + logged.id + '"', logged.id})
-        for (std::size_t at; (at = fact.find(word)) != std::string::npos;) fact.replace(at, word.size(), "?");
-    }
-    return fact;
   }
 
   static bool is_of_plugin(const std::string& fact) {
     return fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
   }
 
-  static std::string outcome_of(const SkillAnswer& answer, SimTime from) {
+  static std::string outcome_of(const Exchange& answer, SimTime from) {
     std::string out = "outcome: " + answer.outcome;
     if (answer.ended) out += ", takes_s: " + seconds_of(*answer.ended - from);
     if (!answer.result.empty()) out += ", result: " + answer.result;
@@ -471,85 +293,57 @@ class Writer {
     return out;
   }
 
-  bool is_under_way(const SkillAnswer& goal) const { return goal.sent <= at_; }
-  bool is_goal_under_way() const {
-    return std::ranges::any_of(actions_met_, [&](const auto& met) {
-      return std::ranges::any_of(met.second, [&](const SkillAnswer& goal) { return is_under_way(goal); });
-    });
-  }
+  /// When the story begins: before the moment, if goals have to run by then.
   std::string times() const {
-    const bool later = is_goal_under_way() && begins_ < at_;
+    const bool any = std::ranges::any_of(exchanges_.actions(), [&](const auto& of) {
+      return facts_.has_action_client(of.first) && exchanges_.any_under_way(of.second);
+    });
+    const bool later = any && begins_ < at_;
     return "  begins_s: " + seconds_of(later ? begins_ : at_) + "\n  moment: true\n" +
            (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
   }
 
-  /// The name of an action or service as the facts of the plugin have it, by which rules find their client.
-  std::string as_written(const std::string& name) const {
-    const std::string relative = '"' + name.substr(1) + '"';
-    const auto has = [&](const std::string& fact) {
-      return fact.starts_with("(ros-msgs-") && fact.find(relative) != std::string::npos;
-    };
-    return std::ranges::any_of(given_facts_, has) ? name.substr(1) : name;
+  std::string skills() const {
+    std::string out;
+    for (const auto& [name, goals] : exchanges_.actions())
+      if (const std::string type = type_of(actions_, name); !type.empty())
+        out += stand_in("action: " + yaml_quoted(facts_.as_written(name)) + ", type: " + type, goals,
+                        facts_.has_action_client(name), "");
+    return out;
   }
 
-  std::string stand_ins(const std::map<std::string, SkillAnswers>& met, const char* word,
-                        const std::vector<bus::Bus::Info>& known) const {
+  std::string services() const {
     std::string out;
-    for (const auto& [name, answers] : met) {
-      const std::string type = type_of(known, name);
+    for (const auto& [name, requests] : exchanges_.services()) {
+      const std::string type = type_of(services_, name);
       if (type.empty()) continue;
-      std::string item = std::string("{") + word + ": " + yaml_quoted(as_written(name)) + ", type: " + type;
-      std::string under_way, first, then;
-      for (const SkillAnswer& answer : answers) {
-        if (is_under_way(answer)) {
-          if (&met != &actions_met_) continue;
-          const std::string handle = answer.handle.empty() ? "" : "handle: " + yaml_quoted(answer.handle) + ", ";
-          under_way += (under_way.empty() ? "{" : ",\n                   {") + handle +
-                       "id: " + yaml_quoted(answer.id) + ", " + outcome_of(answer, at_) + '}';
-        } else if (first.empty()) {
-          first = outcome_of(answer, answer.sent);
-        } else {
-          then += (then.empty() ? "{" : ",\n           {") + outcome_of(answer, answer.sent) + '}';
-        }
-      }
-      if (!under_way.empty()) item += ",\n       under_way: [" + under_way + "]";
-      item += ", " + (first.empty() ? outcome_of({}, {}) : first);
-      out += "    - " + item + (then.empty() ? "" : ",\n       then: [" + then + "]") + "}\n";
+      const bool has_client = facts_.has_client(name);
+      const std::int64_t next = exchanges_.next_request(name);
+      out += stand_in("service: " + yaml_quoted(facts_.as_written(name)) + ", type: " + type, requests, has_client,
+                      has_client && next > 1 ? ", next_id: " + std::to_string(next) : "");
     }
     return out;
   }
 
-  /// Globals that had changed by then; and topics, services and actions that rules had opened after the start, whose
-  /// facts say which.
-  std::string calls() const {
-    std::string out;
-    static const std::pair<const char*, const char*> kOpened[] = {
-        {"(ros-msgs-subscription (topic ", "subscription"},
-        {"(ros-msgs-publisher (topic ", "publisher"},
-        {"(ros-msgs-client (service ", "client"},
-        {"(ros-msgs-action-client (server ", "action-client"}};
-    for (const std::string& fact : given_facts_)
-      for (const auto& [begin, kind] : kOpened) {
-        if (!fact.starts_with(begin) || at_the_start_.contains(fact)) continue;
-        std::string arguments = fact.substr(std::strlen(begin));
-        if (const std::size_t type = arguments.find(") (type "); type != std::string::npos)
-          arguments.replace(type, std::strlen(") (type "), " ");
-        if (arguments.ends_with("))")) arguments.pop_back();
-        out += "    - " + yaml_quoted(std::string("(ros-msgs-create-") + kind + ' ' + arguments) + '\n';
+  /// `more` are further keys.
+  std::string stand_in(const std::string& of, const MomentExchanges::List& answers, bool is_sent_again,
+                       const std::string& more) const {
+    std::string under_way, first, then;
+    for (const Exchange& answer : answers) {
+      if (exchanges_.is_under_way(answer)) {
+        if (!is_sent_again) continue;
+        const std::string handle = answer.handle.empty() ? "" : "handle: " + yaml_quoted(answer.handle) + ", ";
+        under_way += (under_way.empty() ? "{" : ",\n                   {") + handle + "id: " + yaml_quoted(answer.id) +
+                     ", " + outcome_of(answer, at_) + '}';
+      } else if (first.empty()) {
+        first = outcome_of(answer, answer.sent);
+      } else {
+        then += (then.empty() ? "{" : ",\n           {") + outcome_of(answer, answer.sent) + '}';
       }
-    if (!setgen_.empty()) out += "    - " + yaml_quoted(setgen_) + '\n';
-    for (const auto& [global, value] : globals_)
-      out += "    - " + yaml_quoted("(bind ?*" + global + "* " + value + ")") + '\n';
-    return out;
-  }
-
-  static std::string list(const std::string& key, const std::vector<std::string>& items, bool quote) {
-    std::string out;
-    for (const std::string& item : items) out += "    - " + (quote ? yaml_quoted(item) : item) + '\n';
-    return out.empty() ? out : "  " + key + ":\n" + out;
-  }
-  static std::string section(const std::string& key, const std::string& items) {
-    return items.empty() ? items : "  " + key + ":\n" + items;
+    }
+    return "    - {" + of + more + (under_way.empty() ? "" : ",\n       under_way: [" + under_way + "]") + ", " +
+           (first.empty() ? outcome_of({}, {}) : first) + (then.empty() ? "" : ",\n       then: [" + then + "]") +
+           "}\n";
   }
 
   std::string text() const {
@@ -557,10 +351,8 @@ class Writer {
     const std::string name = given_.name.empty() ? "at " + seconds_of(at_) + " s of " + run : given_.name;
     return "# Written by `cxlab new story`: what the agent knew at " + seconds_of(at_) + " s of the run " + run +
            ", what came to it then, and what it did.\n- story: " + yaml_quoted(name) + '\n' + head_ + times() +
-           section("calls", calls()) + list("given", given_facts_, true) +
-           section("skills", stand_ins(actions_met_, "action", actions_)) +
-           section("serve", stand_ins(services_met_, "service", services_)) + list("steps", steps_, false) +
-           list("expect", expect_, false);
+           section("calls", facts_.calls()) + section("given", facts_.given()) + section("skills", skills()) +
+           section("serve", services()) + list_section("steps", steps_) + list_section("expect", expect_);
   }
 
   const Run& run_;
@@ -572,33 +364,14 @@ class Writer {
   std::unique_ptr<Moment> moment_;
   cx::Environment* environment_ = nullptr;
   SimTime at_{}, begins_{}, end_{};  // begins_: the last time before at which the rules were run
-  std::string stream_, head_, setgen_;
-  std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
-  std::vector<std::string> given_facts_, steps_, expect_, notes_;
-  std::vector<std::pair<std::string, std::string>> globals_;
-  std::set<std::string> rules_, others_;
-  LoggedAnswers logged_;
+  std::string stream_, head_;
+  MomentExchanges exchanges_;
+  MomentFacts facts_;
+  std::vector<std::string> steps_, expect_, notes_;
+  std::set<std::string> rules_, others_;  // others_: what came and is not in the story
   std::vector<bus::Bus::Info> topics_, services_, actions_;
-  std::map<std::string, SkillAnswers> actions_met_, services_met_;
   std::map<std::string, std::pair<int, SimTime>> fired_;
-  SkillAnswer* accepted_ = nullptr;  // its handle is in the fact that comes next
 };
-
-/// The lines of this file that the texts name first: "FILE:12: ...".
-std::set<int> lines_named(const std::vector<std::string>& texts, const std::string& file) {
-  std::set<int> lines;
-  for (const std::string& text : texts) {
-    if (!text.starts_with(file + ':')) continue;
-    const std::size_t begin = file.size() + 1, end = text.find(':', begin);
-    if (const auto line = read_number<int>(text.substr(begin, end - begin))) lines.insert(*line);
-  }
-  return lines;
-}
-
-/// Whether this line expects a goal or a message of the agent.
-bool is_message(const std::string& expectation) {
-  return expectation.starts_with("{goal: ") || expectation.starts_with("{published: ");
-}
 
 }  // namespace
 
@@ -612,59 +385,6 @@ Expected<WrittenStory> story_of(const Run& run, const MomentStory& moment, const
   const auto story = child->finish(host);
   if (!story) return story.error();
   return WrittenStory{story->at("text"), story->at("notes").get<std::vector<std::string>>(), story->at("expectations")};
-}
-
-Status keep_what_holds(WrittenStory& story, const fs::path& file, const StoryPlan& plan, const Host& host) {
-  const int all = story.expectations;
-  std::vector<std::string> dropped_lines;
-  while (true) {
-    if (Status s = replace_file(file, story.text); !s) return s;
-    auto stories = read_stories({file.string()});
-    if (!stories) return stories.error();
-    if (Status s = play_stories(*stories, plan, host); !s || host.stopped()) return s;
-    const PlayedStory& played = stories->front();
-    if (played.passed()) break;
-    if (played.unreadable) return *played.result.bad;
-    std::string kept;
-    int number = 0, dropped = 0;
-    bool in_expect = false;
-    const std::set<int> wrong = lines_named(played.complaints(), file.string());
-    for (std::size_t begin = 0, end; begin < story.text.size(); begin = end + 1) {
-      end = story.text.find('\n', begin);
-      const std::string line = story.text.substr(begin, end - begin);
-      in_expect = in_expect || line == "  expect:";
-      if (wrong.contains(++number) && in_expect) {
-        ++dropped;
-        dropped_lines.push_back(line.substr(line.find_first_not_of(" -")));
-      } else {
-        kept += line + '\n';
-      }
-    }
-    if (dropped == 0) return negative("the story does not play like the run: " + played.complaints().front());
-    story.text = kept;
-    story.expectations -= dropped;
-    if (story.expectations == 0)
-      return negative(
-          "nothing that happened in the run happens in the story: choose another time (--at), at which fewer "
-          "actions run");
-  }
-  constexpr std::size_t kMostListed = 8;
-  if (!dropped_lines.empty())
-    story.notes.push_back(std::to_string(dropped_lines.size()) + " of " + std::to_string(all) +
-                          " things that happened in the run do not happen in the story, and are not expected:");
-  for (std::size_t i = 0; i < std::min(kMostListed, dropped_lines.size()); ++i)
-    story.notes.push_back("  " + dropped_lines[i]);
-  if (dropped_lines.size() > kMostListed)
-    story.notes.push_back("  and " + std::to_string(dropped_lines.size() - kMostListed) + " more");
-  if (story.text.find("\n    - {goal: ") == std::string::npos &&
-      story.text.find("\n    - {published: ") == std::string::npos)
-    story.notes.push_back(
-        std::ranges::any_of(dropped_lines, is_message)
-            ? "it expects rules and facts only: what the agent asked of skills and published in the run is among what "
-              "does not happen in the story"
-            : "it expects rules and facts only, for the agent asked for no skill and published nothing in these "
-              "seconds; a longer --for or another --at shows more");
-  return {};
 }
 
 }  // namespace cxlab::lab

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -11,7 +12,7 @@ import time
 import unittest
 import xml.etree.ElementTree
 
-from lab import CONFIG, CXLAB, SCENARIO
+from lab import CONFIG, CXLAB, SCENARIO, SOURCE
 
 DOOR = """(defrule open (bell) => (printout t "it opens" crlf) (assert (door OPEN)))
 (defrule slam (wind) => (assert (door SHUT)))
@@ -404,12 +405,52 @@ class FromAMoment(Stories):
             self.assertEqual(self.cxlab("test", "later.story.yaml").returncode, 1, "the goal of before ends too late")
         self.assertGreater(under_way, 2)
 
+    def new_story(self, run, at, name):
+        done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotRegex(done.stderr, "do not happen|left out|stays when|sent through a binding")
+        self.assertGreater(int(re.search(r"it expects (\d+) things", done.stderr)[1]), 40)
+        return (self.folder / f"{name}.story.yaml").read_text()
+
+    def test_moments_of_games_are_whole(self):
+        """Feedback, goals and requests in progress, facts that point to facts, and support by `logical`: nothing is lost."""
+        for part in ("agent", "planning_agent"):
+            shutil.copytree(SOURCE / "scenarios/rcll" / part, self.folder / "rcll" / part)
+        for game in ("game", "planning"):
+            shutil.copy(SOURCE / f"scenarios/rcll/{game}.yaml", self.folder / "rcll")
+            self.assertEqual(self.cxlab("run", f"rcll/{game}.yaml", "--tier", "timed", "--until", 210, "--out", game, "--quiet").returncode, 0)
+        records = [json.loads(line) for line in (self.folder / "planning/journal.jsonl").read_text().splitlines()]
+        asked = next(r["t"] / 1e9 for r in records if r["data"].get("name") == "service-ready /pddl_manager/check_action_condition" and r["t"] > 100e9)
+        for run, at in (("game", 60), ("game", 180), ("planning", 60), ("planning", asked)):
+            with self.subTest(run=run, at=at):
+                text = self.new_story(run, at, "story")
+                self.assertEqual(text, self.new_story(run, at, "again"))
+                self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 0)
+                without = re.sub(r", feedback: \[(\{after_s: [\d.]+, data: \{[^}]*\}\}(, )?)+\]", "", text)
+                self.assertNotEqual(without, text)
+                self.write("story.story.yaml", without)
+                self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 1, "the rules wait for feedback")
+        # The last one has a request in progress, and facts that say so.
+        number = re.search(r"'\(pddl-asked \"/pddl_manager/check_action_condition\" (\d+) <Fact-\d+> condition <Fact-\d+>\)'", text)[1]
+        self.assertRegex(text, r"- \{fact: '\(pddl-instance .*\)', as: '<Fact-\d+>'\}")
+        sent = f"under_way: [{{id: '{number}', outcome: succeed, takes_s: "
+        self.assertIn(sent, text)
+        self.write("story.story.yaml", text.replace(sent, sent + "9"))
+        self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 1, "the answer comes too late")
+        rules = self.folder / "rcll/planning_agent/clips/agenda.clp"
+        old = rules.read_text()
+        rules.write_text(old.replace("(logical\n    (step (id ?id) (state OPEN|BLOCKED|APPROACHING))", "(and\n    (step (id ?id) (state OPEN|BLOCKED|APPROACHING))"))
+        self.assertNotEqual(rules.read_text(), old)
+        failed = self.cxlab("test", "again.story.yaml")
+        self.assertEqual(failed.returncode, 1, "a step remains a candidate after it has begun")
+        self.assertIn("rule agenda-candidate to fire", failed.stdout)
+
     def test_an_impossible_running_goal_is_refused(self):
         goal = "{action: /a, type: cxlab_skills/action/Pick, under_way: [{handle: '<P>', takes_s: 1}]}"
         for keys, skills, said in (("", f"skills: [{goal}]", "/a: `under_way` needs a story with `moment: true` and a `given_at_s` after `begins_s`"),
                                    ("given_at_s: 1", "skills: []", "given_at_s is for stories with `moment: true`"),
                                    ("begins_s: 2, given_at_s: 1, moment: true", "skills: []", "given_at_s: found 1, expected no time before begins_s"),
-                                   ("moment: true", "serve: [{service: /a, type: std_srvs/srv/Trigger, under_way: [{}]}]", "found `under_way` here, expected it only in `skills`")):
+                                   ("", "steps: [{at: 1, skill: /a, type: cxlab_skills/action/Pick, under_way: []}]", "found `under_way` in a step, expected it only in `skills` and `serve`")):
             self.write("bad.story.yaml", f"- {{story: bad, rules: [door.clp], {keys + ', ' if keys else ''}{skills}, expect: [{{fires: open, within_s: 3}}]}}\n")
             done = self.cxlab("test", "bad.story.yaml")
             self.assertEqual(done.returncode, 3, done.stdout)

@@ -1,0 +1,137 @@
+#include "lab/moment_exchanges.h"
+
+#include <algorithm>
+
+#include "cx/engine/value.h"
+#include "cx/journal/input_log.h"
+#include "cx/journal/journal_reader.h"
+
+namespace cxlab::lab {
+
+namespace {
+
+constexpr std::size_t kIdSize = 32;  // of a goal, in hex digits
+
+std::string whole_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
+
+}  // namespace
+
+std::string name_on_bus(const JournalRecord& record) { return whole_name(std::string(record.data.text("name"))); }
+
+std::string message_of(const JournalRecord& record, const char* key) {
+  const RecordValue* value = record.data.find(key);
+  return value == nullptr ? "" : to_json(*value);
+}
+
+Expected<MomentExchanges> MomentExchanges::read(const std::filesystem::path& inputs, std::string_view stream,
+                                                SimTime moment) {
+  auto log = InputLogReader::open(inputs);
+  if (!log) return log.error();
+  MomentExchanges out;
+  out.moment_ = moment;
+  while (const auto input = log->next()) {
+    const auto* take = std::get_if<LoggedTake>(&*input);
+    if (take == nullptr || take->to != stream) continue;
+    for (const LoggedDelivery& logged : take->deliveries) {
+      const bus::Delivery& delivery = logged.delivery;
+      const bool is_response = delivery.kind == bus::DeliveryKind::kServiceResponse;
+      if (is_response || delivery.kind == bus::DeliveryKind::kGoalResponse ||
+          delivery.kind == bus::DeliveryKind::kFeedback || delivery.kind == bus::DeliveryKind::kResult)
+        out.logged_[{std::string(logged.cause_stream), delivery.cause.n}] = {
+            is_response ? std::to_string(delivery.request_id) : bus::to_string(delivery.goal), delivery.accepted,
+            delivery.status};
+    }
+  }
+  return out;
+}
+
+bool MomentExchanges::hear(const JournalRecord& record) {
+  switch (record.kind) {
+    case RecordKind::kBus: sent(record); return false;
+    case RecordKind::kAssert:
+    case RecordKind::kDecision: accepted(record); return false;
+    case RecordKind::kInput: looked(record); return answered(record);
+    default: return false;
+  }
+}
+
+void MomentExchanges::sent(const JournalRecord& record) {
+  const std::string_view op = record.data.text("op");
+  const std::string name = name_on_bus(record);
+  if (op == "goal") actions_[name].push_back({std::string(record.data.text("goal_id")), record.t});
+  if (op != "call") return;
+  const std::int64_t id = record.data.integer("id");
+  services_[name].push_back({std::to_string(id), record.t});
+  if (record.t <= moment_) next_[name] = id + 1;
+}
+
+/// Answers may come in another order than what they answer.
+bool MomentExchanges::answered(const JournalRecord& record) {
+  const std::string_view what = record.data.text("what");
+  const bool is_response = what == "response", is_result = what == "result", is_feedback = what == "feedback";
+  if (!is_response && !is_result && !is_feedback && what != "goal-response") return false;
+  accepted_ = nullptr;
+  if (record.causes.empty()) return true;
+  const auto logged = logged_.find({record.causes.front().stream, record.causes.front().n});
+  if (logged == logged_.end()) return true;
+  List& met = (is_response ? services_ : actions_)[name_on_bus(record)];
+  const auto is_open = [&](const Exchange& one) { return one.id == logged->second.id && !one.ended; };
+  const auto found = std::ranges::find_if(met, is_open);
+  if (found == met.end()) return true;
+  if (is_feedback) {
+    if (record.t > moment_) found->feedback.emplace_back(record.t, message_of(record, "message"));
+    return true;
+  }
+  const bool ends = is_response || is_result || !logged->second.accepted;
+  if (!ends) {
+    accepted_ = &*found;
+  } else if (record.t <= moment_) {
+    met.erase(found);
+  } else if (!is_response && !is_result) {
+    found->outcome = "reject";
+  } else if (logged->second.status != bus::GoalStatus::kCanceled) {  // a stand-in cancels by itself
+    found->ended = record.t;
+    found->outcome = logged->second.status == bus::GoalStatus::kAborted ? "fail" : "succeed";
+    found->result = message_of(record, "message");
+  }
+  return true;
+}
+
+/// A plugin says in a fact of its own, with the handle of the client, that a goal was accepted.
+void MomentExchanges::accepted(const JournalRecord& record) {
+  const RecordValue* slots = record.data.find("slots");
+  if (accepted_ == nullptr || slots == nullptr || !record.data.text("template").ends_with("goal-response")) return;
+  const RecordValue* handle = slots->find("client-goal-handle-ptr");
+  if (record.t <= moment_)
+    accepted_->handle = Value::handle(static_cast<Handle>(handle ? handle->integer("handle") : 0)).print();
+  accepted_ = nullptr;
+}
+
+/// "action-ready /robot1/pick": rules asked whether it is served.
+void MomentExchanges::looked(const JournalRecord& record) {
+  if (record.data.text("what") != "look" || record.data.text("value") != "TRUE") return;
+  const std::string text(record.data.text("name"));
+  const std::size_t blank = text.find(' ');
+  if (text.starts_with("action-ready ")) actions_[whole_name(text.substr(blank + 1))];
+  if (text.starts_with("service-ready ")) services_[whole_name(text.substr(blank + 1))];
+}
+
+bool MomentExchanges::any_under_way(const List& list) const {
+  return std::ranges::any_of(list, [this](const Exchange& one) { return is_under_way(one); });
+}
+
+std::int64_t MomentExchanges::next_request(const std::string& service) const {
+  const auto found = next_.find(service);
+  return found == next_.end() ? 1 : found->second;
+}
+
+std::string MomentExchanges::without_ids(std::string fact) const {
+  for (const auto& [post, logged] : logged_) {
+    if (logged.id.size() != kIdSize) continue;
+    for (const std::string& word : {'"' + logged.id + '"', logged.id})
+      for (std::size_t at; (at = fact.find(word)) != std::string::npos;) fact.replace(at, word.size(), "?");
+  }
+  return fact;
+}
+
+}  // namespace cxlab::lab

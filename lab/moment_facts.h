@@ -1,0 +1,58 @@
+#pragma once
+// What one environment of a recorded run knows at a moment, in the words of a story.
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cx/engine/engine.h"
+#include "lab/moment_exchanges.h"
+
+namespace cxlab::lab {
+
+/// In single quotes of YAML.
+std::string yaml_quoted(const std::string& text);
+
+/// Whether it points to a fact or message.
+bool has_pointer(const std::string& fact);
+
+class MomentFacts {
+ public:
+  /// Before the first tick: what the story's agent knows and has by itself.
+  void begin(const RuleEngine& engine);
+  /// At the moment.
+  void read(RuleEngine& engine, const MomentExchanges& exchanges);
+
+  /// Items of `given` and `calls`.
+  std::string given() const;
+  std::string calls() const;
+  /// The things that the story lacks, and why.
+  const std::vector<std::string>& lost() const { return lost_; }
+  /// The facts that are given.
+  std::vector<std::string> texts() const;
+
+  /// Whether the generic plugin has a client of that action or service: a story sends goals and requests through it.
+  bool has_action_client(const std::string& name) const;
+  bool has_client(const std::string& service) const;
+  /// The name of an action or service as the facts of the plugin have it, by which rules find their client.
+  std::string as_written(const std::string& name) const;
+
+ private:
+  struct Given {
+    std::string text, name;  // "<Fact-12>"
+    bool is_named = false;   // a later one points to it
+  };
+  bool has_open(const std::string& begin, const std::string& name) const;
+  std::string what_it_lacks(const std::string& fact, const std::vector<std::string>& handles);
+  void note_next_symbol(RuleEngine& engine);
+
+  std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
+  std::vector<Given> given_;
+  std::vector<std::string> of_plugin_;  // facts of the generic plugin
+  std::vector<std::pair<std::string, std::string>> globals_;
+  std::string setgen_;
+  std::vector<std::string> lost_;
+};
+
+}  // namespace cxlab::lab
