@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cx/explain/names.h"
+#include "cx/explain/pattern.h"
+
 namespace cxlab::lab {
 
 namespace {
@@ -27,6 +30,31 @@ std::string call_that_opens(const std::string& fact) {
   return {};
 }
 
+/// The values of a slot in an expression that CLIPS does not check before it evaluates it.
+std::string unchecked(const Value& value) {
+  if (!value.is(ValueType::kMultifield)) return "(nth$ 1 (create$ " + value.print() + "))";
+  std::string items;
+  for (const Value& item : value.items()) items += ' ' + item.print();
+  return "(create$" + items + ')';
+}
+
+/// What asserts a fact whose template does not allow its values. Null pointers are left to the default.
+std::string expression_of(const FactCopy& fact, const RuleEngine& engine) {
+  const std::string begin = '(' + fact.template_name;
+  std::string out = begin;
+  for (const auto& [name, value] : fact.slots) {
+    FactCopy alone = fact;
+    alone.slots = {{name, value}};
+    const std::string text = alone.print();
+    const bool is_null = value.is(ValueType::kHandle) && value.as_handle() == Handle::kNone;
+    if (is_null && !has_allowed_values(begin + " (" + name + " nil))", engine)) continue;
+    out += has_pointer(text) || has_allowed_values(text, engine)
+               ? text.substr(begin.size(), text.size() - begin.size() - 1)
+               : " (" + name + ' ' + unchecked(value) + ')';
+  }
+  return out + ')';
+}
+
 }  // namespace
 
 std::string yaml_quoted(const std::string& text) {
@@ -37,6 +65,11 @@ std::string yaml_quoted(const std::string& text) {
 
 bool has_pointer(const std::string& fact) {
   return fact.find("<Pointer-") != std::string::npos || fact.find("<Fact-") != std::string::npos;
+}
+
+bool has_allowed_values(const std::string& fact, const RuleEngine& engine) {
+  const auto pattern = explain::Pattern::parse_plain(fact, "", 0);
+  return pattern && explain::check_values(*pattern, engine, {}).ok();
 }
 
 void MomentFacts::begin(const RuleEngine& engine) {
@@ -56,8 +89,11 @@ void MomentFacts::read(RuleEngine& engine, const MomentExchanges& exchanges) {
   for (const FactCopy& fact : facts) {
     const std::string text = fact.print();
     if (text == "(initial-fact)") continue;
-    if (const std::string why = what_it_lacks(text, handles); why.empty())
-      given_.push_back({text, "<Fact-" + std::to_string(fact.index) + '>'});
+    const bool is_checked =
+        (fact.slots.size() == 1 && fact.slots[0].first == "implied") || has_allowed_values(text, engine);
+    const std::string expression = is_checked ? "" : expression_of(fact, engine);
+    if (const std::string why = what_it_lacks(is_checked ? text : expression, handles); why.empty())
+      given_.push_back({text, "<Fact-" + std::to_string(fact.index) + '>', expression == text ? "" : expression});
     else
       lost_.push_back("left out, because " + why + ": " + text);
   }
@@ -104,9 +140,11 @@ std::string MomentFacts::what_it_lacks(const std::string& fact, const std::vecto
 
 std::string MomentFacts::given() const {
   std::string out;
-  for (const auto& [text, name, is_named] : given_)
-    out += "    - " +
-           (is_named ? "{fact: " + yaml_quoted(text) + ", as: " + yaml_quoted(name) + '}' : yaml_quoted(text)) + '\n';
+  for (const auto& [text, name, expression, is_named] : given_) {
+    const std::string fact = yaml_quoted(expression.empty() ? text : expression);
+    const bool needs_name = is_named || !expression.empty();
+    out += "    - " + (needs_name ? "{fact: " + fact + ", as: " + yaml_quoted(name) + '}' : fact) + '\n';
+  }
   return out;
 }
 

@@ -17,6 +17,9 @@ std::string yaml_quoted(const std::string& text);
 /// Whether it points to a fact or message.
 bool has_pointer(const std::string& fact);
 
+/// Whether its template allows its values: those that rules compute are not checked.
+bool has_allowed_values(const std::string& fact, const RuleEngine& engine);
+
 class MomentFacts {
  public:
   /// Before the first tick: what the story's agent knows and has by itself.
@@ -29,7 +32,7 @@ class MomentFacts {
   std::string calls() const;
   /// The things that the story lacks, and why.
   const std::vector<std::string>& lost() const { return lost_; }
-  /// The facts that are given.
+  /// The facts that are given, as they were.
   std::vector<std::string> texts() const;
 
   /// Whether the generic plugin has a client of that action or service: a story sends goals and requests through it.
@@ -40,7 +43,9 @@ class MomentFacts {
 
  private:
   struct Given {
-    std::string text, name;  // "<Fact-12>"
+    std::string text;        // as CLIPS prints it
+    std::string name;        // "<Fact-12>"
+    std::string expression;  // that asserts it; empty: its text does
     bool is_named = false;   // a later one points to it
   };
   bool has_open(const std::string& begin, const std::string& name) const;

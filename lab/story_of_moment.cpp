@@ -265,12 +265,12 @@ class Writer {
     std::size_t fresh = 0, gone = 0;
     for (const FactCopy& fact : environment_->engine().facts()) {
       const std::string text = fact.print();
-      if (before.erase(text) > 0 || text.find('<') != std::string::npos || is_of_plugin(text)) continue;
+      if (before.erase(text) > 0 || !can_be_expected(text)) continue;
       const std::string pattern = exchanges_.without_ids(text);
       if (++fresh <= kMost) expect_.push_back("{fact: " + yaml_quoted(pattern) + ", at: " + seconds_of(end_) + "}");
     }
     for (const std::string& text : before)
-      if (!is_of_plugin(text) && !has_pointer(text) && exchanges_.without_ids(text) == text && ++gone <= kMost)
+      if (can_be_expected(text) && exchanges_.without_ids(text) == text && ++gone <= kMost)
         expect_.push_back("{no_fact: " + yaml_quoted(text) + ", at: " + seconds_of(end_) + "}");
     for (const auto& [count, what] : {std::pair(fresh, "new facts"), {gone, "facts that went"}})
       if (count > kMost)
@@ -278,8 +278,9 @@ class Writer {
                          std::to_string(kMost));
   }
 
-  static bool is_of_plugin(const std::string& fact) {
-    return fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
+  bool can_be_expected(const std::string& fact) const {
+    const bool is_of_plugin = fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
+    return !is_of_plugin && !has_pointer(fact) && has_allowed_values(fact, environment_->engine());
   }
 
   static std::string outcome_of(const Exchange& answer, SimTime from) {

@@ -405,6 +405,22 @@ class FromAMoment(Stories):
             self.assertEqual(self.cxlab("test", "later.story.yaml").returncode, 1, "the goal of before ends too late")
         self.assertGreater(under_way, 2)
 
+    def test_a_value_that_no_rule_may_write_is_given(self):
+        """CLIPS does not check the values that rules compute against the template."""
+        self.write("a.clp", """(deftemplate lamp (slot state (allowed-values ON OFF)) (slot by (type EXTERNAL-ADDRESS)) (multislot at (type INTEGER)))
+(defrule dim (time ?) (not (lamp)) => (bind ?s (sym-cat DIM)) (bind ?at (create$ 1 roof)) (assert (lamp (state ?s) (at ?at))))
+(defrule off (time ?t) (test (> ?t 3)) ?l <- (lamp (state ~OFF) (at $?at)) => (modify ?l (state OFF)) (assert (was ?at)))
+""")
+        self.write("w.story.yaml", "- story: w\n  rules: a.clp\n  end: 6\n  expect: [{not_fires: off}]\n")
+        self.assertEqual(self.cxlab("test", "w.story.yaml", "--keep-runs", "k").returncode, 1)
+        done = self.cxlab("new", "story", "k/w-w", "--at", 1, "--for", 4, "--out", "m.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotRegex(done.stderr, "do not happen|left out")
+        text = (self.folder / "m.story.yaml").read_text()
+        self.assertIn("{fact: '(lamp (state (nth$ 1 (create$ DIM))) (at (create$ 1 roof)))', as: '<Fact-", text)
+        self.assertIn("{fact: '(was 1 roof)', at: 5}", text)
+        self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
+
     def new_story(self, run, at, name):
         done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")
         self.assertEqual(done.returncode, 0, done.stderr)
