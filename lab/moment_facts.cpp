@@ -5,6 +5,7 @@
 
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
+#include "cx/plugins/ros_msgs/message_store.h"
 
 namespace cxlab::lab {
 
@@ -28,6 +29,48 @@ std::string call_that_opens(const std::string& fact) {
     return std::string("(ros-msgs-create-") + kind + ' ' + arguments;
   }
   return {};
+}
+
+std::string global_of(Handle message) {
+  return "?*message-" + std::to_string(static_cast<std::uint64_t>(message)) + '*';
+}
+
+/// A value as an expression; none for a message, and for an array.
+std::optional<std::string> value_of(const bus::MessageView& message, const bus::Field& field) {
+  using bus::FieldType;
+  if (field.array != bus::ArrayKind::kSingle) return std::nullopt;
+  switch (field.type) {
+    case FieldType::kMessage:
+    case FieldType::kChar: return std::nullopt;
+    case FieldType::kBool: return Value::boolean(message.integer(field) != 0).print();
+    case FieldType::kFloat32:
+    case FieldType::kFloat64: return Value::number(message.real(field)).print();
+    case FieldType::kString:
+    case FieldType::kWstring: return Value::string(message.text(field)).print();
+    default: return Value::integer(message.integer(field)).print();
+  }
+}
+
+/// Calls that make this message; none for one that has messages or arrays.
+std::vector<std::string> calls_that_make(const bus::MessageView& message, const std::string& global) {
+  std::vector<std::string> calls{"(defglobal " + global + " = (ros-msgs-create-message \"" + message.type().name() +
+                                 "\"))"};
+  for (const bus::Field& field : message.type().fields()) {
+    const auto value = value_of(message, field);
+    if (!value) return {};
+    calls.push_back("(ros-msgs-set-field " + global + " \"" + field.name + "\" " + *value + ')');
+  }
+  return calls;
+}
+
+/// Calls `visit` for each pointer to a message or goal that the fact has.
+template <class Visit>
+void for_each_handle(const FactCopy& fact, Visit visit) {
+  for (const auto& [name, value] : fact.slots) {
+    if (value.is(ValueType::kHandle)) visit(value);
+    for (const Value& item : value.items())
+      if (item.is(ValueType::kHandle)) visit(item);
+  }
 }
 
 /// The values of a slot in an expression that CLIPS does not check before it evaluates it.
@@ -78,10 +121,14 @@ void MomentFacts::begin(const RuleEngine& engine) {
   for (const FactCopy& fact : engine.facts()) at_the_start_[fact.print()];
 }
 
-void MomentFacts::read(RuleEngine& engine, const MomentExchanges& exchanges) {
+void MomentFacts::read(cx::Environment& environment, const MomentExchanges& exchanges) {
+  RuleEngine& engine = environment.engine();
   const std::vector<FactCopy> facts = engine.facts();
-  for (const FactCopy& fact : facts)
+  for (const FactCopy& fact : facts) {
     if (fact.print().starts_with("(ros-msgs-")) of_plugin_.push_back(fact.print());
+    const Value* server = fact.slot("server");
+    if (server && fact.template_name.ends_with("-client")) bound_.push_back(server->text());
+  }
   std::vector<std::string> handles;  // of goals that the story sends
   for (const auto& [name, goals] : exchanges.actions())
     for (const Exchange& goal : goals)
@@ -91,8 +138,9 @@ void MomentFacts::read(RuleEngine& engine, const MomentExchanges& exchanges) {
     if (text == "(initial-fact)") continue;
     const bool is_checked =
         (fact.slots.size() == 1 && fact.slots[0].first == "implied") || has_allowed_values(text, engine);
-    const std::string expression = is_checked ? "" : expression_of(fact, engine);
-    if (const std::string why = what_it_lacks(is_checked ? text : expression, handles); why.empty())
+    const std::string expression =
+        with_messages(fact, is_checked ? text : expression_of(fact, engine), environment.common<cx::MessageStore>());
+    if (const std::string why = what_it_lacks(expression, handles); why.empty())
       given_.push_back({text, "<Fact-" + std::to_string(fact.index) + '>', expression == text ? "" : expression});
     else
       lost_.push_back("left out, because " + why + ": " + text);
@@ -101,7 +149,7 @@ void MomentFacts::read(RuleEngine& engine, const MomentExchanges& exchanges) {
     lost_.push_back("stays when the facts go from which it follows, because its rule computes it: " + fact.print());
   for (const auto& [name, goals] : exchanges.actions())
     if (!has_action_client(name) && exchanges.any_under_way(goals))
-      lost_.push_back(name + " has a goal from before, sent through a binding: how it ends is not in the story");
+      lost_.push_back(name + " has a goal from before, and no client any more: how it ends is not in the story");
   for (const auto& [name, requests] : exchanges.services())
     if (!has_client(name) && exchanges.any_under_way(requests))
       lost_.push_back(name + " has a request from before, sent through a binding: its answer is not in the story");
@@ -122,12 +170,27 @@ void MomentFacts::note_next_symbol(RuleEngine& engine) {
   if (engine.eval(set) && set != "(setgen 1)") setgen_ = set;
 }
 
+/// The text with globals in the place of messages that the story can make.
+std::string MomentFacts::with_messages(const FactCopy& fact, std::string text, const cx::MessageStore& store) {
+  for_each_handle(fact, [&](const Value& handle) {
+    const bus::MessageView message = store.view(handle.as_handle());
+    if (!message) return;
+    const std::string global = global_of(handle.as_handle()), pointer = handle.print();
+    const std::vector<std::string> calls = calls_that_make(message, global);
+    if (calls.empty()) return;
+    messages_[handle.as_handle()] = calls;
+    for (std::size_t at = 0; (at = text.find(pointer, at)) != std::string::npos; at += global.size())
+      text.replace(at, pointer.size(), global);
+  });
+  return text;
+}
+
 /// Why a fact that points to something cannot be given; empty if it can.
 std::string MomentFacts::what_it_lacks(const std::string& fact, const std::vector<std::string>& handles) {
   std::string text = fact;
   for (const std::string& handle : handles)
     for (std::size_t at; (at = text.find(handle)) != std::string::npos;) text.erase(at, handle.size());
-  if (text.find("<Pointer-") != std::string::npos) return "the message or goal to which it points is not in a story";
+  if (text.find("<Pointer-") != std::string::npos) return "a story cannot make the message or goal to which it points";
   std::vector<Given*> named;
   for (std::size_t at = 0; (at = text.find("<Fact-", at)) != std::string::npos; ++at) {
     const auto found = std::ranges::find(given_, text.substr(at, text.find('>', at) + 1 - at), &Given::name);
@@ -154,6 +217,8 @@ std::string MomentFacts::calls() const {
   for (const Given& fact : given_)
     if (const std::string call = call_that_opens(fact.text); !call.empty() && !at_the_start_.contains(fact.text))
       out += "    - " + yaml_quoted(call) + '\n';
+  for (const auto& [message, made] : messages_)
+    for (const std::string& call : made) out += "    - " + yaml_quoted(call) + '\n';
   if (!setgen_.empty()) out += "    - " + yaml_quoted(setgen_) + '\n';
   for (const auto& [global, value] : globals_)
     out += "    - " + yaml_quoted("(bind ?*" + global + "* " + value + ")") + '\n';
@@ -172,7 +237,9 @@ bool MomentFacts::has_open(const std::string& begin, const std::string& name) co
   });
 }
 
-bool MomentFacts::has_action_client(const std::string& name) const { return has_open(kOpenActionClient, name); }
+bool MomentFacts::has_action_client(const std::string& name) const {
+  return has_open(kOpenActionClient, name) || std::ranges::find(bound_, name) != bound_.end();
+}
 bool MomentFacts::has_client(const std::string& service) const { return has_open(kOpenClient, service); }
 
 std::string MomentFacts::as_written(const std::string& name) const {

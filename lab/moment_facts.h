@@ -6,8 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "cx/engine/engine.h"
+#include "cx/executive/environment.h"
 #include "lab/moment_exchanges.h"
+
+namespace cxlab::cx {
+class MessageStore;
+}
 
 namespace cxlab::lab {
 
@@ -25,7 +29,7 @@ class MomentFacts {
   /// Before the first tick: what the story's agent knows and has by itself.
   void begin(const RuleEngine& engine);
   /// At the moment.
-  void read(RuleEngine& engine, const MomentExchanges& exchanges);
+  void read(cx::Environment& environment, const MomentExchanges& exchanges);
 
   /// Items of `given` and `calls`.
   std::string given() const;
@@ -35,7 +39,8 @@ class MomentFacts {
   /// The facts that are given, as they were.
   std::vector<std::string> texts() const;
 
-  /// Whether the generic plugin has a client of that action or service: a story sends goals and requests through it.
+  /// Whether a plugin has a client of that action, and the generic plugin one of that service: a story sends goals and
+  /// requests through them.
   bool has_action_client(const std::string& name) const;
   bool has_client(const std::string& service) const;
   /// The name of an action or service as the facts of the plugin have it, by which rules find their client.
@@ -49,12 +54,15 @@ class MomentFacts {
     bool is_named = false;   // a later one points to it
   };
   bool has_open(const std::string& begin, const std::string& name) const;
+  std::string with_messages(const FactCopy& fact, std::string text, const cx::MessageStore& store);
   std::string what_it_lacks(const std::string& fact, const std::vector<std::string>& handles);
   void note_next_symbol(RuleEngine& engine);
 
   std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
   std::vector<Given> given_;
-  std::vector<std::string> of_plugin_;  // facts of the generic plugin
+  std::vector<std::string> of_plugin_;                   // facts of the generic plugin
+  std::vector<std::string> bound_;                       // actions of which a binding has a client
+  std::map<Handle, std::vector<std::string>> messages_;  // calls that make a message for a global
   std::vector<std::pair<std::string, std::string>> globals_;
   std::string setgen_;
   std::vector<std::string> lost_;

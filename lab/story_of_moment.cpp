@@ -65,7 +65,7 @@ class Writer {
     const std::size_t so_far = records_.all.size();
     for (const JournalRecord& record : records_.all)
       if (record.stream == stream_) exchanges_.hear(record);
-    facts_.read(environment_->engine(), exchanges_);
+    facts_.read(*environment_, exchanges_);
     if (Status s = play_on(); !s) return s.error();
     for (std::size_t i = so_far; i < records_.all.size(); ++i)
       if (records_.all[i].stream == stream_) happened(records_.all[i]);

@@ -23,6 +23,19 @@ bool retract(cx::Environment& environment, const FactCopy& fact) {
   return environment.act(cx::ControlAct::Verb::kRetract, std::to_string(fact.index), std::string(kActOfStory)).ok();
 }
 
+/// The prefix of the binding that has a client of that action; empty if the generic plugin has one, or none has.
+std::string binding_of(const std::string& action, const RuleEngine& engine) {
+  constexpr std::string_view kClient = "-client";
+  std::string prefix;
+  for (const FactCopy& fact : engine.facts()) {
+    const Value* server = fact.slot("server");
+    if (!server || server->text() != action || !fact.template_name.ends_with(kClient)) continue;
+    if (fact.template_name == "ros-msgs-action-client") return {};
+    prefix = fact.template_name.substr(0, fact.template_name.size() - kClient.size());
+  }
+  return prefix;
+}
+
 bool is_of_facts(const Step& step) { return step.verb == Verb::kAssert || step.verb == Verb::kRetract; }
 
 }  // namespace
@@ -146,9 +159,9 @@ Status StoryFacts::begin(cx::Environment& environment) {
 
 /// Sends a message without content. The global is nil then.
 Status StoryFacts::send(cx::Environment& environment, const std::string& global, const std::string& created,
-                        const std::string& sent, int line) const {
+                        const std::string& sent, const std::string& destroy, int line) const {
   for (const std::string& text : {"(defglobal " + global + " = " + created + ')', sent,
-                                  "(ros-msgs-destroy-message " + global + ')', "(bind " + global + " nil)"})
+                                  '(' + destroy + ' ' + global + ')', "(bind " + global + " nil)"})
     if (Status s = evaluate(environment, {text, line}); !s) return s;
   return {};
 }
@@ -157,13 +170,19 @@ Status StoryFacts::send_goals(cx::Environment& environment) {
   for (const StandIn& server : spec_->stand_ins)
     if (server.action)
       for (const UnderWay& goal : server.under_way)
-        sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*'});
-  for (const Sent& sent : sent_)
-    if (Status s =
-            send(environment, sent.handle, "(ros-msgs-create-goal-request \"" + sent.server->type + "\")",
-                 "(ros-msgs-async-send-goal " + sent.handle + " \"" + sent.server->name + "\")", sent.goal->line);
+        sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*',
+                         binding_of(server.name, environment.engine())});
+  for (const Sent& sent : sent_) {
+    const bool bound = !sent.binding.empty();
+    const std::string created =
+        bound ? sent.named("-goal-create") : "ros-msgs-create-goal-request \"" + sent.server->type + '"';
+    const std::string sends = sent.named(bound ? "-send-goal " : "-async-send-goal ");
+    if (Status s = send(environment, sent.handle, '(' + created + ')',
+                        '(' + sends + sent.handle + " \"" + sent.server->name + "\")",
+                        sent.named(bound ? "-goal-destroy" : "-destroy-message"), sent.goal->line);
         !s)
       return s;
+  }
   return {};
 }
 
@@ -174,7 +193,8 @@ Status StoryFacts::send_requests(cx::Environment& environment, const StandIn& se
     if (Status s = number_requests(environment, server, request.id, request.line); !s) return s;
     const std::string global = "?*request-under-way-" + std::to_string(++requests_) + '*';
     if (Status s = send(environment, global, "(ros-msgs-create-request \"" + server.type + "\")",
-                        "(ros-msgs-async-send-request " + global + " \"" + server.name + "\")", request.line);
+                        "(ros-msgs-async-send-request " + global + " \"" + server.name + "\")",
+                        "ros-msgs-destroy-message", request.line);
         !s)
       return s;
   }
@@ -195,11 +215,10 @@ Status StoryFacts::number_requests(cx::Environment& environment, const StandIn& 
 /// Keeps the handles of goals that were answered, and lets nothing fire.
 Status StoryFacts::hold(cx::Environment& environment) const {
   for (const Sent& sent : sent_)
-    if (Status s = evaluate(
-            environment,
-            {"(if (eq " + sent.handle + " nil) then (do-for-fact ((?f ros-msgs-goal-response)) (eq ?f:server \"" +
-                 sent.server->name + "\") (bind " + sent.handle + " ?f:client-goal-handle-ptr) (retract ?f)))",
-             sent.goal->line});
+    if (Status s = evaluate(environment, {"(if (eq " + sent.handle + " nil) then (do-for-fact ((?f " +
+                                              sent.named("-goal-response") + ")) (eq ?f:server \"" + sent.server->name +
+                                              "\") (bind " + sent.handle + " ?f:client-goal-handle-ptr) (retract ?f)))",
+                                          sent.goal->line});
         !s)
       return s;
   for (const FactCopy& fact : environment.engine().facts()) (void)retract(environment, fact);
@@ -211,9 +230,10 @@ Status StoryFacts::hold(cx::Environment& environment) const {
 Status StoryFacts::answer(cx::Environment& environment) const {
   for (const Sent& sent : sent_)
     if (sent.goal->handle.empty())
-      if (Status s = evaluate(environment, {"(assert (ros-msgs-goal-response (server \"" + sent.server->name +
-                                                "\") (client-goal-handle-ptr " + sent.handle + ")))",
-                                            sent.goal->line});
+      if (Status s =
+              evaluate(environment, {"(assert (" + sent.named("-goal-response") + " (server \"" + sent.server->name +
+                                         "\") (client-goal-handle-ptr " + sent.handle + ")))",
+                                     sent.goal->line});
           !s)
         return s;
   return {};
@@ -228,7 +248,7 @@ std::string StoryFacts::with_pointers(const std::string& fact) const {
       out.replace(at, word.size(), by);
   };
   for (const Sent& sent : sent_) {
-    const std::string id = "(ros-msgs-client-goal-handle-get-goal-id " + sent.handle + ")";
+    const std::string id = '(' + sent.named("-client-goal-handle-get-goal-id ") + sent.handle + ')';
     if (!sent.goal->id.empty()) replace('"' + sent.goal->id + '"', "(str-cat " + id + ')');
     replace(sent.goal->id, id);
     replace(sent.goal->handle, sent.handle);

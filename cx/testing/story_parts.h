@@ -64,13 +64,16 @@ class StoryFacts final : public cx::RunControl {
     const StandIn* server;
     const UnderWay* goal;
     std::string handle;  ///< the global that has it
+    /// The prefix of the binding through which the agent's client of the action was opened. Empty: the generic plugin.
+    std::string binding = {};
+    std::string named(const std::string& suffix) const { return (binding.empty() ? "ros-msgs" : binding) + suffix; }
   };
   Status send_goals(cx::Environment& environment);
   Status send_requests(cx::Environment& environment, const StandIn& server);
   Status number_requests(cx::Environment& environment, const StandIn& server, const std::string& number,
                          int line) const;
   Status send(cx::Environment& environment, const std::string& global, const std::string& created,
-              const std::string& sent, int line) const;
+              const std::string& sent, const std::string& destroy, int line) const;
   Status begin(cx::Environment& environment);
   Status evaluate(cx::Environment& environment, const Line& text) const;
   Status hold(cx::Environment& environment) const;

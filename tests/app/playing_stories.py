@@ -436,10 +436,16 @@ class FromAMoment(Stories):
             shutil.copy(SOURCE / f"scenarios/rcll/{game}.yaml", self.folder / "rcll")
             self.assertEqual(self.cxlab("run", f"rcll/{game}.yaml", "--tier", "timed", "--until", 210, "--out", game, "--quiet").returncode, 0)
         records = [json.loads(line) for line in (self.folder / "planning/journal.jsonl").read_text().splitlines()]
-        asked = next(r["t"] / 1e9 for r in records if r["data"].get("name") == "service-ready /pddl_manager/check_action_condition" and r["t"] > 100e9)
-        for run, at in (("game", 60), ("game", 180), ("planning", 60), ("planning", asked)):
+
+        def first(look):
+            return next(r["t"] / 1e9 for r in records if r["data"].get("name") == look and r["t"] > 100e9)
+        planned, asked = first("action-ready /pddl_manager/temp_plan"), first("service-ready /pddl_manager/check_action_condition")
+        for run, at in (("game", 60), ("game", 180), ("planning", 60), ("planning", planned + 0.1), ("planning", asked)):
             with self.subTest(run=run, at=at):
                 text = self.new_story(run, at, "story")
+                if at > planned:  # its goal was sent through a binding, and a fact keeps the message
+                    self.assertRegex(text, r"temp_plan', type: \S+,\n +under_way: \[\{handle: '<Pointer-C-\w+>', id: ")
+                    self.assertRegex(text, r"- \{fact: '\(pddl-plan-goal \?\*message-\d+\* <Pointer-C-\w+>\)', as: ")
                 self.assertEqual(text, self.new_story(run, at, "again"))
                 self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 0)
                 without = re.sub(r", feedback: \[(\{after_s: [\d.]+, data: \{[^}]*\}\}(, )?)+\]", "", text)
