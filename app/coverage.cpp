@@ -75,7 +75,10 @@ int coverage(const RunsCoverageOptions& options) {
   } else {
     std::fputs(explain::text_of(covered->coverage).c_str(), stdout);
   }
-  if (Status s = lab::write_reports(covered->coverage, options.reports, covered->sources,
+  if (!options.reports.lcov.empty())
+    for (const std::string& note : lab::notes_on_places(covered->coverage, covered->sources, covered->places))
+      std::fprintf(stderr, "note: %s\n", printable(note).c_str());
+  if (Status s = lab::write_reports(covered->coverage, options.reports, covered->sources, covered->places,
                                     covered->runs == 1 ? "Coverage of " + options.paths.front()
                                                        : "Coverage of " + std::to_string(covered->runs) + " runs");
       !s)

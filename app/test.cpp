@@ -191,7 +191,7 @@ Status write_reports(const std::vector<PlayedStory>& stories, const explain::Cov
     if (Status s = write_output(options.junit, *junit); !s) return s;
   }
   return lab::write_reports(
-      coverage, options.coverage, {},
+      coverage, options.coverage, {}, {},
       stories.size() == 1 ? "Coverage of a story" : "Coverage of " + std::to_string(stories.size()) + " stories");
 }
 

@@ -7,6 +7,7 @@
 
 #include "cx/base/file.h"
 #include "lab/page.h"
+#include "lab/table_text.h"
 
 namespace cxlab::lab {
 
@@ -216,6 +217,30 @@ void read_sources(const Coverage& coverage, Sources& sources) {
   }
 }
 
+std::vector<std::string> notes_on_places(const Coverage& coverage, const Sources& sources, const Places& places) {
+  constexpr std::size_t kNamed = 3;
+  std::vector<std::string> lost, changed, notes;
+  for (const auto& [name, file] : by_file(coverage)) {
+    const auto place = places.find(name);
+    const auto then = sources.find(name);
+    if (place == places.end()) {
+      if (!std::filesystem::path(name).is_absolute()) lost.push_back(name);
+    } else if (const auto now = read_file(place->second); now && then != sources.end() && *now != then->second) {
+      changed.push_back(place->second);
+    }
+  }
+  if (!lost.empty())
+    notes.push_back("the lcov counts name " + count_text(lost.size(), "file") + " that genhtml will not find: " +
+                    some_of(lost, kNamed) +
+                    "; bring the package back to the folder that the run had, or use --html, which shows the copies of "
+                    "the run");
+  if (!changed.empty())
+    notes.push_back("the lcov counts are of lines as the run read them, but " + count_text(changed.size(), "file") +
+                    (changed.size() == 1 ? " has" : " have") + " changed since then: " + some_of(changed, kNamed) +
+                    "; --html shows the copies of the run");
+  return notes;
+}
+
 Json json_of(const Coverage& coverage) {
   Json rules = Json::array(), functions = Json::array();
   for (const Coverage::Rule& rule : coverage.rules) rules.push_back(json_of_rule(rule));
@@ -225,7 +250,7 @@ Json json_of(const Coverage& coverage) {
   return {{"rules", std::move(rules)}, {"functions", std::move(functions)}, {"totals", totals_of(coverage)}};
 }
 
-std::string to_lcov(const Coverage& coverage) {
+std::string to_lcov(const Coverage& coverage, const Places& places) {
   std::string out;
   for (const auto& [name, file] : by_file(coverage)) {
     struct Called {
@@ -256,7 +281,8 @@ std::string to_lcov(const Coverage& coverage) {
       if (!of_rules.contains(function->line)) lines[function->line] = 0;
     for (const Coverage::Function* function : file.functions) lines[function->line] += function->calls;
 
-    out += "TN:\nSF:" + name + '\n';
+    const auto place = places.find(name);
+    out += "TN:\nSF:" + (place == places.end() ? name : place->second) + '\n';
     for (const Called& one : called) out += "FN:" + std::to_string(one.line) + ',' + one.name + '\n';
     for (const Called& one : called) out += "FNDA:" + std::to_string(one.calls) + ',' + one.name + '\n';
     const auto hit = std::ranges::count_if(called, [](const Called& one) { return one.calls > 0; });
@@ -292,10 +318,10 @@ Expected<std::string> to_page(const Coverage& coverage, const Sources& sources, 
                      json_text(Json{{"title", title}, {"totals", totals_of(coverage)}, {"files", std::move(files)}}));
 }
 
-Status write_reports(const Coverage& coverage, const CoverageOptions& options, Sources sources,
+Status write_reports(const Coverage& coverage, const CoverageOptions& options, Sources sources, const Places& places,
                      const std::string& title) {
   if (!options.lcov.empty())
-    if (Status s = write_output(options.lcov, to_lcov(coverage)); !s) return s;
+    if (Status s = write_output(options.lcov, to_lcov(coverage, places)); !s) return s;
   if (options.page.empty()) return {};
   read_sources(coverage, sources);
   const auto page = to_page(coverage, sources, title);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <optional>
+#include <set>
 #include <string_view>
 
 #include "cx/base/file.h"
@@ -13,6 +15,7 @@
 #include "lab/json_fields.h"
 #include "lab/rules_replay.h"
 #include "lab/sweep/play_again.h"
+#include "scenarios/share.h"
 
 namespace cxlab::lab {
 
@@ -62,6 +65,16 @@ Expected<Json> cover(const Run& run, Host host) {
   return Json{{"coverage", JsonWriter::json(coverage)}, {"note", note}};
 }
 
+/// Where the file of that name in the journal is now. The folders of packages are those of the run, then those of now.
+std::optional<std::string> place_of(const Run& run, const std::vector<Shares>& packages, const std::string& name) {
+  const std::size_t slash = name.find('/');
+  for (const Shares& some : packages)
+    if (const auto share = some.find(name.substr(0, slash)); share != some.end() && slash != name.npos)
+      if (const fs::path place = run.found(share->second) / name.substr(slash + 1); is_file(place))
+        return place.lexically_normal().string();
+  return std::nullopt;
+}
+
 Status take(const Run& run, const Json& said, RunsCoverage& out) {
   explain::Coverage coverage;
   if (Status s = read_fields(said.at("coverage"), coverage); !s) return s;
@@ -75,13 +88,18 @@ Status take(const Run& run, const Json& said, RunsCoverage& out) {
     const std::size_t at = copy.find(kPackages);
     copies.emplace(at == copy.npos ? copy : copy.substr(at + kPackages.size()), copy);
   }
-  const auto add_source = [&](const std::string& name) {
+  std::set<std::string> names;
+  for (const explain::Coverage::Rule& rule : coverage.rules) names.insert(rule.file);
+  for (const explain::Coverage::Function& function : coverage.functions) names.insert(function.file);
+  std::vector<Shares> packages = run.manifest.shares();
+  packages.push_back(own_packages());
+  packages.push_back({{"run", fs::absolute(run.folder).string()}});  // files that its rules wrote
+  for (const std::string& name : names) {
+    if (auto place = place_of(run, packages, name)) out.places.emplace(name, *std::move(place));
     const auto copy = copies.find(name);
-    if (out.sources.contains(name) || copy == copies.end()) return;
+    if (out.sources.contains(name) || copy == copies.end()) continue;
     if (auto text = files->read(copy->second)) out.sources.emplace(name, *std::move(text));
-  };
-  for (const explain::Coverage::Rule& rule : coverage.rules) add_source(rule.file);
-  for (const explain::Coverage::Function& function : coverage.functions) add_source(function.file);
+  }
   if (const std::string note = said.at("note"); !note.empty()) out.notes.push_back(run.folder.string() + ": " + note);
   return {};
 }
@@ -128,6 +146,7 @@ Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, 
 void RunsCoverage::add(RunsCoverage other) {
   coverage.add(other.coverage);
   sources.merge(std::move(other.sources));
+  places.merge(std::move(other.places));
   notes.insert(notes.end(), other.notes.begin(), other.notes.end());
   runs += other.runs;
 }

@@ -4,6 +4,7 @@ import html
 import json
 import os
 import re
+import shutil
 import subprocess
 import unittest
 from html.parser import HTMLParser
@@ -135,6 +136,35 @@ class Coverage(Lab):
         source = re.sub("<[^>]*>", "", (self.folder / "c.html").read_text().split("<pre>")[1])
         self.assertIn("(bell ?x) (door) =&gt; (assert (heard)))", source, "the copy that the run keeps")
         self.assertEqual(both, self.cxlab("coverage", "runs", "--json").stdout, "it reads only the folders of the runs")
+
+    def test_lcov_names_the_files_where_they_are(self):
+        self.run_of("(start 2)", "runs/a")
+        rules = (self.folder / "rules/rules.clp").resolve()
+
+        def named(run):
+            said = self.cxlab("coverage", run, "--lcov", "c.info").stderr
+            return re.findall("^SF:(.*)$", (self.folder / "c.info").read_text(), re.M), said
+
+        self.assertEqual(named("runs/a"), ([str(rules)], ""))
+        if shutil.which("genhtml"):
+            made = subprocess.run(["genhtml", "c.info", "-o", "html"], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            self.assertEqual(made.returncode, 0, made.stdout)
+        text = rules.read_text()
+        rules.write_text("; new\n" + text)
+        names, said = named("runs/a")
+        self.assertEqual(names, [str(rules)])
+        self.assertIn(f"note: the lcov counts are of lines as the run read them, but 1 file has changed since then: {rules}; --html", said)
+        rules.write_text(text)
+        moved = self.folder / "moved"
+        moved.mkdir()
+        for name in ("runs", "rules", "scenario.yaml"):
+            (self.folder / name).rename(moved / name)
+        self.assertEqual(named("moved/runs/a"), ([str(moved.resolve() / "rules/rules.clp")], ""), "a checkout may be moved with its runs")
+        (moved / "rules/rules.clp").unlink()
+        names, said = named("moved/runs/a")
+        self.assertEqual(names, ["rules/rules.clp"])
+        self.assertIn("note: the lcov counts name 1 file that genhtml will not find: rules/rules.clp; bring the package back", said)
+        self.assertEqual(self.cxlab("coverage", "moved/runs/a", "--html", "c.html").stderr, "", "the page has the run's copies")
 
     def test_games_of_a_sweep_count_as_their_runs(self):
         for given, out in (("(start 2)", "runs/a"), ("(start 2)", "runs/b")):
