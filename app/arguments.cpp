@@ -100,6 +100,14 @@ std::string check_whole(std::string& text, Number low, Number high) {
 
 }  // namespace
 
+std::vector<std::string> given_options(const CLI::App& command, std::initializer_list<const char*> names) {
+  std::vector<std::string> out;
+  for (const char* name : names)
+    if (const CLI::Option* option = command.get_option(name); option->count() > 0)
+      out.insert(out.end(), {name, option->results().front()});
+  return out;
+}
+
 CLI::Option* seed_number(CLI::Option* option) {
   return option->transform({[](std::string& text) { return check_whole<std::uint64_t>(text, 0, UINT64_MAX); }, ""});
 }

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, NamedValue<E
 }
 /// The words of `one_of`, if the option takes only these.
 std::vector<std::string> words_of(const CLI::Option& option);
+
+/// Those of these options that the command line gives, each followed by its value; sizes are in bytes.
+std::vector<std::string> given_options(const CLI::App& command, std::initializer_list<const char*> names);
 
 /// The names of an option with their dashes; none for an argument.
 std::vector<std::string> names_of(const CLI::Option& option);

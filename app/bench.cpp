@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 struct BenchOptions {
   std::string suite, out, cell, seeds;
   std::vector<std::string> collect;
-  std::vector<std::string> limits;  // of rules, as they were given
+  std::vector<std::string> limits;  // of rules: options with their values
   int jobs = 1;
   double time_limit_s = 0;
   std::int64_t tasks = 0;  // of Slurm; 0: as many as there are cells
@@ -361,9 +361,7 @@ void add_bench(CLI::App& app, Action& action) {
   command->callback([command, suite, options, &action] {
     if (!command->get_subcommands().empty()) return;
     if (suite->count() == 0) throw CLI::RequiredError(suite->get_name());
-    for (const char* name : {"--memory", "--disk", "--steps"})
-      if (const CLI::Option* limit = command->get_option(name); limit->count() > 0)
-        options->limits.insert(options->limits.end(), {name, limit->results().front()});
+    options->limits = given_options(*command, {"--memory", "--disk", "--steps"});
     action = [options] { return bench(*options); };
   });
 }

@@ -33,6 +33,7 @@ using lab::PlayedStory;
 struct TestOptions {
   std::vector<std::string> paths;
   std::string filter, junit, runs;
+  std::vector<std::string> limits;  // of rules and processes: options with their values
   lab::CoverageOptions coverage;
   std::optional<std::uint64_t> seed;
   lab::PackageOptions packages;
@@ -53,12 +54,14 @@ std::string shell_word(const std::string& text) {
   return out + '\'';
 }
 
-/// The command that plays this story again with the seed of its result, and no other.
+/// The command that plays this story again with the seed of its result, and no other; it has all options that may change
+/// the result. For a file that cannot be read, it plays the file.
 std::string again(const PlayedStory& story, const TestOptions& options) {
-  std::string out = "cxlab test " + shell_word(story.spec.file + "::" + story.spec.name);
+  std::string out = "cxlab test " + shell_word(story.spec.file + (story.unreadable ? "" : "::" + story.spec.name));
   if (!story.spec.seeds.empty() || options.seed) out += " --seed " + std::to_string(story.seed);
   for (const std::string& package : options.packages.named) out += " --package " + shell_word(package);
   for (const std::string& prefix : options.packages.prefixes) out += " --prefix " + shell_word(prefix);
+  for (const std::string& word : options.limits) out += ' ' + shell_word(word);
   return out;
 }
 
@@ -86,9 +89,15 @@ void print(const PlayedStory& p, const TestOptions& options) {
 }
 
 Json json_of(const PlayedStory& p, const TestOptions& options) {
-  Json row{{"file", p.spec.file},        {"story", p.spec.name},    {"passed", p.passed()},
-           {"failures", p.complaints()}, {"notes", p.result.notes}, {"seed", p.seed},
-           {"again", again(p, options)}, {"wall_s", p.wall_s},      {"sim_time_s", p.result.sim_time_s}};
+  Json row{{"file", p.spec.file},
+           {"story", p.unreadable ? Json() : Json(p.spec.name)},
+           {"passed", p.passed()},
+           {"failures", p.complaints()},
+           {"notes", p.result.notes},
+           {"seed", p.seed},
+           {"again", again(p, options)},
+           {"wall_s", p.wall_s},
+           {"sim_time_s", p.result.sim_time_s}};
   if (p.seeds_played > 1) {
     row["seeds_played"] = p.seeds_played;
     row["failed_seeds"] = p.failed_seeds;
@@ -418,7 +427,10 @@ void add_test(CLI::App& app, Action& action) {
       ->excludes("--coverage")
       ->excludes("--coverage-page")
       ->excludes("--fail-under");
-  command->callback([options, &action] { action = [options] { return test(*options); }; });
+  command->callback([command, options, &action] {
+    options->limits = given_options(*command, {"--memory", "--disk", "--steps", "--patience"});
+    action = [options] { return test(*options); };
+  });
 }
 
 }  // namespace cxlab::app
