@@ -194,7 +194,11 @@ class Troupe {
     if (story.seeds_played == 0) return;
     ending_.insert(i);
     if (story.passed() || story.result.bad || plan_.runs.empty()) return end(story);
-    auto folder = folder_for(story.spec, plan_.runs);
+    const std::string name = run_name(story.spec);
+    const bool alone = std::ranges::count_if(stories_, [&](const PlayedStory& other) {
+                         return !other.unreadable && run_name(other.spec) == name;
+                       }) == 1;
+    auto folder = folder_for(story.spec, alone, plan_.runs);
     if (!folder) {
       story.result.notes.push_back("no run was kept: " + folder.error().text());
       return end(story);

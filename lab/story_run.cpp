@@ -1,9 +1,11 @@
 #include "lab/story_run.h"
 
+#include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "cx/base/file.h"
-#include "cx/base/json.h"
+#include "cx/journal/file_store.h"
 #include "cx/journal/run_folder.h"
 #include "cx/testing/story_parts.h"
 #include "lab/session.h"
@@ -19,33 +21,21 @@ namespace {
 
 constexpr const char* kScenario = "story/scenario.yaml";
 
-/// "door-a-bell-opens" of "a bell opens" in door.story.yaml.
-std::string folder_name(const testing::StorySpec& story) {
-  constexpr std::size_t kLongest = 80;
-  const std::string file = fs::path(story.file).filename().string();
-  std::string out;
-  for (const char c : file.substr(0, file.find('.')) + ' ' + story.name) {
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    else if (!out.empty() && out.back() != '-')
-      out += '-';
-  }
-  out.resize(std::min(out.size(), kLongest));
-  while (out.ends_with('-')) out.pop_back();
-  return out.empty() ? "story" : out;
-}
+/// Says of which story a folder keeps a run: FILE::NAME.
+constexpr const char* kMark = "story/of.txt";
 
 story::Config world_of(const testing::StorySpec& story) {
   return {fs::absolute(story.file).lexically_normal().string(), story.name, story.line};
 }
 
-/// Whether the folder is that of a run of this story.
-bool is_of(const fs::path& folder, const testing::StorySpec& story) {
-  if (!is_file(folder / "manifest.json") || !is_file(folder / kScenario)) return false;
-  const auto scenario = Scenario::load(folder / kScenario, shipped());
-  if (!scenario || scenario->world.kind != &story::kWorld) return false;
-  const auto& world = scenario->world.get<story::Config>();
-  return world.file == world_of(story).file && world.story == story.name;
+std::string mark_of(const testing::StorySpec& story) {
+  return fs::absolute(story.file).lexically_normal().string() + "::" + story.name + '\n';
+}
+
+bool has_mark(const fs::path& folder, const std::string& mark) {
+  if (!is_file(folder / kMark)) return false;
+  const auto text = read_file(folder / kMark);
+  return text && *text == mark;
 }
 
 Expected<Scenario> scenario_of(const testing::StorySpec& story, const testing::StorySetup& setup,
@@ -81,10 +71,32 @@ Expected<Scenario> scenario_of(const testing::StorySpec& story, const testing::S
 
 }  // namespace
 
-Expected<fs::path> folder_for(const testing::StorySpec& story, const fs::path& runs) {
-  const std::string name = folder_name(story);
-  if (is_of(runs / name, story)) return runs / name;
-  return make_numbered_folder(runs, name);
+std::string run_name(const testing::StorySpec& story) {
+  constexpr std::size_t kLongest = 80;
+  const std::string file = fs::path(story.file).filename().string();
+  std::string out;
+  for (const char c : file.substr(0, file.find('.')) + ' ' + story.name) {
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    else if (!out.empty() && out.back() != '-')
+      out += '-';
+  }
+  out.resize(std::min(out.size(), kLongest));
+  while (out.ends_with('-')) out.pop_back();
+  return out.empty() ? "story" : out;
+}
+
+Expected<fs::path> folder_for(const testing::StorySpec& story, bool alone, const fs::path& runs) {
+  constexpr std::size_t kDigits = 8;
+  const std::string name = run_name(story), mark = mark_of(story);
+  fs::path folder = runs / name, other = runs / (name + '-' + content_hash(mark).substr(0, kDigits));
+  if (!alone || (path_exists(folder) && !has_mark(folder, mark))) std::swap(folder, other);
+  if (path_exists(folder) && !has_mark(folder, mark))
+    return usage_error("the folder is there, and holds no run of this story; remove it", folder.string());
+  if (std::error_code error; has_mark(other, mark)) fs::remove_all(other, error);
+  if (Status s = make_folder((folder / kMark).parent_path()); !s) return s.error();
+  if (Status s = replace_file(folder / kMark, mark); !s) return s.error();
+  return folder;
 }
 
 Status keep_run(const testing::StorySpec& story, const testing::StorySetup& setup, const fs::path& folder) {

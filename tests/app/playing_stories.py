@@ -164,6 +164,43 @@ class Failing(Stories):
         rows = json.loads(self.cxlab("test", "--keep-runs", "runs", "--json").stdout)["stories"]
         self.assertEqual([row.get("run") for row in rows], [None, run, None, "runs/wind-a-wind-opens-it-s-door"], "that of before is replaced")
 
+    def test_the_run_of_each_story_has_its_folder(self):
+        """Whatever other stories have its name, and whichever of them are played."""
+        self.write("door.clp", DOOR)
+        for folder in ("d1", "d2"):
+            self.write(f"{folder}/a.story.yaml", self.story("x y", "(bell)", "fires: slam, within_s: 1").replace("door.clp", "../door.clp")
+                       + self.story("門", "(bell)", "fires: slam, within_s: 1").replace("door.clp", "../door.clp"))
+
+        def kept(*arguments):
+            rows = json.loads(self.cxlab("test", "--keep-runs", "k", "--json", *arguments).stdout)["stories"]
+            for row in rows:
+                world = (self.folder / row["run"] / "story/scenario.yaml").read_text()
+                self.assertIn(row["file"], world)
+                self.assertIn(row["story"], world)
+            return [row["run"] for row in rows], sorted(path.name for path in (self.folder / "k").iterdir())
+
+        runs, folders = kept()
+        self.assertEqual(sorted(f"k/{name}" for name in folders), sorted(runs))
+        self.assertEqual(len(set(runs)), 4)
+        for run, name in zip(runs, ("a-x-y", "a", "a-x-y", "a")):
+            self.assertRegex(run, f"^k/{name}-[0-9a-f]{{8}}$")
+        self.assertEqual(kept("-j", "3"), (runs, folders), "each replaces its own")
+        self.assertEqual(kept("d2", "-k", "x")[0], ["k/a-x-y"], "alone with its name")
+        self.assertEqual(kept("d1", "-k", "x")[0], [runs[0]], "the name is taken")
+        self.assertEqual(len(kept("d1", "-k", "x")[1]), 4, "no story has two")
+        self.assertEqual(kept(), (runs, folders))
+
+    def test_the_run_of_a_golden_run_has_one_folder(self):
+        self.write("agent.yaml", CONFIG)
+        self.write("rules/rules.clp", DOOR + "(deffacts start (bell))\n")
+        self.write("scenario.yaml", SCENARIO)
+        self.ask("run", "scenario.yaml", "--out", "golden", "--quiet")
+        self.write("golden.story.yaml", "- {story: as it went, golden: golden}\n")
+        self.write("rules/rules.clp", DOOR)
+        for _ in range(2):
+            self.assertEqual(self.cxlab("test", "--keep-runs", "k").returncode, 1)
+            self.assertEqual([path.name for path in (self.folder / "k").iterdir()], ["golden-as-it-went"])
+
     def test_the_run_is_the_story(self):
         """The same lines at the same times, with messages, skills and facts at several times."""
         self.write("errand.clp", """(deftemplate errand (slot to) (slot state (default NEW)))
