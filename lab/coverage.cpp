@@ -1,11 +1,11 @@
 #include "lab/coverage.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 #include <vector>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
 #include "lab/page.h"
 #include "lab/table_text.h"
 
@@ -28,7 +28,8 @@ std::map<std::string, FileCoverage> by_file(const Coverage& coverage) {
 }
 
 Json json_of_share(const Coverage::Share& share) {
-  return {{"covered", share.covered}, {"all", share.all}, {"percent", share.percent()}};
+  const auto percent = share.percent();
+  return {{"covered", share.covered}, {"all", share.all}, {"percent", percent ? Json(*percent) : Json()}};
 }
 
 Json json_of_rule(const Coverage::Rule& rule) {
@@ -331,11 +332,12 @@ Status write_reports(const Coverage& coverage, const CoverageOptions& options, S
 Status check_share(const Coverage& coverage, const CoverageOptions& options) {
   if (!options.fail_under) return {};
   const Coverage::Share fired = coverage.fired();
-  if (fired.percent() >= *options.fail_under) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "%zu of %zu rules fired, %.1f %%; --fail-under expects at least %g %%",
-                fired.covered, fired.all, fired.percent(), *options.fail_under);
-  return Error{ErrorKind::kNo, text, {}, 0, {}};
+  const auto percent = fired.percent();
+  if (!percent) return negative("--fail-under: no rule was read, so there is no percentage of rules that fired");
+  if (*percent >= *options.fail_under) return {};
+  return negative(std::to_string(fired.covered) + " of " + std::to_string(fired.all) + " rules fired, " +
+                  fixed_text(*percent, 1) + " %; --fail-under expects at least " +
+                  general_text(*options.fail_under, 6) + " %");
 }
 
 }  // namespace cxlab::lab

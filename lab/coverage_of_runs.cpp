@@ -151,6 +151,17 @@ void RunsCoverage::add(RunsCoverage other) {
   runs += other.runs;
 }
 
+explain::Coverage RunsCoverage::by_place() const {
+  explain::Coverage named = coverage, out;
+  const auto name = [this](std::string& file) {
+    if (const auto place = places.find(file); place != places.end()) file = place->second;
+  };
+  for (explain::Coverage::Rule& rule : named.rules) name(rule.file);
+  for (explain::Coverage::Function& function : named.functions) name(function.file);
+  out.add(named);  // in the order of the new names
+  return out;
+}
+
 Expected<RunsCoverage> coverage_of_sweep(const SweepRecord& sweep, int jobs, const Host& host) {
   auto scratch = ScratchFolder::create(RemovedBy::kServant);
   if (!scratch) return scratch.error();

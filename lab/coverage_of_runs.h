@@ -25,6 +25,8 @@ struct RunsCoverage {
   std::size_t runs = 0;
 
   void add(RunsCoverage other);
+  /// The counts, with files named where they are now, as stories name them.
+  explain::Coverage by_place() const;
 };
 /// Each run is played in a copy of this process, which must have one thread only.
 Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, const Host& host);

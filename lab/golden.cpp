@@ -1,5 +1,7 @@
 #include "lab/golden.h"
 
+#include <vector>
+
 #include "cx/base/file.h"
 #include "cx/base/number_text.h"
 #include "cx/base/process.h"
@@ -7,6 +9,7 @@
 #include "cx/journal/run_folder.h"
 #include "lab/child.h"
 #include "lab/comparison.h"
+#include "lab/coverage_of_runs.h"
 #include "lab/rerun.h"
 #include "lab/run.h"
 
@@ -78,7 +81,7 @@ std::vector<std::string> files_of(const testing::StorySpec& story) {
 
 }  // namespace
 
-testing::StoryResult play_golden(const testing::StorySpec& story, const Host& host) {
+testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage, const Host& host) {
   testing::StoryResult result;
   result.files = files_of(story);
   const auto scratch = ScratchFolder::create(RemovedBy::kServant);
@@ -107,6 +110,16 @@ testing::StoryResult play_golden(const testing::StorySpec& story, const Host& ho
     result.failures.push_back(story.file + ':' + std::to_string(story.line) + ": the process that played " +
                               story.golden.string() + " again ended with code " + std::to_string(code));
     return result;
+  }
+  if (coverage) {
+    auto run = Run::open(folder);
+    std::vector<Run> runs;
+    if (run) runs.push_back(*std::move(run));
+    const auto covered = run ? coverage_of_runs(runs, 1, host) : run.error();
+    if (covered)
+      result.coverage = covered->by_place();
+    else
+      result.notes.push_back("its rules are not counted: " + covered.error().text());
   }
   auto differs = difference(story, folder, host);
   if (!differs)

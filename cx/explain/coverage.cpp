@@ -1,12 +1,12 @@
 #include "cx/explain/coverage.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <tuple>
 
+#include "cx/base/number_text.h"
 #include "cx/explain/matcher.h"
 #include "cx/explain/names.h"
 
@@ -188,10 +188,9 @@ void add_function(std::vector<Coverage::Function>& functions, const Coverage::Fu
 }
 
 std::string share_text(const char* what, const Coverage::Share& share, const char* covered) {
-  char text[120];
-  std::snprintf(text, sizeof text, "%s: %zu of %zu %s (%.1f %%)", what, share.covered, share.all, covered,
-                share.percent());
-  return text;
+  const auto percent = share.percent();
+  return std::string(what) + ": " + std::to_string(share.covered) + " of " + std::to_string(share.all) + ' ' + covered +
+         " (" + (percent ? fixed_text(*percent, 1) + " %" : "-") + ')';
 }
 
 }  // namespace

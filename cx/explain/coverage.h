@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -93,7 +94,10 @@ struct Coverage {
 
   struct Share {
     std::size_t covered = 0, all = 0;
-    double percent() const { return all == 0 ? 100 : 100.0 * static_cast<double>(covered) / static_cast<double>(all); }
+    /// None of nothing.
+    std::optional<double> percent() const {
+      return all == 0 ? std::nullopt : std::optional(100.0 * static_cast<double>(covered) / static_cast<double>(all));
+    }
   };
   Share fired() const;       ///< rules that fired
   Share conditions() const;  ///< conditions that a partial match got past

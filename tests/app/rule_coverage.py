@@ -166,6 +166,29 @@ class Coverage(Lab):
         self.assertIn("note: the lcov counts name 1 file that genhtml will not find: rules/rules.clp; bring the package back", said)
         self.assertEqual(self.cxlab("coverage", "moved/runs/a", "--html", "c.html").stderr, "", "the page has the run's copies")
 
+    def test_golden_runs_count(self):
+        self.run_of("(start 2)", "runs/a")
+        self.write("g.story.yaml", "- {story: as it went, golden: runs/a}\n- {story: its beginning, golden: runs/a, end: 1}\n")
+        told = json.loads(self.cxlab("test", "g.story.yaml", "--json", "--fail-under", "50", "--coverage", "c.info").stdout)
+        rules = json.loads(self.cxlab("coverage", "runs/a", "--json").stdout)["rules"]
+        counts = {r["rule"]: 2 * r["fired"] for r in rules}
+        self.assertEqual({r["rule"]: r["fired"] for r in told["rules"]}, counts)
+        self.assertEqual({r["file"] for r in told["rules"]}, {str((self.folder / "rules/rules.clp").resolve())}, "as stories name it")
+        self.assertEqual(counts["go"], 2)
+        self.cxlab("test", "g.story.yaml", "--fail-under", "51", expect=1)
+        self.write("s.story.yaml", "- {story: s, config: agent.yaml, packages: {rules: rules}, expect: [{fires: go, within_s: 1}]}\n")
+        told = json.loads(self.cxlab("test", ".", "--json", "--fail-under", "50").stdout)
+        self.assertEqual({r["rule"]: r["fired"] for r in told["rules"]}, {**counts, "go": 3, "thief": 3}, "each rule once")
+
+    def test_nothing_is_no_percentage(self):
+        self.write("t.clp", "(deftemplate t (slot a))\n")
+        self.write("t.story.yaml", "- {story: t, rules: t.clp, end: 1, expect: [{no_fact: (t)}]}\n")
+        done = self.cxlab("test", "--fail-under", "10", expect=1)
+        self.assertIn("rules: 0 of 0 fired (-), conditions: 0 of 0 passed (-), functions: 0 of 0 called (-)\n", done.stdout)
+        self.assertIn("error: --fail-under: no rule was read", done.stderr)
+        told = json.loads(self.cxlab("test", "--coverage-page", "c.html", "--json").stdout)
+        self.assertEqual(told["totals"]["rules"], {"covered": 0, "all": 0, "percent": None})
+
     def test_games_of_a_sweep_count_as_their_runs(self):
         for given, out in (("(start 2)", "runs/a"), ("(start 2)", "runs/b")):
             self.run_of(given, out)
