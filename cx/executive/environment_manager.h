@@ -116,6 +116,8 @@ class EnvironmentManager final : public Agent {
   const std::vector<Error>& load_errors() const { return load_errors_; }
   /// After deactivation: given parameters that nothing read. At any time: what rules printed as an error.
   std::vector<Error> warnings() const;
+  /// The given parameters that nothing has read so far.
+  std::vector<Error> unread_parameters() const { return parameters_.in_vain(); }
   /// False once a plugin has opened a gate for threads, or a person has done something in an environment.
   bool deterministic() const;
   /// Writes the log files out.

@@ -80,6 +80,7 @@ Status Play::prepare() {
 
 Status Play::end() {
   const Status ended = manager_->deactivate();
+  for (const Error& parameter : manager_->unread_parameters()) unread_.push_back(parameter.text());
   loop_.reset();
   environment_ = nullptr;
   manager_.reset();

@@ -62,6 +62,8 @@ class Play final : private Server, private cx::LogSink {
   }
   /// What plugins cleaned up at the end: it was left open.
   const std::vector<std::string>& left_open() const { return left_open_; }
+  /// Parameters of the story that nothing had read at the end, with their lines.
+  const std::vector<std::string>& unread() const { return unread_; }
   /// Lines of the agent's log, but for those for debugging: the last `kMostLines`.
   std::vector<std::string> printed() const { return {printed_.begin(), printed_.end()}; }
   /// Files that were read so far, and rule files and configuration that the story names.
@@ -81,7 +83,7 @@ class Play final : private Server, private cx::LogSink {
   const StorySetup& setup_;
   const bool each_tick_;
   LimitsInUse limits_;
-  std::vector<std::string> left_open_;
+  std::vector<std::string> left_open_, unread_;
   std::deque<std::string> printed_;
   std::set<std::string> files_;
   explain::Coverage coverage_;

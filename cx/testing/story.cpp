@@ -30,6 +30,7 @@ Status run(Play& play, StoryResult& result) {
       result.failures.push_back(play.at(spec.line, "left open at the end: " + open).text());
     else
       result.notes.push_back(open);
+  result.notes.insert(result.notes.end(), play.unread().begin(), play.unread().end());
   result.coverage = play.coverage();
   return {};
 }

@@ -100,7 +100,7 @@ struct StorySetup {
 
 struct StoryResult {
   std::vector<std::string> failures;  ///< `file:line: what was expected, by when, what was there`
-  std::vector<std::string> notes;     ///< what was left open at the end
+  std::vector<std::string> notes;     ///< what was left open at the end, and parameters that nothing read
   std::vector<std::string> printed;   ///< lines of the agent's log, but for those for debugging; the last 1000
   std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
   std::optional<Error> bad;           ///< the story itself cannot be used

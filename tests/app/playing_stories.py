@@ -250,6 +250,17 @@ class Failing(Stories):
         for seed in range(1, 11):
             self.assertEqual(self.cxlab("test", "--seed", seed).returncode, 1 if seed in row["failed_seeds"] else 0, seed)
 
+    def test_a_parameter_that_nothing_reads_is_a_note(self):
+        self.write("door.clp", DOOR)
+        self.write("agent.yaml", CONFIG.replace('"files"]', '"params", "files"]') + '    params: {plugin: "cx::RosParamPlugin"}\n    gain: 1\n')
+        self.write("rules/rules.clp", DOOR + '(defrule read (bell) => (assert (gain (ros-param-get-value "gain" 0))))\n')
+        self.write("a.story.yaml", "- {story: one, config: agent.yaml, packages: {rules: rules}, given: [(bell)], params: {clips_manager.gain: 5,\n"
+                                   "    clips_manager.gian: 2}, expect: [{fact: (gain 5), within_s: 1}]}\n")
+        note = "a.story.yaml:2: parameter 'gian' was set, but nothing reads it, did you mean 'gain'?"
+        for more in ((), ("--load-once",)):
+            self.assertIn(f"  note: {note}\n", self.ask("test", "a.story.yaml", *more))
+            self.assertEqual(json.loads(self.ask("test", "a.story.yaml", "--json", *more))["stories"][0]["notes"], [note])
+
     def test_nothing_takes_the_others_down(self):
         """A loop of rules, one that takes long, a skill that never ends."""
         self.write("loop.clp", "(defrule loop (start) => (assert (go 0)))\n(defrule on (go ?n) => (assert (go (+ ?n 1))))\n")
