@@ -44,8 +44,7 @@ Json json_of_rule(const Coverage::Rule& rule) {
   Json json{{"file", rule.file},   {"line", rule.line},           {"rule", rule.name},       {"state", rule.state()},
             {"fired", rule.fired}, {"activated", rule.activated}, {"conditions", conditions}};
   const std::size_t failed = rule.failed_at();
-  const bool known = rule.fired == 0 && rule.activated == 0 && failed < rule.conditions.size();
-  json["failed_at"] = known ? Json(failed) : Json();
+  json["failed_at"] = failed < rule.conditions.size() ? Json(failed) : Json();
   return json;
 }
 
@@ -179,7 +178,7 @@ Json gaps_of(const FileCoverage& file) {
   };
   for (const Coverage::Rule* rule : file.rules) {
     const std::size_t failed = rule->failed_at();
-    if (rule->fired == 0 && rule->activated == 0 && failed < rule->conditions.size())
+    if (failed < rule->conditions.size())
       add(rule->line, rule->name, "miss",
           "never matched: nothing got past condition " + std::to_string(rule->conditions[failed].number) + ", " +
               rule->conditions[failed].text);

@@ -212,6 +212,7 @@ std::int64_t Coverage::Rule::passed(std::size_t condition) const {
 
 std::size_t Coverage::Rule::failed_at() const {
   std::size_t at = conditions.size();
+  if (fired > 0 || activated > 0) return at;
   std::pair<int, std::size_t> furthest{};
   for (const Way& way : ways) {
     const auto depth = static_cast<std::size_t>(std::ranges::find(way.passed, 0) - way.passed.begin());
@@ -301,7 +302,7 @@ std::string text_of(const Coverage& coverage) {
   std::size_t activated = 0;
   for (const Coverage::Rule& rule : coverage.rules) {
     activated += rule.fired == 0 && rule.activated > 0;
-    const std::size_t failed = rule.activated == 0 && rule.fired == 0 ? rule.failed_at() : rule.conditions.size();
+    const std::size_t failed = rule.failed_at();
     if (rule.fired == 0) {
       out += place(rule.file, rule.line) + rule.name + ": " + rule.state();
       if (failed < rule.conditions.size()) {

@@ -57,7 +57,7 @@ struct Coverage {
     std::int64_t passed(std::size_t condition) const;
     bool counts_conditions() const { return !ways.empty(); }
     /// For a rule that never matched: the place of the condition that nothing got past, on the way that got furthest.
-    /// The number of conditions if this place is unknown.
+    /// The number of conditions if the rule matched, or this place is unknown.
     std::size_t failed_at() const;
 
     template <class Keys>
