@@ -391,6 +391,11 @@ class Access(View):
         self.assertIn(b"url=/", content)
         self.assertIn(name, headers["Set-Cookie"])
 
+    def test_addresses_that_are_short_lead_to_the_page(self):
+        for path in ("/", "/run/run"):
+            status, headers, content = self.server.send("GET", path)
+            self.assertEqual((status, headers["Location"], content), (303, "/run/run/", b""), path)
+
     def test_no_other_host_and_no_other_page(self):
         port = self.server.port
         for host in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}", "", f"127.0.0.1:{port}.evil.example"):

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "folder.h"
 #include "lab/happenings.h"
 #include "scenarios/shipped/catalogue.h"
@@ -127,12 +129,20 @@ TEST(Frames, CamerasHaveTilesAboveACaption) {
 TEST(Frames, EachTileShowsAPictureOfItsSize) {
   for (const std::size_t count : {1u, 2u, 3u, 5u, 6u}) {
     const std::vector<std::string> cameras(count, "red");
+    std::multiset<std::pair<int, int>> made;
+    const ViewMaker noted = [&](int width, int height) {
+      made.emplace(width, height);
+      return painted({})(width, height);
+    };
     const sim::Picture picture =
-        drawn(painted({}), {.width = 400, .height = 300, .cameras = count, .caption = false}, cameras);
+        drawn(noted, {.width = 400, .height = 300, .cameras = count, .caption = false}, cameras);
+    std::set<std::pair<int, int>> sizes;
     for (const auto& [left, top, width, height] : tile_places(count, 400, 300)) {
+      sizes.emplace(width, height);
       EXPECT_EQ(pixel_at(picture, left, top)[0], 1) << count;
       EXPECT_EQ(pixel_at(picture, left + width - 1, top + height - 1)[0], 1) << count;
     }
+    EXPECT_TRUE(std::ranges::equal(made, sizes)) << "tiles of one size share a view";
   }
 }
 
