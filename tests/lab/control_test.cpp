@@ -269,6 +269,14 @@ TEST_F(ControlledRunTest, ABreakPointStopsWheneverItsFactHasComeAgain) {
   EXPECT_THAT(ask("continue"), HasSubstr("2.000 s"));
 }
 
+TEST_F(ControlledRunTest, ABreakPointStopsOnceWhileItsFactStays) {
+  begin("(deffacts start (n 3))\n(defrule count ?f <- (n ?n&~0) => (retract ?f) (assert (n (- ?n 1)) (begun)))\n");
+  EXPECT_EQ(ask("break fact (begun)"), "break point 1");
+  EXPECT_THAT(ask("continue"), HasSubstr("before rule count fires"));
+  EXPECT_THAT(ask("facts n"), HasSubstr("(n 2)"));
+  EXPECT_THAT(ask("continue"), HasSubstr("2.000 s"));
+}
+
 class PlayersTest : public ControlServerTest {};
 
 TEST_F(PlayersTest, ReachOnlyRunsOfTheirPlace) {
