@@ -101,8 +101,8 @@ std::optional<double> Moments::room(const LinearForm& gap, const GroundAction& a
                                          : std::nullopt;
 }
 
-/// As many copies as its conditions over all leave room for may end at an instant at which as many begin. An action that
-/// may take no time then has no conditions over all (ground.cpp).
+/// As many copies as its conditions over all leave room for may end at an instant at which as many begin. An action
+/// that may take no time then has no conditions over all (ground.cpp).
 int Moments::most_copies(const GroundAction& action) const {
   int most = std::numeric_limits<int>::max();
   for (const int c : action.over_all.comparisons) {

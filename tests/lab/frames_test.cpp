@@ -49,7 +49,8 @@ TEST(Tiles, CoverThePictureSideBySide) {
   EXPECT_EQ(tile_places(2, 600, 700)[1][0], 0) << "else one below the other";
 }
 
-/// Draws its cameras in one colour each, with dark corners above on the left and below on the right, and has a headline.
+/// Draws its cameras in one colour each, with dark corners above on the left and below on the right, and has a
+/// headline.
 class Painted final : public View {
  public:
   Painted(int width, int height, std::vector<sim::ColouredText> words) : words_(std::move(words)) {
@@ -199,9 +200,9 @@ TEST(Frames, EventsStandOnTheTwoLinesOfTheCaptionAndNoFurther) {
   for (const int count : {1, 2, 3, 8}) {
     Happenings events(*scenario);
     for (int i = 0; i < count; ++i) events.heard(error_at(i, "the conveyor belt of a machine does not move"));
-    const sim::Picture picture = drawn(painted({{"CYAN 12", {1, 1, 1}}}),
-                                       {.width = 400, .height = 300, .cameras = 1, .events = &events}, {"red"},
-                                       std::chrono::seconds(9));
+    const sim::Picture picture =
+        drawn(painted({{"CYAN 12", {1, 1, 1}}}), {.width = 400, .height = 300, .cameras = 1, .events = &events},
+              {"red"}, std::chrono::seconds(9));
     const int rows = rows_of_caption(picture);
     EXPECT_GE(rows, 2 * line);
     EXPECT_EQ(ink(picture, (rows - 2 * line) / 2), 0) << "a margin below, with " << count << " events";

@@ -276,7 +276,8 @@ TEST(HappeningStrategy, RatesAndConditionsThatAreNoNumbersRuleOutTheirActions) {
     for (const char* goal : {"(and (done) (not (< (x) 0)))", "(done)"}) {
       Prepared problem(
           "(:predicates (done)) (:functions (x) (a) (b)) (:action raise :parameters () :effect (increase (b) 1)) "
-          "(:action other :parameters () :precondition (>= (x) 5) :effect (done)) (:durative-action flow :parameters () " +
+          "(:action other :parameters () :precondition (>= (x) 5) :effect (done)) (:durative-action flow :parameters "
+          "() " +
               std::string(action) + ")",
           "(:init (= (x) 0) (= (a) 0) (= (b) 0)) (:goal " + std::string(goal) + ")");
       HappeningStrategy strategy(*problem, false);

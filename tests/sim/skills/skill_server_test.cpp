@@ -486,7 +486,8 @@ TEST_P(Skills, ARobotThatIsSetDownInTheWayOfAnotherIsNotRunOver) {
   double least = 99;
   while (!drive.ended) {
     tick();
-    least = std::min(least, distance(robot1().pose_in_world.position(), world->robot(RobotId{1}).pose_in_world.position()));
+    least =
+        std::min(least, distance(robot1().pose_in_world.position(), world->robot(RobotId{1}).pose_in_world.position()));
   }
   EXPECT_EQ(drive.code, 0) << drive.error;
   EXPECT_GT(least, 2 * kRobot.hull_radius);
