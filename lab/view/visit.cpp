@@ -55,8 +55,7 @@ Expected<std::string> command_of(const Json& request) {
     if (found == request.end()) continue;
     if (found->is_boolean() && *found && !verb.text) return std::string(verb.command);
     if (found->is_number() && !verb.text) return std::string(verb.command) + ' ' + json_text(*found);
-    if (found->is_string() && verb.text)
-      return std::string(verb.command) + ' ' + found->get<std::string>();
+    if (found->is_string() && verb.text) return std::string(verb.command) + ' ' + found->get<std::string>();
     return input_error("\"" + std::string(verb.key) +
                        "\": " + found_expected(json_text(*found), verb.text ? "a text" : "a number"));
   }
