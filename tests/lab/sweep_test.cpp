@@ -209,6 +209,25 @@ TEST_F(SweepTest, ARowReportsUnusedParameters) {
   EXPECT_THAT(rows->front().warnings.front(), HasSubstr("parameter 'gian' was set, but nothing reads it"));
 }
 
+TEST_F(SweepTest, AWarningIsNewOnceInEachStrategy) {
+  struct Ended final : ProgressSink {
+    std::vector<std::string> tells, others;
+    void progress(double, double) override {}
+    void game_ended(std::string_view line, const GamesProgress&, bool tell) override {
+      (tell ? tells : others).emplace_back(line.substr(line.find("game ") + 5, 1));
+    }
+    void note(std::string_view) override {}
+  };
+  scenario("game", kRules);
+  Ended ended;
+  const std::string unused = "['agents[0].params={clips_manager.gian: 1}']";
+  ASSERT_TRUE(play(*Suite::load(write("suite.yaml", "scenarios: [game.yaml]\nseeds: [1, 2, 3]\nstrategies: {a: " +
+                                                        unused + ", b: " + unused + ", c: []}\n")),
+                   {.progress = &ended}));
+  EXPECT_THAT(ended.tells, testing::UnorderedElementsAre("a", "b"));
+  EXPECT_EQ(ended.others.size(), 7u);
+}
+
 TEST_F(SweepTest, ARowTellsWhatRulesPrintAsErrorAlsoWhenItIsKept) {
   scenario("game", "(defrule told => (printout error \"found 'grops'\" crlf \"found 'x'\" crlf))\n");
   for (const char* where : {"[1/1] ", "kept: "}) {
