@@ -1,7 +1,6 @@
 #include "cx/testing/story_parts.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "cx/base/file.h"
@@ -261,11 +260,9 @@ Status StoryFacts::give_all(cx::Environment& environment) {
   using Verb = cx::ControlAct::Verb;
   if (!sent_.empty())
     if (Status s = hold(environment); !s) return s;
-  std::set<std::string> wanted;
-  for (const GivenFact& fact : spec_->given) wanted.insert(fact.text);
+  // Those that are given too: a fact that is asserted again would no longer follow from others.
   if (spec_->moment)
-    for (const FactCopy& fact : environment.engine().facts())
-      if (!wanted.contains(fact.print())) (void)retract(environment, fact);
+    for (const FactCopy& fact : environment.engine().facts()) (void)retract(environment, fact);
   for (const GivenFact& fact : spec_->given)
     if (Status s = give(environment, fact); !s) return s;
   if (spec_->moment) (void)environment.act(Verb::kSettle, {});

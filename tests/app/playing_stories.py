@@ -485,6 +485,28 @@ class FromAMoment(Stories):
         self.assertIn("{fact: '(was 1 roof)', at: 5}", text)
         self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
 
+    def test_notes_name_what_a_story_lacks(self):
+        self.write("a.clp", """(deftemplate pair (slot to (default nil)))
+(deffacts start (start) (pair) (other))
+(defrule keep (start) => (assert (array (ros-msgs-create-message "std_msgs/msg/Int32MultiArray")) (flat (ros-msgs-create-message "std_msgs/msg/String"))))
+(defrule point ?p <- (pair (to nil)) ?o <- (other) => (modify ?p (to ?o)))
+(defrule compute (logical (start)) => (bind ?x 1) (assert (computed ?x) (follows)))
+(defrule end (time ?t) (test (> ?t 3)) ?s <- (start) (flat ?m) => (retract ?s) (assert (said (ros-msgs-get-field ?m "data"))))
+""")
+        self.write("w.story.yaml", "- story: w\n  rules: a.clp\n  end: 6\n  expect: [{not_fires: end}]\n")
+        self.assertEqual(self.cxlab("test", "w.story.yaml", "--keep-runs", "k").returncode, 1)
+        done = self.cxlab("new", "story", "k/w-w", "--at", 1, "--for", 4, "--out", "m.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        notes = re.findall(r"^note: (.*?)(?: of \d+ things.*)?$", done.stderr, re.MULTILINE)
+        self.assertRegex(notes[0], r"^left out, because the fact to which it points is not given before it: \(pair \(to <Fact-\d+>\)\)$")
+        self.assertRegex(notes[1], r"^left out, because a story cannot make the message or goal to which it points: \(array <Pointer-C-\w+>\)$")
+        self.assertEqual(notes[2], "stays when the facts go from which it follows, because its rule computes it: (computed 1)")
+        self.assertEqual(notes[3:5], ["1", "  {no_fact: '(computed 1)', at: 5}"])
+        text = (self.folder / "m.story.yaml").read_text()
+        self.assertIn("'(ros-msgs-set-field ?*message-", text)
+        self.assertIn("{no_fact: '(follows)', at: 5}", text)
+        self.assertIn("""{fact: '(said "")', at: 5}""", text)
+
     def new_story(self, run, at, name):
         done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")
         self.assertEqual(done.returncode, 0, done.stderr)
