@@ -181,22 +181,27 @@ Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& option
 }
 
 int page(const PageOptions& options) {
+  const auto sweep = lab::read_sweep(options.sweep, catalogue());
+  if (!sweep) return fail(sweep.error());
   const bool folder = is_folder(options.sweep);
   if (!folder && options.out.empty())
     return fail(usage_error(options.sweep + " is not the folder of a sweep; expected --out FILE.html with it"));
   const fs::path file = options.out.empty() ? fs::path(options.sweep) / "index.html" : fs::path(options.out);
-  const auto sweep = lab::read_sweep(options.sweep, catalogue());
-  if (!sweep) return fail(sweep.error());
   std::optional<lab::SweepRecord> before;
   if (!options.before.empty()) {
     auto read = lab::read_sweep(options.before, catalogue());
     if (!read) return fail(read.error());
     before = *std::move(read);
   }
-  if (options.play)
+  const auto draw = [&] {
+    return lab::sweep_page(*sweep, before ? &*before : nullptr,
+                           {.metric = options.metric, .against = options.against, .file = file}, catalogue());
+  };
+  auto text = draw();
+  if (text && options.play) {  // what is wrong with the options costs no game
     if (Status s = play_shown_games(*sweep, options); !s) return fail(s.error());
-  const auto text = lab::sweep_page(*sweep, before ? &*before : nullptr,
-                                    {.metric = options.metric, .against = options.against, .file = file}, catalogue());
+    text = draw();
+  }
   if (!text) return fail(text.error());
   if (Status s = make_folder_of(file); !s) return fail(s.error());
   if (Status s = replace_file(file, *text); !s) return fail(s.error());

@@ -450,12 +450,19 @@ class Sweeps(Lab):
         self.assertEqual(show("s", "r").returncode, 0)
         self.assertIn("Compared with r: ", (self.home / "s/index.html").read_text())
         for arguments, code, said in ((["r/rows.csv"], 2, "expected --out FILE.html"), (["nowhere", "--out", "x.html"], 3, "there is no such sweep"),
+                                      (["nowhere"], 3, "nowhere: there is no such sweep; expected a folder of cxlab bench"),
                                       (["r", "--metric", "pints"], 3, "no row has a metric 'pints'"), (["r", "-j", "2"], 2, "--play")):
             with self.subTest(arguments=arguments):
                 done = show(*arguments)
                 self.assertEqual(done.returncode, code, done.stderr)
                 self.assertIn(said, done.stderr)
         self.assertEqual(show("r/rows.csv", "--out", "table.html").returncode, 0)
+        shutil.rmtree(self.home / "s/games", ignore_errors=True)
+        self.write("home/other/rows.csv", re.sub("(?m)^game,", "other,", (self.home / "r/rows.csv").read_text()))
+        done = show("s", "other", "--play")
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("no scenario, strategy and game in common", done.stderr)
+        self.assertFalse((self.home / "s/games").exists(), "nothing is played before")
 
     def test_four_commands_lead_from_a_suite_to_a_figure(self):
         section = (SOURCE / "docs/reference/sweep-statistics.md").read_text().split("### From a suite to a figure for a paper\n")[1]
