@@ -469,7 +469,7 @@ void Console::share_done(double share, const std::string& text) {
 
 void Console::game_ended(std::string_view line, const lab::GamesProgress& games, bool remarkable) {
   if (quiet_) return;
-  if (!remarkable && !all_games_ && (terminal_ || (games.done < games.total && !is_due()))) return;
+  if (!remarkable && !all_games_ && (terminal_ || !is_due())) return;
   const std::string left = left_text(games);
   note(std::string(line) + (left.empty() ? "" : " (" + left + ')'));
 }

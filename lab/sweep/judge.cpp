@@ -232,7 +232,7 @@ Expected<Judge> Judge::make(const Suite& suite) {
           "earlier: no requirement names '" + sweep.name + "', expected 'not worse than " + sweep.name + "' in require",
           sweep.origin);
     auto rows = read_rows(sweep.path, *suite.catalogue);
-    if (!rows) return at(sweep.origin, rows.error());
+    if (!rows) return input_error("earlier: '" + sweep.name + "': " + rows.error().text(), sweep.origin);
     judge.earlier_.emplace_back(sweep.name, *std::move(rows));
   }
   for (const Requirement& one : suite.require)

@@ -265,6 +265,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
   else if (const yaml::Value seeds = map.require("seeds"))
     suite.seeds = yaml::read_seeds(seeds);
   map.read_word("tier", suite.tier, {"timed", "physics"});
+  if (const yaml::Value tier = map.get("tier")) suite.tier_origin = tier.origin();
   if (const yaml::Value require = map.get("require"))
     for (const yaml::Value& item : require.is_list() ? require.as_list() : std::vector{require})
       read_requirement(item, suite.require);
@@ -418,6 +419,7 @@ Status Suite::check(const Cell& cell) const {
   const auto wrong = [&](const Error& error) {
     const auto used = std::ranges::find(strategies, cell.strategy, &Strategy::name);
     const std::string what = "strategy '" + cell.strategy + "': " + error.text();
+    if (!tier.empty() && error.text().starts_with("tier=")) return input_error(what, tier_origin);
     for (std::size_t i = 0; i < used->origins.size(); ++i)
       if (error.text().starts_with(used->overrides[i] + ':')) return input_error(what, used->origins[i]);
     return input_error(what);

@@ -81,6 +81,7 @@ struct Suite {
   std::vector<Requirement> require{};       ///< what the rows must show
   std::vector<EarlierSweep> earlier{};      ///< that these name
   std::string tier;                         ///< instead of the scenarios'; empty = theirs
+  Origin tier_origin{};
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
   static Expected<Suite> load(const std::filesystem::path& file);

@@ -109,6 +109,13 @@ std::string game_of(const Cell& cell) {
   return (cell.game.empty() ? "" : cell.game + ", ") + std::string("seed ") + std::to_string(cell.seed);
 }
 
+/// The command that plays the game again into its folder of the sweep; empty where the row has none.
+std::string command_of_game(const SweepRecord& sweep, const IndexedRow& game) {
+  if (game.command.empty()) return {};
+  const fs::path folder = fs::absolute(folder_of_game(sweep.path, game)).lexically_normal();
+  return game.command + " --out " + shell_word(folder.string());
+}
+
 Json json_of_game(const ShownGame& shown, const MetricOfRows& metric, const SweepRecord& sweep,
                   const SweepPageOptions& options) {
   const IndexedRow& one = *shown.game;
@@ -118,11 +125,10 @@ Json json_of_game(const ShownGame& shown, const MetricOfRows& metric, const Swee
            {"seed", one.row.cell.seed},
            {"text", fixed_text(shown.value, metric.digits)},
            {"order", shown.value},
-           {"command", one.command},
+           {"command", command_of_game(sweep, one)},
            {"page", ""}};
   if (one.command.empty()) return out;
   const fs::path folder = fs::absolute(folder_of_game(sweep.path, one)).lexically_normal();
-  out["command"] = one.command + " --out " + shell_word(folder.string());
   if (is_file(folder / "index.html"))
     out["page"] = (folder / "index.html")
                       .lexically_proximate(fs::absolute(options.file).parent_path().lexically_normal())
@@ -152,7 +158,7 @@ std::vector<Reason> reasons_of(const std::vector<IndexedRow>& rows, Texts texts)
   return out;
 }
 
-Json json_of_reasons(const std::vector<Reason>& reasons, bool failed) {
+Json json_of_reasons(const std::vector<Reason>& reasons, const SweepRecord& sweep, bool failed) {
   Json out = Json::array();
   for (std::size_t i = 0; i < std::min(kMostReasons, reasons.size()); ++i) {
     const Reason& one = reasons[i];
@@ -164,7 +170,7 @@ Json json_of_reasons(const std::vector<Reason>& reasons, bool failed) {
                    {"text", one.text},
                    {"games", one.games},
                    {"first", game_of(one.first->row.cell)},
-                   {"command", one.first->command}});
+                   {"command", command_of_game(sweep, *one.first)}});
   }
   return out;
 }
@@ -334,8 +340,8 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
     return row.errors.empty() ? std::vector<std::string>{"no reason is recorded"} : row.errors;
   });
   const auto warnings = reasons_of(sweep.rows, [](const Row& row) { return row.warnings; });
-  data["failures"] = json_of_reasons(failures, true);
-  data["warnings"] = json_of_reasons(warnings, false);
+  data["failures"] = json_of_reasons(failures, sweep, true);
+  data["warnings"] = json_of_reasons(warnings, sweep, false);
   data["more_failures"] = failures.size() - data["failures"].size();
   data["more_warnings"] = warnings.size() - data["warnings"].size();
   data["requirements"] = nullptr;

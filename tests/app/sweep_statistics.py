@@ -298,7 +298,10 @@ class SweepStatistics(Lab):
         self.write("suite.yaml", SUITE.replace("{long: [], short: [duration_s=1], same: []}", "{long: []}") + "require: not worse than long\n")
         self.assertIn("no other strategy is compared with 'long'", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("suite.yaml", SUITE + "earlier: {main: nowhere}\nrequire: not worse than main\n")
-        self.assertIn("nowhere: there is no such sweep", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
+        self.assertIn("suite.yaml:4: earlier: 'main': nowhere: there is no such sweep", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
+        self.write("turtle.yaml", "schema: 1\nduration_s: 1\nworld: {kind: turtlesim}\n")
+        self.write("suite.yaml", "scenarios: [turtle.yaml]\nseeds: [1]\ntier: timed\nstrategies: {long: []}\n")
+        self.assertIn("suite.yaml:3: strategy 'long': tier=timed: ", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("suite.yaml", SUITE + "earlier: {long: s}\nrequire: not worse than long\n")
         self.assertIn("'long' is the name of a strategy, too", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
 

@@ -351,15 +351,14 @@ class Sweeps(Lab):
         for line in lines:
             self.assertRegex(line, r"^\[[#.]{30}\] \d of 6 games, \d at play(, \d+:\d\d left)?$")
         self.assertTrue(text.endswith("\r\x1b[K") or not lines, "the line is taken away")
-        # Elsewhere: a line each 10 s and for the last game, and with -v one for each game.
+        # Elsewhere: a line each 10 s, and with -v one for each game.
         progress = r"^\d of 6 games, \d at play(, \d+:\d\d left)?$"
         games = [line for line in self.bench("-v", "-j", 1, "--out", "s").stderr.splitlines() if not re.match(progress, line)]
         self.assertEqual(len(games), 6, games)
         self.assertRegex(games[2], r"^\[3/6\] game duration_s=2 seed 1: completed, exit 0 \(\d+:\d\d left\)$")
         begin = time.monotonic()
         said = self.bench("--out", "t").stderr.splitlines()
-        self.assertLessEqual(len(said), 1 + (time.monotonic() - begin) / 10, said)
-        self.assertRegex(said[-1], r"^\[6/6\] game .*: completed, exit 0$")
+        self.assertLessEqual(len(said), (time.monotonic() - begin) / 10, said)
         self.assertEqual(self.bench("--quiet", "--out", "u").stderr, "")
 
     def test_the_index_grows_and_a_kill_leaves_a_complete_one(self):

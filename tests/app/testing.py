@@ -241,10 +241,12 @@ class Testing(unittest.TestCase):
                              [("plain", "1", "0"), ("plain", "2", "0"), ("long", "1", "0"), ("long", "2", "0"), ("broken", "1", "4"), ("broken", "2", "4")])
         next((self.folder / "o/rows").glob("empty-long-2-*.json")).unlink()
         again = cxlab("bench", "suite.yaml", "--out", "o", "--json", cwd=self.folder)
-        kept, *failed, played = again.stderr.splitlines()
+        kept, *failed = again.stderr.splitlines()
         self.assertEqual(kept, "5 rows are current and kept")
         self.assertEqual([line.split(":")[:2] for line in failed], [["kept", f" empty broken seed {seed}"] for seed in (1, 2)])
-        self.assertTrue(played.startswith("[6/6] empty long seed 2: completed, exit 0"), played)
+        next((self.folder / "o/rows").glob("empty-long-2-*.json")).unlink()
+        played = cxlab("bench", "suite.yaml", "--out", "o", "-v", cwd=self.folder).stderr.splitlines()[-1]
+        self.assertTrue(played.startswith("[6/6] empty long seed 2: completed, exit 0"), "a line of a game that is not remarkable comes with -v only")
         self.assertEqual([s["completed"] for s in json.loads(again.stdout)], [2, 2, 0])
         # As pandas reads them: one header, as many fields in each row, numbers where there are some, JSON without NaN.
         with open(self.folder / "o/rows.csv", newline="") as rows:

@@ -146,6 +146,10 @@ TEST_F(SweepPageTest, ThePageShowsScoresDifferencesGamesAndFailures) {
       found(text, "<a href=\"(games&#x2f;[^\"]*)"),
       ElementsAre("games&#x2f;" + std::filesystem::path(sweep.rows[0].file).stem().string() + "&#x2f;index.html"));
   EXPECT_THAT(text, HasSubstr("failed, exit 4: the &lt;ladder&gt; broke"));
+  // Games that were not completed, and those with a warning, are played again into their folders, too.
+  const auto commands = found(text, "<code>(cxlab run [^<]*)");
+  EXPECT_EQ(commands.size(), 12u + 2u);
+  for (const std::string& command : commands) EXPECT_THAT(command, HasSubstr(" --out "));
   EXPECT_THAT(text, HasSubstr("rain &amp; wind"));
   EXPECT_THAT(text, HasSubstr("worse, because 1 game was not completed that the other side completed"));
 }
