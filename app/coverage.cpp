@@ -89,12 +89,14 @@ int coverage(const RunsCoverageOptions& options) {
 
 }  // namespace
 
+CLI::Option* add_fail_under(CLI::App& command, std::optional<double>& percent, const std::string& what) {
+  return command.add_option("--fail-under", percent, what)->check(between(0, 100))->type_name("PERCENT");
+}
+
 void add_coverage(CLI::App& command, const char* page, lab::CoverageOptions& options) {
   command.add_option(page, options.page,
                      "Writes a page with the coloured source of all rule files, which needs no other file");
-  command.add_option("--fail-under", options.fail_under, "Exit code 1 if fewer percent of the rules fired")
-      ->type_name("PERCENT")
-      ->check(CLI::Range(0.0, 100.0));
+  add_fail_under(command, options.fail_under, "Exit code 1 if fewer percent of the rules fired, or there is none");
 }
 
 void add_coverage(CLI::App& app, Action& action) {

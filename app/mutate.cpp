@@ -11,6 +11,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
+#include "app/coverage.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "lab/confine.h"
@@ -342,9 +343,7 @@ void add_mutate(CLI::App& app, Action& action) {
       command->add_option("--show", options->show, "Shows a mutant as a diff of its file")->type_name("ID");
   CLI::Option* list = command->add_flag("--list", options->list, "Lists all mutants and plays none");
   CLI::Option* fail_under =
-      command->add_option("--fail-under", options->fail_under, "Exit code 1 if fewer percent of the mutants die")
-          ->check(between(0, 100))
-          ->type_name("PERCENT");
+      add_fail_under(*command, options->fail_under, "Exit code 1 if fewer percent of the mutants die");
   command
       ->add_option("--patience", options->patience_s,
                    "Wall time that a story may take, s (default 2 s and ten times the slowest story)")

@@ -22,6 +22,7 @@
 #include "lab/file_watch.h"
 #include "lab/stories.h"
 #include "lab/story_filter.h"
+#include "lab/table_text.h"
 #include "scenarios/share.h"
 
 namespace cxlab::app {
@@ -253,8 +254,8 @@ class Watching {
       }
       if (signal_that_came() != 0) break;
       files_.watch(all_files(), begun);
-      std::printf("%swatching %zu files, Ctrl-C ends\n", turn.empty() ? "" : (Counts(turn).text() + "; ").c_str(),
-                  files_.size());
+      std::printf("%swatching %s, Ctrl-C ends\n", turn.empty() ? "" : (Counts(turn).text() + "; ").c_str(),
+                  lab::count_text(files_.size(), "file").c_str());
       std::fflush(stdout);
       doing({});
       const Paths changed = wait();
@@ -376,7 +377,8 @@ void add_test(CLI::App& app, Action& action) {
   command->footer(
       "Exit code 0: all passed; 1: a story failed, or fewer rules fired than --fail-under says; 2: no story is "
       "chosen;\n"
-      "3: a story file or a rule file cannot be used; 130: --watch was ended with Ctrl-C.\n"
+      "3: a story file or a rule file cannot be used; 5: a report cannot be written; 130, 143: SIGINT (Ctrl-C) or\n"
+      "SIGTERM ended it.\n"
       "EXPR is a word that the name of a story or of its file contains, or several words with `and`, `or`, `not` and\n"
       "parentheses. The file $XDG_STATE_HOME/cxlab/failed_stories.json (~/.local/state/cxlab/...) keeps the stories\n"
       "that failed the last time.\n"

@@ -122,8 +122,10 @@ std::string judge_heard(const Expectation& e, const Play& play, Heard::Kind kind
       "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word + " for " + e.text;
   if (!e.fields.empty()) what += " with " + e.fields;
   what += span(e) + "; ";
-  if (e.count > 1) what += "there were " + std::to_string(inside) + "; ";
-  return what + (last ? "nearest: " + last->content + " at " + seconds(last->t) : "there was no other");
+  if (inside > 0) what += "there " + std::string(inside == 1 ? "was 1; " : "were " + std::to_string(inside) + "; ");
+  return what + (last         ? "nearest: " + last->content + " at " + seconds(last->t)
+                 : inside > 0 ? "there was no other"
+                              : "there was none");
 }
 
 std::string judge(const Expectation& e, const Play& play) {

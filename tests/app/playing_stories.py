@@ -261,6 +261,15 @@ class Failing(Stories):
             self.assertIn(f"  note: {note}\n", self.ask("test", "a.story.yaml", *more))
             self.assertEqual(json.loads(self.ask("test", "a.story.yaml", "--json", *more))["stories"][0]["notes"], [note])
 
+    def test_goals_that_were_not_sent_are_none(self):
+        self.write("a.clp", '(defrule send (go ?n) => (ros-msgs-create-action-client "/w" "cxlab_skills/action/Pick") (bind ?g (ros-msgs-create-goal-request "cxlab_skills/action/Pick"))'
+                            ' (ros-msgs-async-send-goal ?g "/w") (ros-msgs-destroy-message ?g))\n')
+        for given, count, said in (("(stay)", 1, "a goal for /w by 1 s; there was none"), ("(stay)", 2, "2 times a goal for /w by 1 s; there was none"),
+                                   ("(go 1)", 2, "2 times a goal for /w by 1 s; there was 1; there was no other")):
+            self.write("a.story.yaml", f"- {{story: a, rules: a.clp, given: [{given}], skills: [{{action: /w, type: cxlab_skills/action/Pick}}],\n"
+                                       f"   expect: [{{goal: /w, count: {count}, within_s: 1}}]}}\n")
+            self.assertIn(f"a.story.yaml:2: expected {said}\n", self.cxlab("test", "a.story.yaml").stdout)
+
     def test_nothing_takes_the_others_down(self):
         """A loop of rules, one that takes long, a skill that never ends."""
         self.write("loop.clp", "(defrule loop (start) => (assert (go 0)))\n(defrule on (go ?n) => (assert (go (+ ?n 1))))\n")
@@ -277,7 +286,7 @@ class Failing(Stories):
         self.assertRegex(done.stdout, r"(?m)^FAILED  long.story.yaml: long \(\d+ ms\)$", "nobody knows how far it came")
         done = self.cxlab("test", "loop.story.yaml", "zdoor.story.yaml", "--keep-runs", "runs")
         self.assertIn("2 passed, 1 failed", done.stdout)
-        self.assertIn("loop.clp:2: environment 'main': rules still fire after 100000 firings", done.stdout)
+        self.assertRegex(done.stdout, "loop.clp:2: environment 'main': rules still fire after 100000 firings.* a story allows no more\n")
         self.assertIn("(start)", self.ask("facts", "runs/loop-loop", "start"))
 
     def test_a_golden_run_says_what_goes_otherwise(self):
@@ -351,6 +360,11 @@ class Unreadable(Stories):
         self.assertEqual(self.names("--lf"), ["a.story.yaml", "a bell shuts", "a wind opens it's \"door\"", "z.story.yaml"])
         done = self.cxlab("test", "-x")
         self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (3, "0 passed, 1 failed, 5 not played"))
+
+    def test_a_file_with_another_ending_is_named(self):
+        said = self.cxlab("test", "door.clp").stdout
+        self.assertRegex(said, r"door\.clp:\d+: this is no story file, whose name ends with \.story\.yaml: ")
+        self.assertNotIn("this is no story file", self.cxlab("test").stdout)
 
     def test_two_stories_of_one_name(self):
         self.write("a.story.yaml", self.story("one", "(bell)", "fires: open, within_s: 1") * 2)
@@ -567,6 +581,13 @@ class FromAMoment(Stories):
 
 class Watching(Stories):
     """Plays again what a change affects."""
+
+    def test_one_file_is_one(self):
+        self.write("a.story.yaml", "- {story: a\n")
+        process = self.watch()
+        self.assertIn("0 passed, 1 failed; watching 1 file, Ctrl-C ends\n", self.turn(process))
+        process.terminate()
+        self.assertEqual(process.wait(10), 143)
 
     def watch(self, *arguments):
         process = subprocess.Popen([CXLAB, "test", "--watch", *arguments], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment)

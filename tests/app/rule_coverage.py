@@ -91,7 +91,10 @@ class Coverage(Lab):
         self.cxlab("test", "--fail-under", "50")
         done = self.cxlab("test", "--fail-under", "50.1", expect=1)
         self.assertIn("2 of 4 rules fired, 50.0 %; --fail-under expects at least 50.1 %", done.stderr)
-        self.cxlab("test", "--fail-under", "101", expect=2)
+        for command in (["test"], ["coverage", "."], ["mutate", "."]):
+            for wrong in ("101", "-1", "nan", "abc", ""):
+                self.assertIn(f"--fail-under: found {wrong!r}, expected a number from 0 to 100" if wrong else "--fail-under",
+                              self.cxlab(*command, "--fail-under", wrong, expect=2).stderr)
 
     def test_a_page_shows_the_source(self):
         self.story("(start 1), (start 2)")
