@@ -8,6 +8,7 @@
 #include "cx/base/number_text.h"
 #include "cx/yaml/seeds.h"
 #include "cx/yaml/yaml.h"
+#include "lab/child.h"
 #include "lab/session.h"
 #include "lab/sweep/row.h"
 #include "scenarios/metric.h"
@@ -398,6 +399,29 @@ Status check_world(const Scenario& scenario, const Suite& suite) {
   return check_metrics(scenario);
 }
 
+/// Whether the agents of this cell may read other rules than those of the first strategy do. A grid has many
+/// combinations, and most differ in figures of the world.
+bool may_have_other_rules(const Cell& cell, const Suite& suite) {
+  return cell.strategy == suite.strategies.front().name ||
+         std::ranges::any_of(cell.overrides, [](const std::string& set) {
+           return set.starts_with("agents") || set.starts_with("packages");
+         });
+}
+
+/// Begins a game as the sweep does, with its rules and up to its first tick, in a copy of this process.
+Status begin_apart(const Scenario& scenario) {
+  const Host host{.confine = true};
+  auto child = Child::start([&]() -> Expected<Json> {
+    PlayOptions options;
+    options.out = "none";
+    const auto begun = Session::load(options, scenario, host);
+    return begun ? Expected<Json>(Json()) : begun.error();
+  });
+  if (!child) return child.error();
+  const auto begun = child->finish(host);
+  return begun ? Status() : begun.error();
+}
+
 }  // namespace
 
 Status Suite::check() const {
@@ -427,8 +451,11 @@ Status Suite::check(const Cell& cell) const {
   auto scenario = load_scenario(*this, cell.file, cell.overrides);
   if (!scenario) return wrong(scenario.error());
   if (Status s = check_world(*scenario, *this); !s) return s;
-  auto episode = Episode::load(*std::move(scenario), shared_episode_options());
-  return episode ? Status() : Status(wrong(episode.error()));
+  auto episode = Episode::load(*scenario, shared_episode_options());
+  if (!episode) return wrong(episode.error());
+  if (cell.seed != seeds.front() || !may_have_other_rules(cell, *this)) return {};
+  const Status begun = begin_apart(*scenario);
+  return begun || begun.error().kind != ErrorKind::kInput ? Status() : Status(wrong(begun.error()));
 }
 
 }  // namespace cxlab::lab

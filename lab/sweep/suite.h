@@ -77,10 +77,10 @@ struct Suite {
   std::vector<std::uint64_t> seeds;
   std::vector<SuiteGame> games;  ///< in order of names; none: as the scenarios say
   Origin games_origin{};
-  std::vector<std::string> tags{};          ///< of all games
-  std::vector<Requirement> require{};       ///< what the rows must show
-  std::vector<EarlierSweep> earlier{};      ///< that these name
-  std::string tier;                         ///< instead of the scenarios'; empty = theirs
+  std::vector<std::string> tags{};      ///< of all games
+  std::vector<Requirement> require{};   ///< what the rows must show
+  std::vector<EarlierSweep> earlier{};  ///< that these name
+  std::string tier;                     ///< instead of the scenarios'; empty = theirs
   Origin tier_origin{};
   const Catalogue* catalogue = &shipped();  ///< has the worlds and nodes of the scenarios; outlives the sweep
 
@@ -93,8 +93,9 @@ struct Suite {
   std::vector<Cell> cells() const { return cells(1, size()); }
   /// The cells with these numbers, both included: a caller that plays a few of a million need not make them all.
   std::vector<Cell> cells(std::size_t first, std::size_t last) const;
-  /// Loads every scenario with every strategy, and with every game, so that a misspelt override or a missing file does
-  /// not cost a night of failed episodes.
+  /// Loads every scenario with every strategy, and with every game, and begins games with the rules. So a misspelt
+  /// override, a missing file or a syntax error in rules does not cost a night of failed episodes. This process must have
+  /// one thread only.
   Status check() const;
   /// Loads what this cell names.
   Status check(const Cell& cell) const;

@@ -233,6 +233,14 @@ TEST_F(SuiteTest, CheckFindsWhatCannotBePlayed) {
   Status checked = suite("[world.robotz=2]").check();
   ASSERT_FALSE(checked);
   EXPECT_THAT(checked.error().message, HasSubstr("strategy 's': "));
+  scenario("game", "(defrule wrong (time ?) => (assert (x))\n");
+  checked = suite("[]").check();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().kind, ErrorKind::kInput);
+  EXPECT_THAT(checked.error().message, HasSubstr("strategy 's': "));
+  EXPECT_THAT(checked.error().message, HasSubstr(".clp:1: "));
+  scenario("game", "(deffacts f (go))(defrule wrong (go) => (+ 1 (nth$ 1 (create$ one))))\n");
+  EXPECT_TRUE(suite("[]").check()) << "a rule that fails is told by its games";
   std::filesystem::remove(path("agent.yaml"));
   checked = suite("[]").check();
   ASSERT_FALSE(checked);
