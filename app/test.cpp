@@ -55,8 +55,8 @@ std::string shell_word(const std::string& text) {
   return out + '\'';
 }
 
-/// The command that plays this story again with the seed of its result, and no other; it has all options that may change
-/// the result. For a file that cannot be read, it plays the file.
+/// The command that plays this story again with the seed of its result, and no other; it has all options that may
+/// change the result. For a file that cannot be read, it plays the file.
 std::string again(const PlayedStory& story, const TestOptions& options) {
   std::string out = "cxlab test " + shell_word(story.spec.file + (story.unreadable ? "" : "::" + story.spec.name));
   if (!story.spec.seeds.empty() || options.seed) out += " --seed " + std::to_string(story.seed);

@@ -230,8 +230,8 @@ std::vector<std::string> notes_on_places(const Coverage& coverage, const Sources
     }
   }
   if (!lost.empty())
-    notes.push_back("the lcov counts name " + count_text(lost.size(), "file") + " that genhtml will not find: " +
-                    some_of(lost, kNamed) +
+    notes.push_back("the lcov counts name " + count_text(lost.size(), "file") +
+                    " that genhtml will not find: " + some_of(lost, kNamed) +
                     "; bring the package back to the folder that the run had, or use --html, which shows the copies of "
                     "the run");
   if (!changed.empty())

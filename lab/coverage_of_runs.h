@@ -19,8 +19,8 @@ Expected<std::vector<std::filesystem::path>> run_folders(const std::vector<std::
 
 struct RunsCoverage {
   explain::Coverage coverage;
-  Sources sources;  ///< as the runs read them
-  Places places;    ///< where they are now
+  Sources sources;                 ///< as the runs read them
+  Places places;                   ///< where they are now
   std::vector<std::string> notes;  ///< runs that were not played to their end, and why
   std::size_t runs = 0;
 

@@ -10,8 +10,8 @@ namespace cxlab::lab {
 
 /// Plays the run that the story names again (lab/rerun.h) in a process of its own. Where rules do something else than
 /// then, or the result is another, the failures say where first and what led to it, as `cxlab diff` does. This process
-/// plays the rules of both again, and gives up its rights before that. With `coverage`, the result has the coverage of the
-/// new run.
+/// plays the rules of both again, and gives up its rights before that. With `coverage`, the result has the coverage of
+/// the new run.
 testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage, const Host& host);
 
 /// Plays it again into a folder that stays.

@@ -63,7 +63,8 @@ Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec sp
         confined.confine = true;
         const bool golden = !spec.golden.empty();
         if (job.keep.empty())
-          return say_to(to, story_answer(golden ? play_golden(spec, setup.coverage, confined) : testing::run_story(spec, setup)));
+          return say_to(
+              to, story_answer(golden ? play_golden(spec, setup.coverage, confined) : testing::run_story(spec, setup)));
         const Status kept = golden ? keep_golden(spec, job.keep, confined) : keep_run(spec, setup, job.keep);
         return kept ? 0 : say_to(to, kept.error().text());
       },

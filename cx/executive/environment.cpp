@@ -104,7 +104,8 @@ Error Environment::loop_error(const std::string& what) const {
   return Error{ErrorKind::kRun,
                "environment '" + name_in_log() + "': " + what +
                    "; if they are right, allow more with max_firings_per_tick (now " +
-                   std::to_string(options_.run->max_firings) + ", 0 = no limit) of the scenario, or with --max-firings of cxlab env; a story allows no more",
+                   std::to_string(options_.run->max_firings) +
+                   ", 0 = no limit) of the scenario, or with --max-firings of cxlab env; a story allows no more",
                {},
                0,
                "rule_loop"};
