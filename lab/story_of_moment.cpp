@@ -262,7 +262,13 @@ class Writer {
     const std::vector<std::string> given = facts_.texts();
     std::set<std::string> before(given.begin(), given.end());
     constexpr std::size_t kMost = 20;
-    std::size_t fresh = 0, gone = 0;
+    std::size_t fresh = 0, gone = 0, unwritable = 0;
+    const auto can_be_expected = [&](const std::string& fact) {
+      if (fact.starts_with("(ros-msgs-") || fact.starts_with("(time ") || has_pointer(fact)) return false;
+      const bool is_allowed = has_allowed_values(fact, environment_->engine());
+      if (!is_allowed) ++unwritable;
+      return is_allowed;
+    };
     for (const FactCopy& fact : environment_->engine().facts()) {
       const std::string text = fact.print();
       if (before.erase(text) > 0 || !can_be_expected(text)) continue;
@@ -276,11 +282,9 @@ class Writer {
       if (count > kMost)
         notes_.push_back("of " + std::to_string(count) + ' ' + what + " the story expects the first " +
                          std::to_string(kMost));
-  }
-
-  bool can_be_expected(const std::string& fact) const {
-    const bool is_of_plugin = fact.starts_with("(ros-msgs-") || fact.starts_with("(time ");
-    return !is_of_plugin && !has_pointer(fact) && has_allowed_values(fact, environment_->engine());
+    if (unwritable > 0)
+      notes_.push_back("not expected, because their templates do not allow their values: " +
+                       std::to_string(unwritable) + " of the facts that are new or went");
   }
 
   static std::string outcome_of(const Exchange& answer, SimTime from) {
