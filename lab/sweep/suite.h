@@ -94,8 +94,8 @@ struct Suite {
   /// The cells with these numbers, both included: a caller that plays a few of a million need not make them all.
   std::vector<Cell> cells(std::size_t first, std::size_t last) const;
   /// Loads every scenario with every strategy, and with every game, and begins games with the rules. So a misspelt
-  /// override, a missing file or a syntax error in rules does not cost a night of failed episodes. This process must have
-  /// one thread only.
+  /// override, a missing file or a syntax error in rules does not cost a night of failed episodes. This process must
+  /// have one thread only.
   Status check() const;
   /// Loads what this cell names.
   Status check(const Cell& cell) const;
