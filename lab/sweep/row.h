@@ -80,8 +80,8 @@ struct Row {
   std::string digest() const;
 
   using Hash = std::function<std::string(const std::filesystem::path&)>;
-  /// Whether the game would go the same way now: by this program, with the same overrides and the same content of all
-  /// files, wherever they lie, and with as much allowed as it had. If it was not completed, more may change that, too.
+  /// Whether the game would go the same way now. Program and overrides are the same, all files have the same content,
+  /// wherever they lie, and the rules may take as much as then; exactly as much if the game was not completed.
   bool is_current(const Cell& now, const std::string& program_now, const FileNames& names, const Hash& hash = {},
                   const Allowance& allowed = {}) const;
   /// The same of a game that was begun, and perhaps not played to its end: it crashed, or could not read a file.
