@@ -61,10 +61,10 @@ void RuleEngine::Impl::support_facts_of(const Activation& activation) {
   if (rule.logicalJoin == nullptr) return;
   PartialMatch* match = FindLogicalBind(rule.logicalJoin, activation.basis);
   if (match == nullptr) return;
-  engineData& data = *engine_data(env);
-  PartialMatch* const lhs = std::exchange(data.GlobalLHSBinds, activation.basis);
-  PartialMatch* const rhs = std::exchange(data.GlobalRHSBinds, nullptr);
-  data.TheLogicalJoin = rule.logicalJoin;
+  engineData& clips_data = *engine_data(env);
+  PartialMatch* const lhs = std::exchange(clips_data.GlobalLHSBinds, activation.basis);
+  PartialMatch* const rhs = std::exchange(clips_data.GlobalRHSBinds, nullptr);
+  clips_data.TheLogicalJoin = rule.logicalJoin;
   Defmodule* const module = GetCurrentModule(env);
   SetCurrentModule(env, rule.header.whichModule->theModule);
   for_each_assert(rule.actions, [&](const expr& action) {
@@ -73,14 +73,14 @@ void RuleEngine::Impl::support_facts_of(const Activation& activation) {
     UDFValue found;
     EvaluateExpression(env, const_cast<expr*>(&action), &found);
     if (found.header->type != FACT_ADDRESS_TYPE) return;
-    data.TheLogicalBind = match;
+    clips_data.TheLogicalBind = match;
     AddLogicalDependencies(env, &found.factValue->patternHeader, false);
-    data.TheLogicalBind = nullptr;
+    clips_data.TheLogicalBind = nullptr;
   });
   SetCurrentModule(env, module);
-  data.TheLogicalJoin = nullptr;
-  data.GlobalLHSBinds = lhs;
-  data.GlobalRHSBinds = rhs;
+  clips_data.TheLogicalJoin = nullptr;
+  clips_data.GlobalLHSBinds = lhs;
+  clips_data.GlobalRHSBinds = rhs;
 }
 
 void RuleEngine::settle_agenda() {
