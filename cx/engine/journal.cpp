@@ -234,9 +234,9 @@ template <class Evaluate>
 void reset_construct(RuleEngine::Impl& impl, const char* kind, ConstructHeader& header, Evaluate evaluate) {
   const std::string name = std::string(kind) + ' ' + header.name->contents;
   const ConstructInfo* info = impl.engine.find_construct(kind, qualified_name(header));
+  const std::string file = info ? info->file : "";  // what is evaluated may load constructs, which moves `info`
   impl.flush_errors();
-  impl.contexts.push_back({ErrorSide::kCallback, name, info ? std::string_view(info->file) : std::string_view(),
-                           info ? info->line : 0, nullptr});
+  impl.contexts.push_back({ErrorSide::kCallback, name, file, info ? info->line : 0, nullptr});
   evaluate();
   impl.flush_errors();
   impl.contexts.pop_back();

@@ -27,6 +27,16 @@ TEST_F(RuleErrors, ALoopWithoutEndInsideARuleIsStopped) {
   EXPECT_THAT(texts(engine().run().errors), ElementsAre(AllOf(HasSubstr("rule go, RHS"), HasSubstr("Still looping"))));
 }
 
+TEST_F(RuleErrors, FactsOfTheStartThatBuildConstructsKeepTheirPlace) {
+  given(
+      "(deffunction grow ()\n  (loop-for-count (?i 1 500) do (build (str-cat \"(deffunction f\" ?i \" ())\")))\n  (/ 1 "
+      "0))\n"
+      "(deffacts start (a (grow)))\n");
+  engine().reset();
+  EXPECT_NE(engine().find_construct("deffunction", "f500"), nullptr);
+  EXPECT_THAT(texts(engine().run().errors), testing::Contains(AllOf(StartsWith("rules.clp:4: "), HasSubstr("start"))));
+}
+
 TEST_F(RuleErrors, TurnsOfLoopsAreCountedByAction) {
   given("(deffacts f (a 1) (a 2))\n(defrule go (a ?) => (loop-for-count 6000000 do (bind ?x 1)))\n");
   engine().reset();
