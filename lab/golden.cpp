@@ -49,6 +49,7 @@ Expected<std::vector<std::string>> difference(const testing::StorySpec& story, c
   if (cut_short) found->outcomes.clear();  // of runs of two lengths
   std::vector<std::string> out;
   if (found->same()) return out;
+  if (now->failure && !then->failure) out.push_back(place + "the run fails now: " + now->failure->text());
   out.push_back(place + "the run goes otherwise than " + story.golden.string() +
                 (found->first ? " from " + general_text(to_seconds(found->first->t), 9) + " s on"
                               : ": its rules do the same, its result is another"));
@@ -149,6 +150,11 @@ Status accept_golden(const testing::StorySpec& story, const Host& host) {
   if (!child) return child.error();
   if (const auto played = child->finish(host); !played) return played.error();
   std::error_code error;
+  const auto before = Run::open(golden), run = Run::open(now);
+  if (run && run->failure && before && !before->failure) {
+    fs::remove_all(now, error);
+    return input_error("this golden run stays, because the run fails now: " + run->failure->text(), golden.string());
+  }
   fs::remove_all(then, error);
   if (!error) fs::rename(golden, then, error);
   if (!error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
@@ -121,9 +122,37 @@ void MomentFacts::begin(const RuleEngine& engine) {
   for (const FactCopy& fact : engine.facts()) at_the_start_[fact.print()];
 }
 
+void MomentFacts::hear(const JournalRecord& record) {
+  if (record.kind == RecordKind::kAssert || record.kind == RecordKind::kModify)
+    changed_[record.data.integer("fact")] = record.n;
+}
+
+/// In the order of their last changes: among activations that are else equal, it decides. A fact to which another one
+/// points stands before it.
+std::vector<FactCopy> MomentFacts::in_order(std::vector<FactCopy> facts) const {
+  std::ranges::stable_sort(facts, {}, [this](const FactCopy& fact) {
+    const auto changed = changed_.find(static_cast<std::int64_t>(fact.number));
+    return changed == changed_.end() ? 0 : changed->second;
+  });
+  std::map<std::string, const FactCopy*> by_name;
+  for (const FactCopy& fact : facts) by_name["<Fact-" + std::to_string(fact.index) + '>'] = &fact;
+  std::vector<FactCopy> out;
+  std::set<const FactCopy*> taken;
+  const auto take = [&](const auto& self, const FactCopy& fact) -> void {
+    if (!taken.insert(&fact).second) return;
+    const std::string text = fact.print();
+    for (std::size_t at = 0; (at = text.find("<Fact-", at)) != std::string::npos; ++at)
+      if (const auto to = by_name.find(text.substr(at, text.find('>', at) + 1 - at)); to != by_name.end())
+        self(self, *to->second);
+    out.push_back(fact);
+  };
+  for (const FactCopy& fact : facts) take(take, fact);
+  return out;
+}
+
 void MomentFacts::read(cx::Environment& environment, const MomentExchanges& exchanges) {
   RuleEngine& engine = environment.engine();
-  const std::vector<FactCopy> facts = engine.facts();
+  const std::vector<FactCopy> facts = in_order(engine.facts());
   for (const FactCopy& fact : facts) {
     if (fact.print().starts_with("(ros-msgs-")) of_plugin_.push_back(fact.print());
     const Value* server = fact.slot("server");

@@ -1,6 +1,7 @@
 #pragma once
 // What one environment of a recorded run knows at a moment, in the words of a story.
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -28,6 +29,8 @@ class MomentFacts {
  public:
   /// Before the first tick: what the story's agent knows and has by itself.
   void begin(const RuleEngine& engine);
+  /// A record of the environment, up to the moment.
+  void hear(const JournalRecord& record);
   /// At the moment.
   void read(cx::Environment& environment, const MomentExchanges& exchanges);
 
@@ -53,12 +56,14 @@ class MomentFacts {
     std::string expression;  // that asserts it; empty: its text does
     bool is_named = false;   // a later one points to it
   };
+  std::vector<FactCopy> in_order(std::vector<FactCopy> facts) const;
   bool has_open(const std::string& begin, const std::string& name) const;
   std::string with_messages(const FactCopy& fact, std::string text, const cx::MessageStore& store);
   std::string what_it_lacks(const std::string& fact, const std::vector<std::string>& handles);
   void note_next_symbol(RuleEngine& engine);
 
   std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
+  std::map<std::int64_t, std::uint64_t> changed_;    // by number of the fact: the last record that changed it
   std::vector<Given> given_;
   std::vector<std::string> of_plugin_;                   // facts of the generic plugin
   std::vector<std::string> bound_;                       // actions of which a binding has a client

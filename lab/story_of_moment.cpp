@@ -64,8 +64,14 @@ class Writer {
     if (Status s = agent(); !s) return s.error();
     const std::size_t so_far = records_.all.size();
     for (const JournalRecord& record : records_.all)
-      if (record.stream == stream_) exchanges_.hear(record);
+      if (record.stream == stream_) {
+        exchanges_.hear(record);
+        facts_.hear(record);
+      }
     facts_.read(*environment_, exchanges_);
+    if (has_goal_under_way() && begins_ == at_)
+      return input_error("--at: at " + seconds_of(at_) +
+                         " s a goal is under way, and the rules have not run before; expected a later moment");
     if (Status s = play_on(); !s) return s.error();
     for (std::size_t i = so_far; i < records_.all.size(); ++i)
       if (records_.all[i].stream == stream_) happened(records_.all[i]);
@@ -298,12 +304,15 @@ class Writer {
     return out;
   }
 
-  /// When the story begins: before the moment, if goals have to run by then.
-  std::string times() const {
-    const bool any = std::ranges::any_of(exchanges_.actions(), [&](const auto& of) {
+  bool has_goal_under_way() const {
+    return std::ranges::any_of(exchanges_.actions(), [&](const auto& of) {
       return facts_.has_action_client(of.first) && exchanges_.any_under_way(of.second);
     });
-    const bool later = any && begins_ < at_;
+  }
+
+  /// When the story begins: before the moment, if goals have to run by then.
+  std::string times() const {
+    const bool later = has_goal_under_way();
     return "  begins_s: " + seconds_of(later ? begins_ : at_) + "\n  moment: true\n" +
            (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
   }

@@ -105,7 +105,7 @@ Expected<AnswerLines> lines_of(const std::vector<Answer>& answers, Values&& valu
     references.insert(one.asked);
     out.lines.push_back({one.scenario, one.strategy, {}, values(one)});
   }
-  if (out.lines.empty()) return input_error("there is only one strategy, and no difference");
+  if (out.lines.empty()) return input_error("there is only one strategy, and none to compare it with");
   name_lines(out.lines, scenarios.size());
   out.against = references.size() == 1 ? *references.begin() : "what it is compared with";
   return out;
@@ -117,6 +117,28 @@ std::string games_text(const std::vector<PlotLine>& lines) {
       std::ranges::any_of(lines, [](const PlotLine& line) { return line.values.size() > kMostDots; });
   return "grey " + (some_only ? std::to_string(kMostDots) + " quantiles of the games" : std::string("each game")) +
          ", coloured the mean with its 95 % interval";
+}
+
+/// The mean of the games and the ends of its interval, as far as there are any.
+std::vector<double> ends_of(const PlotLine& line) {
+  const statistics::Interval interval = statistics::mean_interval_95(line.values);
+  std::vector<double> out{statistics::mean(line.values), interval.low, interval.high};
+  std::erase_if(out, [](double end) { return std::isnan(end); });
+  return out;
+}
+
+/// The least, and the most, of `value`, all games and the ends of their intervals.
+double least_of(const std::vector<PlotLine>& lines, double value) {
+  for (const PlotLine& line : lines)
+    for (const std::vector<double>& values : {line.values, ends_of(line)})
+      for (const double one : values) value = std::min(value, one);
+  return value;
+}
+double most_of(const std::vector<PlotLine>& lines, double value) {
+  for (const PlotLine& line : lines)
+    for (const std::vector<double>& values : {line.values, ends_of(line)})
+      for (const double one : values) value = std::max(value, one);
+  return value;
 }
 
 /// All values, or as many quantiles, the least and the most among them; in order.
@@ -284,7 +306,8 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
     return input_error("there is no strategy '" + against + "'; there are " +
                        some_of_and_nearest(against, all->strategies, 8));
   const std::vector<PlotLine>& lines = all->lines;
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), all->least, all->most);
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least_of(lines, all->least),
+              most_of(lines, all->most));
   out.caption(all->metric.title + " of a game: " + games_text(lines));
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PlotLine& line = lines[i];
@@ -304,14 +327,11 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
   if (!named) return named.error();
   const std::vector<PlotLine>& lines = named->lines;
   double least = 0, most = 0;
-  for (const PlotLine& line : lines) {
-    const statistics::Interval interval = statistics::mean_interval_95(line.values);
-    for (const double end : {statistics::mean(line.values), interval.low, interval.high})
-      if (!std::isnan(end)) {
-        least = std::min(least, end);
-        most = std::max(most, end);
-      }
-  }
+  for (const PlotLine& line : lines)
+    for (const double end : ends_of(line)) {
+      least = std::min(least, end);
+      most = std::max(most, end);
+    }
   Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
   const MetricOfRows& metric = answers.front().metric;
   out.caption(metric.title + " more than " + (against.empty() ? named->against : against) +
@@ -338,13 +358,10 @@ Expected<std::string> share_plot(const std::vector<Answer>& answers) {
   });
   if (!named) return named.error();
   const std::vector<PlotLine>& lines = named->lines;
-  double least = 100, most = 100;
-  for (const PlotLine& line : lines)
-    for (const double value : line.values) {
-      least = std::min(least, value);
-      most = std::max(most, value);
-    }
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
+  if (std::ranges::all_of(lines, [](const PlotLine& line) { return line.values.empty(); }))
+    return input_error("no game has a share: " + named->against + " has no figure above 0 in the games of the others");
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least_of(lines, 100),
+              most_of(lines, 100));
   out.caption("share of the " + answers.front().metric.title + " of " + named->against +
               " in the same game, in %: " + games_text(lines));
   out.line("zero", out.x(100), kTop - 8, out.x(100), out.bottom(), "#555", " stroke-dasharray=\"4 3\"");

@@ -379,7 +379,8 @@ Table difference_table(const std::vector<Answer>& answers) {
     const double improved = more ? statistics::probability_of_improvement(one.first, one.second)
                                  : statistics::probability_of_improvement(one.second, one.first);
     TableCell more_games;
-    if (one.judgement == Judgement::kUndecided && !std::isnan(effect) && effect != 0) {
+    const bool always_the_same = std::isnan(effect) && !values.empty() && values.front() != 0;
+    if (one.judgement == Judgement::kUndecided && (always_the_same || effect > 0 || effect < 0)) {
       constexpr double kMost = 100000;
       // Holm multiplies p by the number of comparisons that are no clearer than this one.
       const auto compared =

@@ -377,6 +377,14 @@ class Pieces(unittest.TestCase):
                     if move["to"] == "crew":
                         self.assertEqual(pieces[number]["fate"], "taken")
 
+    def test_what_was_over_before_the_stretch_is_left_out(self):
+        whole = ask("pieces", "rules")["pieces"]
+        ends = sorted(p["end_s"] for p in whole if p["end_s"] is not None)
+        self.assertGreater(len(ends), 5)
+        begin = ends[len(ends) // 2]
+        self.assertEqual([p["piece"] for p in ask("pieces", "rules", "--from", begin)["pieces"]],
+                         [p["piece"] for p in whole if p["end_s"] is None or p["end_s"] >= begin])
+
     def test_the_life_of_one(self):
         times = [t for t, d in referee("rules", "piece") if d["piece"] == 13]
         life = ask("pieces", "rules", 13)["life"]

@@ -312,6 +312,12 @@ class Failing(Stories):
         self.assertIn("2 passed", self.ask("test"))
         self.assertEqual(sorted(entry.name for entry in self.folder.iterdir() if entry.name.startswith("golden")), ["golden", "golden.story.yaml"])
         self.assertIn("--load-once: the story 'as it went' of golden.story.yaml is a golden run", self.cxlab("test", "golden.story.yaml", "--load-once").stderr)
+        self.write("rules/rules.clp", DOOR + "(defrule broken")
+        for arguments, code in (([], 1), (["--accept"], 3)):
+            done = self.cxlab("test", "golden.story.yaml", *arguments)
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+            self.assertRegex(done.stdout, r"the run fails now: .*rules.clp:\d+: ")
+        self.assertEqual(json.loads((self.folder / "golden/result.json").read_text())["status"], "completed")
         self.write("late.story.yaml", "- {story: late, golden: golden, end: 3000}\n")
         done = self.cxlab("test", "late.story.yaml")
         self.assertEqual(done.returncode, 3)
@@ -414,6 +420,19 @@ class FromAMoment(Stories):
                     self.assertEqual({letter: outcome for outcome, _, letter in running}, {letter: "fail" if letter == "C" else "succeed" for letter in expected})
                     self.assertNotIn("packages:", text, "those of cxlab are there without a word")
 
+    def test_the_last_change_of_facts_decides_between_equal_activations(self):
+        self.write("a.clp", """(deftemplate box (slot name) (slot n (default 0)))
+(deffacts start (box (name A)) (box (name B)) (go))
+(defrule change (time ?t&:(>= ?t 2)) ?b <- (box (name A) (n 0)) => (modify ?b (n 1)))
+(defrule choose (time ?t&:(>= ?t 5)) ?g <- (go) (box (name ?x)) => (retract ?g) (assert (chosen ?x)))
+""")
+        self.write("w.story.yaml", "- {story: w, rules: a.clp, end: 8, expect: [{fires: choose, count: 9, within_s: 7}]}\n")
+        self.assertEqual(self.cxlab("test", "w.story.yaml", "--keep-runs", "k").returncode, 1)
+        done = self.cxlab("new", "story", "k/w-w", "--at", 3, "--for", 4, "--out", "m.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("do not happen", done.stderr)
+        self.assertIn("(chosen ", (self.folder / "m.story.yaml").read_text())
+
     def test_a_story_passes_and_bites(self):
         made = self.cxlab("new", "agent", "mine")
         self.assertEqual(made.returncode, 0, made.stderr)
@@ -503,10 +522,13 @@ class FromAMoment(Stories):
         self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
 
     def test_notes_name_what_a_story_lacks(self):
-        self.write("a.clp", """(deftemplate pair (slot to (default nil)))
-(deffacts start (start) (pair) (other))
+        self.write("a.clp", """(deftemplate link (slot to (default nil)))
+(deftemplate pair (slot name) (slot to (default nil)))
+(deffacts start (start) (link) (other) (pair (name a)) (pair (name b)))
+(defrule tie ?p <- (pair (name a) (to nil)) ?q <- (pair (name b)) => (modify ?p (to ?q)))
+(defrule tie-back ?q <- (pair (name b) (to nil)) ?p <- (pair (name a) (to ~nil)) => (modify ?q (to ?p)))
 (defrule keep (start) => (assert (array (ros-msgs-create-message "std_msgs/msg/Int32MultiArray")) (flat (ros-msgs-create-message "std_msgs/msg/String"))))
-(defrule point ?p <- (pair (to nil)) ?o <- (other) => (modify ?p (to ?o)))
+(defrule point ?p <- (link (to nil)) ?o <- (other) => (modify ?p (to ?o)))
 (defrule compute (logical (start)) => (bind ?x 1) (assert (computed ?x) (follows)))
 (defrule end (time ?t) (test (> ?t 3)) ?s <- (start) (flat ?m) => (retract ?s) (assert (said (ros-msgs-get-field ?m "data"))))
 """)
@@ -515,13 +537,14 @@ class FromAMoment(Stories):
         done = self.cxlab("new", "story", "k/w-w", "--at", 1, "--for", 4, "--out", "m.story.yaml")
         self.assertEqual(done.returncode, 0, done.stderr)
         notes = re.findall(r"^note: (.*?)(?: of \d+ things.*)?$", done.stderr, re.MULTILINE)
-        self.assertRegex(notes[0], r"^left out, because the fact to which it points is not given before it: \(pair \(to <Fact-\d+>\)\)$")
-        self.assertRegex(notes[1], r"^left out, because a story cannot make the message or goal to which it points: \(array <Pointer-C-\w+>\)$")
-        self.assertEqual(notes[2], "stays when the facts go from which it follows, because its rule computes it: (computed 1)")
-        self.assertEqual(notes[3:5], ["1", "  {no_fact: '(computed 1)', at: 5}"])
+        self.assertRegex(notes[0], r"^left out, because the fact to which it points is not given before it: \(pair \(name .\) \(to <Fact-\d+>\)\)$")
+        self.assertRegex(notes[2], r"^left out, because a story cannot make the message or goal to which it points: \(array <Pointer-C-\w+>\)$")
+        self.assertEqual(notes[3], "stays when the facts go from which it follows, because its rule computes it: (computed 1)")
+        self.assertEqual(notes[4:6], ["1", "  {no_fact: '(computed 1)', at: 5}"])
         text = (self.folder / "m.story.yaml").read_text()
         self.assertIn("'(ros-msgs-set-field ?*message-", text)
         self.assertIn("{no_fact: '(follows)', at: 5}", text)
+        self.assertRegex(text, r"{fact: '\(other\)', as: '(<Fact-\d+>)'}\n.*'\(link \(to \1\)\)'")
         self.assertIn("""{fact: '(said "")', at: 5}""", text)
 
     def new_story(self, run, at, name):

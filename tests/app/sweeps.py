@@ -260,6 +260,7 @@ class Sweeps(Lab):
         killed, crashed = (row for _, row in sorted(self.rows(self.home / "r").items()))
         self.assertEqual((killed["status"], killed["exit"], killed["errors"]), ("crashed", 137, ["killed by SIGKILL: the machine had no memory left, or somebody ended it"]))
         self.assertEqual(crashed["status"], "crashed")
+        self.assertNotEqual(killed["key"], crashed["key"])
         self.assertIn("SIGSEGV", crashed["errors"][0])
         self.assertIn("endless plain seed 1: crashed, exit 137; killed by SIGKILL", said)
 

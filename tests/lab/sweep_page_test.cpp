@@ -291,6 +291,9 @@ TEST(MoreGames, AreAsManyAsADecisionNeedsBesidesTheOtherComparisons) {
   for (Answer* one : {&few, &many}) one->first = one->second = one->values;
   const double effect = statistics::effect_size(many.values);
   EXPECT_THAT(more_games({few}), ElementsAre(3));
+  Answer constant = few;
+  constant.values = {10, 10};
+  EXPECT_THAT(more_games({constant}), ElementsAre(4));
   EXPECT_THAT(more_games({few, few}), ElementsAre(4, 4));
   EXPECT_THAT(more_games({many}), ElementsAre(statistics::pairs_needed(effect, 0.04) - 20));
   // Holm corrects the clearer one for both, and the other one for itself.
@@ -323,6 +326,28 @@ TEST(Plots, SharesLieAroundWhatIsAllOfTheOther) {
   EXPECT_THAT(share_plot({}).error().message, HasSubstr("only one strategy"));
 }
 
+TEST(Plots, IntervalsOfFewGamesAreWithinTheScale) {
+  std::vector<Row> rows;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    rows.push_back(row("first", seed, 40.0 + 60 * static_cast<double>(seed), 0));
+    rows.push_back(row("second", seed, 90.0 - 10 * static_cast<double>(seed), 0));
+  }
+  const auto answers = compare_strategies(rows, "", "", catalogue());
+  ASSERT_TRUE(answers);
+  for (const auto& plot : {score_plot(rows, "", "", catalogue()), share_plot(*answers), difference_plot(*answers)}) {
+    ASSERT_TRUE(plot);
+    const auto scale = found(*plot, "<line class=\"grid\" x1=\"([0-9.]+)");
+    const auto from = found(*plot, "<line class=\"[^\"]*\" x1=\"(-?[0-9.]+)[^>]*stroke-width=\"3\"");
+    const auto to = found(*plot, "x2=\"(-?[0-9.]+)\"[^>]*stroke-width=\"3\"");
+    ASSERT_FALSE(from.empty());
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      EXPECT_LT(std::stod(from[i]), std::stod(to[i]));
+      EXPECT_GE(std::stod(from[i]), std::stod(scale.front()));
+      EXPECT_LE(std::stod(to[i]), std::stod(scale.back()));
+    }
+  }
+}
+
 TEST(Plots, DoNotGrowWithTheSweep) {
   std::vector<Row> rows;
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)
@@ -337,9 +362,11 @@ TEST(Plots, DoNotGrowWithTheSweep) {
     for (const std::string& x : found(drawn, "<circle class=\"game[^>]* cx=\"([^\"]*)")) places.push_back(std::stod(x));
     return std::pair(std::ranges::min(places), std::ranges::max(places));
   };
-  const auto two = score_plot({row("a", 1, 0, 0), row("a", 2, 999, 0)}, "", "", catalogue());
-  ASSERT_TRUE(two);
-  EXPECT_EQ(ends(*plot), ends(*two)) << "the least and the most are among them";
+  rows.clear();
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) rows.push_back(row("a", seed, seed % 2 ? 0 : 999, 0));
+  const auto few = score_plot(rows, "", "", catalogue());
+  ASSERT_TRUE(few);
+  EXPECT_EQ(ends(*plot), ends(*few)) << "the least and the most are among them";
 }
 
 TEST(Plots, HaveRoomForTheLongestNameWhereverItStands) {
