@@ -71,7 +71,7 @@ class Writer {
     facts_.read(*environment_, exchanges_);
     if (has_goal_under_way() && begins_ == at_)
       return input_error("--at: at " + seconds_of(at_) +
-                         " s a goal is under way, and the rules have not run before; expected a later moment");
+                         " s a goal is in progress, and the rules have not run before; expected a later moment");
     if (Status s = play_on(); !s) return s.error();
     for (std::size_t i = so_far; i < records_.all.size(); ++i)
       if (records_.all[i].stream == stream_) happened(records_.all[i]);
