@@ -22,6 +22,7 @@
 #include "lab/file_watch.h"
 #include "lab/stories.h"
 #include "lab/story_filter.h"
+#include "lab/sweep/suite.h"
 #include "lab/table_text.h"
 #include "scenarios/share.h"
 
@@ -46,23 +47,14 @@ struct TestOptions {
 
 // --- What a person reads
 
-/// As a shell reads it back as one word.
-std::string shell_word(const std::string& text) {
-  static constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + '\'';
-}
-
 /// The command that plays this story again with the seed of its result, and no other; it has all options that may
 /// change the result. For a file that cannot be read, it plays the file.
 std::string again(const PlayedStory& story, const TestOptions& options) {
-  std::string out = "cxlab test " + shell_word(story.spec.file + (story.unreadable ? "" : "::" + story.spec.name));
+  std::string out = "cxlab test " + lab::shell_word(story.spec.file + (story.unreadable ? "" : "::" + story.spec.name));
   if (!story.spec.seeds.empty() || options.seed) out += " --seed " + std::to_string(story.seed);
-  for (const std::string& package : options.packages.named) out += " --package " + shell_word(package);
-  for (const std::string& prefix : options.packages.prefixes) out += " --prefix " + shell_word(prefix);
-  for (const std::string& word : options.limits) out += ' ' + shell_word(word);
+  for (const std::string& package : options.packages.named) out += " --package " + lab::shell_word(package);
+  for (const std::string& prefix : options.packages.prefixes) out += " --prefix " + lab::shell_word(prefix);
+  for (const std::string& word : options.limits) out += ' ' + lab::shell_word(word);
   return out;
 }
 
@@ -81,7 +73,7 @@ void print(const PlayedStory& p, const TestOptions& options) {
   if (!p.passed() && !p.result.bad)
     std::printf("  seed %llu; again: %s\n", static_cast<unsigned long long>(p.seed), again(p, options).c_str());
   if (!p.run.empty()) {
-    const std::string run = shell_word(p.run.string());
+    const std::string run = lab::shell_word(p.run.string());
     std::printf("  run %s; ask it: cxlab attach %s, cxlab why-not %s RULE\n", run.c_str(), run.c_str(), run.c_str());
   }
   if (options.verbose)

@@ -39,7 +39,7 @@ Expected<std::string> to_page(const explain::Coverage& coverage, const Sources& 
 /// Writes what the options name.
 Status write_reports(const explain::Coverage& coverage, const CoverageOptions& options, Sources sources,
                      const Places& places, const std::string& title);
-/// Fewer rules fired than they must, or there is no rule: a sentence that says so, of kind kNo.
+/// An error of kind kNo if fewer rules fired than must, or if there is no rule.
 Status check_share(const explain::Coverage& coverage, const CoverageOptions& options);
 
 }  // namespace cxlab::lab

@@ -101,7 +101,8 @@ testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage,
     return result;
   }
   const int code = process->wait();
-  if (const auto run = Run::open(folder)) result.sim_time_s = to_seconds(run->sim_time);
+  auto run = Run::open(folder);
+  if (run) result.sim_time_s = to_seconds(run->sim_time);
   const auto why = is_file(error) ? read_file(error) : Expected<std::string>(std::string());
   if (code != 0 && why && !why->empty()) {
     result.bad = input_error(*why, story.file, story.line);
@@ -113,7 +114,6 @@ testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage,
     return result;
   }
   if (coverage) {
-    auto run = Run::open(folder);
     std::vector<Run> runs;
     if (run) runs.push_back(*std::move(run));
     const auto covered = run ? coverage_of_runs(runs, 1, host) : run.error();

@@ -74,6 +74,16 @@ void for_each_handle(const FactCopy& fact, Visit visit) {
   }
 }
 
+/// The names of the facts to which this one points: "<Fact-12>".
+std::vector<std::string> facts_named_in(const std::string& fact) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; (at = fact.find("<Fact-", at)) != std::string::npos; ++at)
+    out.push_back(fact.substr(at, fact.find('>', at) + 1 - at));
+  return out;
+}
+
+std::string name_of(const FactCopy& fact) { return "<Fact-" + std::to_string(fact.index) + '>'; }
+
 /// The values of a slot in an expression that CLIPS does not check before it evaluates it.
 std::string unchecked(const Value& value) {
   if (!value.is(ValueType::kMultifield)) return "(nth$ 1 (create$ " + value.print() + "))";
@@ -135,15 +145,13 @@ std::vector<FactCopy> MomentFacts::in_order(std::vector<FactCopy> facts) const {
     return changed == changed_.end() ? 0 : changed->second;
   });
   std::map<std::string, const FactCopy*> by_name;
-  for (const FactCopy& fact : facts) by_name["<Fact-" + std::to_string(fact.index) + '>'] = &fact;
+  for (const FactCopy& fact : facts) by_name[name_of(fact)] = &fact;
   std::vector<FactCopy> out;
   std::set<const FactCopy*> taken;
   const auto take = [&](const auto& self, const FactCopy& fact) -> void {
     if (!taken.insert(&fact).second) return;
-    const std::string text = fact.print();
-    for (std::size_t at = 0; (at = text.find("<Fact-", at)) != std::string::npos; ++at)
-      if (const auto to = by_name.find(text.substr(at, text.find('>', at) + 1 - at)); to != by_name.end())
-        self(self, *to->second);
+    for (const std::string& name : facts_named_in(fact.print()))
+      if (const auto to = by_name.find(name); to != by_name.end()) self(self, *to->second);
     out.push_back(fact);
   };
   for (const FactCopy& fact : facts) take(take, fact);
@@ -170,7 +178,7 @@ void MomentFacts::read(cx::Environment& environment, const MomentExchanges& exch
     const std::string expression =
         with_messages(fact, is_checked ? text : expression_of(fact, engine), environment.common<cx::MessageStore>());
     if (const std::string why = what_it_lacks(expression, handles); why.empty())
-      given_.push_back({text, "<Fact-" + std::to_string(fact.index) + '>', expression == text ? "" : expression});
+      given_.push_back({text, name_of(fact), expression == text ? "" : expression});
     else
       lost_.push_back("left out, because " + why + ": " + text);
   }
@@ -221,8 +229,8 @@ std::string MomentFacts::what_it_lacks(const std::string& fact, const std::vecto
     for (std::size_t at; (at = text.find(handle)) != std::string::npos;) text.erase(at, handle.size());
   if (text.find("<Pointer-") != std::string::npos) return "a story cannot make the message or goal to which it points";
   std::vector<Given*> named;
-  for (std::size_t at = 0; (at = text.find("<Fact-", at)) != std::string::npos; ++at) {
-    const auto found = std::ranges::find(given_, text.substr(at, text.find('>', at) + 1 - at), &Given::name);
+  for (const std::string& name : facts_named_in(text)) {
+    const auto found = std::ranges::find(given_, name, &Given::name);
     if (found == given_.end()) return "the fact to which it points is not given before it";
     named.push_back(&*found);
   }

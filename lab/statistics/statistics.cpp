@@ -125,10 +125,15 @@ Interval interval_95(Values values, const std::function<double(Values)>& statist
                             {.resamples = values.size() > kMany ? 1999u : 9999u, .seed = 1});
 }
 
-Interval mean_interval_95(Values values) {
-  if (values.size() < 2 || values.size() >= kFewestForBootstrap) return interval_95(values, mean);
+double student_half_95(Values values) {
+  if (values.size() < 2) return kNone;
   const double n = count(values);
-  const double half = student_quantile(0.975, n - 1) * standard_deviation(values) / std::sqrt(n);
+  return student_quantile(0.975, n - 1) * standard_deviation(values) / std::sqrt(n);
+}
+
+Interval mean_interval_95(Values values) {
+  if (values.size() >= kFewestForBootstrap) return interval_95(values, mean);
+  const double half = student_half_95(values);
   return {mean(values) - half, mean(values) + half};
 }
 

@@ -52,6 +52,8 @@ double widened_level(double level, std::size_t n);
 /// their range, and the range of n values misses the median with a probability of 2^(1 - n).
 Interval interval_95(Values values, const std::function<double(Values)>& statistic);
 inline constexpr std::size_t kFewestForBootstrap = 6;
+/// Half of Student's 95 % interval of the mean; NaN for fewer than two values.
+double student_half_95(Values values);
 /// interval_95 of the mean; for fewer than `kFewestForBootstrap` values, two at least, the interval of Student's t.
 Interval mean_interval_95(Values values);
 

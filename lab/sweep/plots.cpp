@@ -119,27 +119,32 @@ std::string games_text(const std::vector<PlotLine>& lines) {
          ", coloured the mean with its 95 % interval";
 }
 
-/// The mean of the games and the ends of its interval, as far as there are any.
-std::vector<double> ends_of(const PlotLine& line) {
-  const statistics::Interval interval = statistics::mean_interval_95(line.values);
-  std::vector<double> out{statistics::mean(line.values), interval.low, interval.high};
-  std::erase_if(out, [](double end) { return std::isnan(end); });
+/// A mean with its 95 % interval, as far as there are any.
+struct Estimate {
+  double mean;
+  statistics::Interval interval;
+};
+
+std::vector<Estimate> estimates_of(const std::vector<PlotLine>& lines) {
+  std::vector<Estimate> out;
+  for (const PlotLine& line : lines)
+    out.push_back({statistics::mean(line.values), statistics::mean_interval_95(line.values)});
   return out;
 }
 
-/// The least, and the most, of `value`, all games and the ends of their intervals.
-double least_of(const std::vector<PlotLine>& lines, double value) {
-  for (const PlotLine& line : lines)
-    for (const std::vector<double>& values : {line.values, ends_of(line)})
-      for (const double one : values) value = std::min(value, one);
-  return value;
-}
-double most_of(const std::vector<PlotLine>& lines, double value) {
-  for (const PlotLine& line : lines)
-    for (const std::vector<double>& values : {line.values, ends_of(line)})
-      for (const double one : values) value = std::max(value, one);
-  return value;
-}
+/// What a scale has room for.
+struct Span {
+  double least, most;
+  void add(double value) {
+    if (std::isnan(value)) return;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  void add(const std::vector<Estimate>& estimates) {
+    for (const auto& [mean, interval] : estimates)
+      for (const double end : {mean, interval.low, interval.high}) add(end);
+  }
+};
 
 /// All values, or as many quantiles, the least and the most among them; in order.
 std::vector<double> quantiles_of(std::vector<double> values) {
@@ -213,18 +218,19 @@ class Drawing {
             "\" stroke-width=\"2\"" + more + "><title>" + xml_text(remark) + "</title></path>\n";
   }
   /// A mean with its interval.
-  void estimate(const std::string& kind, std::size_t row, double mean, const statistics::Interval& interval,
-                const std::string& colour) {
+  void estimate(const std::string& kind, std::size_t row, const Estimate& found, const std::string& colour) {
+    const auto& [mean, interval] = found;
     if (!std::isnan(interval.low))
       line(kind, x(interval.low), y_of(row), x(interval.high), y_of(row), colour, " stroke-width=\"3\"");
     dot(kind, x(mean), y_of(row), 4.5, colour);
   }
   /// The figure of each game in grey, and above them their mean with its interval.
-  void games(std::size_t row, const PlotLine& games, const std::string& kind, const std::string& colour) {
+  void games(std::size_t row, const PlotLine& games, const Estimate& found, const std::string& kind,
+             const std::string& colour) {
     name(row, games.name);
     if (games.values.empty()) return;
     for (const double value : quantiles_of(games.values)) dot("game", x(value), y_of(row) + kBelow, 2.5, "#bbb");
-    estimate(kind, row, statistics::mean(games.values), statistics::mean_interval_95(games.values), colour);
+    estimate(kind, row, found, colour);
   }
   /// What the scale on the left is of; it stands upright beside the names.
   void side_caption(const std::string& words) {
@@ -306,18 +312,20 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
     return input_error("there is no strategy '" + against + "'; there are " +
                        some_of_and_nearest(against, all->strategies, 8));
   const std::vector<PlotLine>& lines = all->lines;
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least_of(lines, all->least),
-              most_of(lines, all->most));
+  const std::vector<Estimate> estimates = estimates_of(lines);
+  Span span{all->least, all->most};
+  span.add(estimates);
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), span.least, span.most);
   out.caption(all->metric.title + " of a game: " + games_text(lines));
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const PlotLine& line = lines[i];
     const bool reference = line.strategy == (against.empty() ? all->strategies.front() : against);
     const std::string colour = Drawing::colour_of(i), kind = Drawing::series_class(i);
     if (reference && all->scenarios == 1 && !line.values.empty()) {
-      const double mean = out.x(statistics::mean(line.values));
+      const double mean = out.x(estimates[i].mean);
       out.line(kind, mean, kTop - 8, mean, out.bottom(), colour, " stroke-dasharray=\"4 3\"");
     }
-    out.games(i, line, kind, colour);
+    out.games(i, line, estimates[i], kind, colour);
   }
   return out.svg();
 }
@@ -326,13 +334,10 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
   auto named = lines_of(answers, [](const Answer& one) { return one.values; });
   if (!named) return named.error();
   const std::vector<PlotLine>& lines = named->lines;
-  double least = 0, most = 0;
-  for (const PlotLine& line : lines)
-    for (const double end : ends_of(line)) {
-      least = std::min(least, end);
-      most = std::max(most, end);
-    }
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least, most);
+  const std::vector<Estimate> estimates = estimates_of(lines);
+  Span span{0, 0};
+  span.add(estimates);
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), span.least, span.most);
   const MetricOfRows& metric = answers.front().metric;
   out.caption(metric.title + " more than " + (against.empty() ? named->against : against) +
               " in the same game, with the 95 % interval" + (metric.more_is_better ? "" : " (less is better)"));
@@ -344,8 +349,7 @@ Expected<std::string> difference_plot(const std::vector<Answer>& answers, const 
     const char* const colour = judgement == Judgement::kBetter  ? "#1a7f37"
                                : judgement == Judgement::kWorse ? "#c62828"
                                                                 : "#777";
-    out.estimate(std::string(to_string(judgement)), i, statistics::mean(lines[i].values),
-                 statistics::mean_interval_95(lines[i].values), colour);
+    out.estimate(std::string(to_string(judgement)), i, estimates[i], colour);
   }
   return out.svg();
 }
@@ -360,13 +364,17 @@ Expected<std::string> share_plot(const std::vector<Answer>& answers) {
   const std::vector<PlotLine>& lines = named->lines;
   if (std::ranges::all_of(lines, [](const PlotLine& line) { return line.values.empty(); }))
     return input_error("no game has a share: " + named->against + " has no figure above 0 in the games of the others");
-  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), least_of(lines, 100),
-              most_of(lines, 100));
+  const std::vector<Estimate> estimates = estimates_of(lines);
+  Span span{100, 100};
+  span.add(estimates);
+  for (const PlotLine& line : lines)
+    for (const double share : line.values) span.add(share);
+  Drawing out(names_of(lines), kRowHeight * static_cast<double>(lines.size()), span.least, span.most);
   out.caption("share of the " + answers.front().metric.title + " of " + named->against +
               " in the same game, in %: " + games_text(lines));
   out.line("zero", out.x(100), kTop - 8, out.x(100), out.bottom(), "#555", " stroke-dasharray=\"4 3\"");
   for (std::size_t i = 0; i < lines.size(); ++i)
-    out.games(i, lines[i], Drawing::series_class(0), Drawing::colour_of(0));
+    out.games(i, lines[i], estimates[i], Drawing::series_class(0), Drawing::colour_of(0));
   return out.svg();
 }
 

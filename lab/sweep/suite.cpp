@@ -230,7 +230,8 @@ Expected<Suite> Suite::load(const fs::path& file) {
     std::vector<std::string> names;
     for (const yaml::Value& item : scenarios.as_list()) {
       fs::path path = (file.parent_path() / item.as_string()).lexically_normal();
-      if (const auto own = own_scenario(item.text()); own && !path_exists(path)) path = *own;
+      if (!path_exists(path))
+        if (const auto own = own_scenario(item.text())) path = *own;
       if (std::find(files.begin(), files.end(), path) != files.end()) {
         item.fail(found_expected("the scenario '" + item.text() + "' twice", "each once"));
       } else {

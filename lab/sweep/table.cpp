@@ -82,10 +82,8 @@ Summary summarize(const std::vector<double>& values) {
   const auto [min, max] = std::minmax_element(values.begin(), values.end());
   s.min = *min;
   s.max = *max;
-  const double n = static_cast<double>(s.n);
   s.mean = statistics::mean(values);
-  if (s.n > 1)
-    s.half = statistics::student_quantile(0.975, n - 1) * statistics::standard_deviation(values) / std::sqrt(n);
+  s.half = statistics::student_half_95(values);
   return s;
 }
 

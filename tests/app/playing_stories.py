@@ -578,7 +578,7 @@ class FromAMoment(Stories):
                 self.assertNotEqual(without, text)
                 self.write("story.story.yaml", without)
                 self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 1, "the rules wait for feedback")
-        # The last one has a request in progress, and facts that say so.
+        # The last one has a request in progress, and facts about it.
         number = re.search(r"'\(pddl-asked \"/pddl_manager/check_action_condition\" (\d+) <Fact-\d+> condition <Fact-\d+>\)'", text)[1]
         self.assertRegex(text, r"- \{fact: '\(pddl-instance .*\)', as: '<Fact-\d+>'\}")
         sent = f"under_way: [{{id: '{number}', outcome: succeed, takes_s: "
