@@ -78,6 +78,7 @@ int show(const ShowOptions& options) {
     return fail(usage_error("--format csv prints one table; expected --table with one of: " + some_of(kTables)));
   const auto rows = lab::read_rows(options.sweep, catalogue());
   if (!rows) return fail(rows.error());
+  if (Status s = lab::check_strategy(*rows, options.against); !s) return fail(s.error());
   std::vector<Table> tables;
   for (const std::string& name : kTables) {
     if (options.table.empty() ? name != "scores" && name != "differences" && name != "profile" : name != options.table)
@@ -92,6 +93,7 @@ int show(const ShowOptions& options) {
       table = lab::overview_table(*rows, options.against, catalogue());
     } else if (name == "parts") {
       table = lab::part_table(*rows, options.metric, catalogue());
+      if (!table && options.table.empty()) continue;  // a metric without parts
     } else if (name == "shares") {
       table = lab::share_table(*rows, options.against, options.metric, catalogue());
     } else {
@@ -144,6 +146,7 @@ int compare(const CompareOptions& options) {
 }
 
 Expected<std::string> drawn(const std::vector<lab::Row>& rows, const PlotOptions& options) {
+  if (Status s = lab::check_strategy(rows, options.against); !s) return s.error();
   if (options.kind == "profile") return lab::profile_plot(rows, options.metric, catalogue());
   if (options.kind == "parts") return lab::parts_plot(rows, options.metric, catalogue());
   if (options.kind == "scores") return lab::score_plot(rows, options.metric, options.against, catalogue());

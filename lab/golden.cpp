@@ -44,12 +44,14 @@ Expected<std::vector<std::string>> difference(const testing::StorySpec& story, c
   auto now = Run::open(folder);
   if (!now) return now.error();
   auto found = compare(*then, *now, host);
-  if (!found) return found.error();
+  const std::optional<Error> fails = then->failure ? std::nullopt : now->failure;
+  const std::string failure = fails ? place + "the run fails now: " + fails->text() : "";
+  if (!found) return fails ? Expected(std::vector{failure}) : found.error();
   const bool cut_short = story.end > SimTime::zero();
   if (cut_short) found->outcomes.clear();  // of runs of two lengths
   std::vector<std::string> out;
   if (found->same()) return out;
-  if (now->failure && !then->failure) out.push_back(place + "the run fails now: " + now->failure->text());
+  if (fails) out.push_back(failure);
   out.push_back(place + "the run goes otherwise than " + story.golden.string() +
                 (found->first ? " from " + general_text(to_seconds(found->first->t), 9) + " s on"
                               : ": its rules do the same, its result is another"));
@@ -104,13 +106,15 @@ testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage,
   auto run = Run::open(folder);
   if (run) result.sim_time_s = to_seconds(run->sim_time);
   const auto why = is_file(error) ? read_file(error) : Expected<std::string>(std::string());
-  if (code != 0 && why && !why->empty()) {
-    result.bad = input_error(*why, story.file, story.line);
-    return result;
-  }
   if (code != 0) {
-    result.failures.push_back(story.file + ':' + std::to_string(story.line) + ": the process that played " +
-                              story.golden.string() + " again ended with code " + std::to_string(code));
+    const std::string what = why && !why->empty() ? *why
+                                                  : "the process that played " + story.golden.string() +
+                                                        " again ended with code " + std::to_string(code);
+    const Error failure = input_error(what, story.file, story.line);
+    if (code == static_cast<int>(ErrorKind::kInput) || code == static_cast<int>(ErrorKind::kUsage))
+      result.bad = failure;
+    else
+      result.failures.push_back(failure.text());
     return result;
   }
   if (coverage) {

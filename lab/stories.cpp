@@ -89,14 +89,17 @@ Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& 
   if (!places) return places.error();
   std::vector<PlayedStory> out;
   for (const auto& [file, names] : *places) {
-    auto specs = testing::read_stories(file);
+    std::vector<Error> further;
+    auto specs = testing::read_stories(file, &further);
     if (!specs) {
       PlayedStory& bad = out.emplace_back();
       bad.unreadable = true;
       bad.spec.file = file.string();
       bad.spec.name = file.filename().string();
       bad.result.bad = specs.error();
-      if (!file.string().ends_with(kEnding))
+      if (file.string().ends_with(kEnding))
+        for (const Error& error : further) bad.result.failures.push_back(error.text());
+      else
         bad.result.bad->message = "this is no story file, whose name ends with .story.yaml: " + specs.error().message;
       continue;
     }

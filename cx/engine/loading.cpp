@@ -390,7 +390,11 @@ LoadReport RuleEngine::load_text(std::string_view text, const std::string& file,
   evaluationData& counted = *evaluation_data(environment_);
   if (counted.CurrentExpression != nullptr) counted.Steps += kStepsOfAByte * text.size();  // rules load it
   for (const Form& form : reading.forms) {
-    if (counted.Steps > counted.LookAtStep) impl_->look_at_limits();  // reading takes steps, too
+    if (counted.Steps > counted.LookAtStep) {  // reading takes steps, too
+      impl_->contexts.push_back({ErrorSide::kLoad, {}, file, form.line, nullptr});
+      impl_->look_at_limits();
+      impl_->contexts.pop_back();
+    }
     if (options_.limits != nullptr && options_.limits->exceeded) break;
     add_reading_errors(form.line);
     if ((stopped = collect())) break;

@@ -303,7 +303,8 @@ std::vector<Error> Parameters::in_vain() const {
       continue;
     }
     std::vector<std::string> others = names();
-    std::erase_if(others, [&word = name](const std::string& other) {
+    std::erase_if(others, [this, &word = name](const std::string& other) {
+      if (const Parameter& it = values_.at(other); it.given && !it.asked_for) return true;  // nothing reads it, either
       // Names of the same group are compared without the group.
       std::size_t group = 0;
       for (std::size_t i = 0; i < std::min(word.size(), other.size()) && word[i] == other[i]; ++i)

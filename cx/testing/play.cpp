@@ -118,7 +118,8 @@ Expected<fs::path> Play::config_file() {
 Status Play::begin() {
   if (spec_->begins > SimTime::zero()) bus_.begin_tick(spec_->begins);
   if (Status s = manager_->configure(); !s)
-    return input_error(s.error().message, s.error().file, s.error().line).with_code(s.error().code);
+    return limits_.exceeded ? s.error()
+                            : input_error(s.error().message, s.error().file, s.error().line).with_code(s.error().code);
   if (Status s = find_environment(); !s) return s;
   return manager_->activate();
 }

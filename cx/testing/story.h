@@ -103,14 +103,15 @@ struct StoryResult {
   std::vector<std::string> notes;     ///< what was left open at the end, and parameters that nothing read
   std::vector<std::string> printed;   ///< lines of the agent's log, but for those for debugging; the last 1000
   std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
-  std::optional<Error> bad;           ///< the story itself cannot be used
+  std::optional<Error> bad;           ///< the story itself, or a file that it names, cannot be used
   double sim_time_s = 0;
   explain::Coverage coverage;  ///< of all its environments, with `StorySetup::coverage`
   bool passed() const { return failures.empty() && !bad; }
 };
 
-/// Reads the stories of a file (docs/reference/stories.md); paths in it are relative to it.
-Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file);
+/// Reads the stories of a file (docs/reference/stories.md); paths in it are relative to it. The error is the first of
+/// those that are found; `further` gets the others.
+Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file, std::vector<Error>* further = nullptr);
 /// Plays the story in a manager of its own.
 StoryResult run_story(const StorySpec& spec, const StorySetup& setup);
 

@@ -194,8 +194,7 @@ Step read_step(const yaml::Value& item) {
     step.type = map.require("type").as_string();
     step.data = dumped(map, "data");
   }
-  map.finish();
-  if (verb.given != 1) map.fail("expected one of " + verb.keys);
+  if (map.finish() && verb.given != 1) map.fail("expected one of " + verb.keys);
   return step;
 }
 
@@ -228,10 +227,13 @@ Expectation read_expectation(const yaml::Value& item) {
     map.read_seconds("at", e.until);
     e.at = true;
   }
-  map.finish();
-  if (kind.given != 1) map.fail("expected one of " + kind.keys);
+  if (!map.finish()) return e;
+  if (kind.given != 1) {
+    map.fail("expected one of " + kind.keys);
+    return e;
+  }
   if (e.until < e.after) map.fail("within_s is before after");
-  if (!e.at && e.until == kNever && e.kind != Kind::kNoFact && e.kind != Kind::kNotFires)
+  if (!e.at && !map.has("within_s") && e.kind != Kind::kNoFact && e.kind != Kind::kNotFires)
     map.fail(std::string("key 'within_s' is missing") + (about_fact ? " (or 'at')" : ""));
   return e;
 }
@@ -332,6 +334,16 @@ bool names_no_time(const StorySpec& spec) {
                              [](const Expectation& e) { return e.until == kNever && e.after == SimTime::zero(); });
 }
 
+/// What a story needs and this one does not have; empty: it has all.
+std::string lacks(const StorySpec& spec) {
+  if (spec.config.empty() == spec.rules.empty()) return "expected one of config, rules, golden";
+  if (spec.expect.empty()) return "nothing is expected";
+  if (names_no_time(spec))
+    return "no time is named, so the story would end at its first tick: give an expectation `within_s`, or the story "
+           "`end`";
+  return {};
+}
+
 /// A run has all of its own.
 void check_golden(yaml::Map& map) {
   for (const auto& [key, value] : map.entries())
@@ -341,9 +353,14 @@ void check_golden(yaml::Map& map) {
 
 }  // namespace
 
-Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file) {
+Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file, std::vector<Error>* further) {
   auto document = yaml::Document::load(file);
   if (!document) return document.error();
+  const auto wrong = [&] {
+    const std::vector<Error>& errors = document->errors();
+    if (further) further->assign(errors.begin() + 1, errors.end());
+    return errors.front();
+  };
   StorySpec common;
   common.file = file.string();
   yaml::Value list = document->root();
@@ -357,11 +374,12 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     list = map.require("stories");
     map.finish();
   }
-  if (Status s = document->status(); !s) return s.error();
+  if (!document->errors().empty()) return wrong();
   std::vector<StorySpec> stories;
   if (list.is_list() && list.as_list().empty()) list.fail("expected at least one story");
   for (const yaml::Value& item : list.as_list()) {
     yaml::Map map = item.as_map();
+    const std::size_t told = document->errors().size();
     StorySpec spec;
     spec.file = common.file;
     if (!map.has("golden")) spec = common;
@@ -379,17 +397,11 @@ Expected<std::vector<StorySpec>> read_stories(const std::filesystem::path& file)
     check_pointers(map, spec);
     if (!spec.golden.empty())
       check_golden(map);
-    else if (spec.config.empty() == spec.rules.empty())
-      map.fail("expected one of config, rules, golden");
-    else if (spec.expect.empty())
-      map.fail("nothing is expected");
-    else if (names_no_time(spec))
-      map.fail(
-          "no time is named, so the story would end at its first tick: give an expectation `within_s`, or the story "
-          "`end`");
+    else if (const std::string what = lacks(spec); !what.empty() && document->errors().size() == told)
+      map.fail(what);  // if something is written wrongly, that may be what is missing
     stories.push_back(std::move(spec));
   }
-  if (Status s = document->status(); !s) return s.error();
+  if (!document->errors().empty()) return wrong();
   return stories;
 }
 

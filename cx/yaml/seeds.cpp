@@ -26,7 +26,7 @@ std::vector<std::uint64_t> read_seeds(const Value& value) {
       if (const auto seed = read_number<std::uint64_t>(item.text()))
         add_seed(*seed, item, out);
       else
-        item.fail(found_expected(item.found(), "a seed, which is an integer of at least 0"));
+        item.fail(found_expected(item.found(), "a seed, which is an integer from 0 to " + std::to_string(UINT64_MAX)));
     return out;
   }
   auto range = seeds_of_range(value.text());

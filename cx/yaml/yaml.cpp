@@ -145,6 +145,7 @@ std::string Value::found() const { return is_scalar() ? "'" + text() + "'" : kin
 std::string Value::dump() const { return node_ && node_->IsDefined() ? to_text(*node_) : std::string(); }
 
 void Value::fail(std::string what) const {
+  if (is_told_) return;
   if (!path_.empty()) what = path_ + ": " + what;
   shared_->add(path_, std::move(what), line());
 }
@@ -225,6 +226,7 @@ Value Map::require(std::string_view key) {
   if (!value) {
     missing_.emplace_back(key, value_.shared_->errors.size());
     value_.fail("key '" + std::string(key) + "' is missing");
+    value.is_told_ = true;
   }
   return value;
 }
@@ -256,7 +258,7 @@ Map& Map::read(std::string_view key, std::uint64_t& field) {
     if (const auto number = read_number<std::uint64_t>(v.text()))
       field = *number;
     else
-      v.fail(found_expected(v.found(), "an integer of at least 0"));
+      v.fail(found_expected(v.found(), "an integer from 0 to " + std::to_string(UINT64_MAX)));
   }
   return *this;
 }
@@ -330,8 +332,9 @@ std::vector<std::pair<std::string, Value>> Map::entries() {
   return out;
 }
 
-void Map::finish() {
-  if (!value_.is_map()) return;
+bool Map::finish() {
+  if (!value_.is_map()) return true;
+  const std::size_t before = value_.shared_->errors.size();
   std::set<std::string> seen;
   std::vector<std::tuple<std::string, std::string, int>> close_by, far_off;  // path, what, line
   for (const auto& item : *value_.node_) {
@@ -358,6 +361,7 @@ void Map::finish() {
   }
   for (auto* unknown : {&close_by, &far_off})
     for (auto& [path, what, line] : *unknown) value_.shared_->add(path, std::move(what), line);
+  return value_.shared_->errors.size() == before;
 }
 
 Expected<Document> Document::load(const std::filesystem::path& file) {

@@ -75,10 +75,11 @@ class Value {
   std::shared_ptr<Shared> shared_;
   std::shared_ptr<YAML::Node> node_;
   std::string path_;
+  bool is_told_ = false;  ///< an error tells that it is missing; it adds no other one
 };
 
-/// A mapping that is read key by key. `finish` reports the unused keys, first those that resemble a key that was read.
-/// A near miss of a missing required key is reported in that key's error.
+/// A mapping that is read key by key. `finish` reports the unused keys, first those that resemble a key that was read,
+/// and returns whether there are none. A near miss of a missing required key is reported in that key's error.
 class Map {
  public:
   Value get(std::string_view key);      ///< may be missing
@@ -118,7 +119,7 @@ class Map {
   /// An error whose message begins with the path of a value below this map is reported at that value.
   void fail(const Error& error);
   const Value& value() const { return value_; }
-  void finish();
+  bool finish();
 
  private:
   friend class Value;

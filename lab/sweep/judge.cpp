@@ -340,16 +340,21 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   return answers_of(std::move(asked), {most});
 }
 
+Status check_strategy(const std::vector<Row>& rows, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Row& row : rows) {
+    if (name.empty() || row.cell.strategy == name) return {};
+    if (std::ranges::find(names, row.cell.strategy) == names.end()) names.push_back(row.cell.strategy);
+  }
+  return input_error("there is no strategy '" + name + "'; there are " + some_of_and_nearest(name, names, 8));
+}
+
 Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, const std::string& against,
                                                  const std::string& metric, const Catalogue& catalogue) {
   const Sorted sorted(rows);
   std::vector<Asked> asked;
   std::size_t most = 0;
-  std::vector<std::string> names;
-  for (const Contestant& contestant : sorted.order)
-    if (std::ranges::find(names, contestant.second) == names.end()) names.push_back(contestant.second);
-  if (!against.empty() && std::ranges::find(names, against) == names.end())
-    return input_error("there is no strategy '" + against + "'; there are " + some_of_and_nearest(against, names, 8));
+  if (Status s = check_strategy(rows, against); !s) return s.error();
   for (const Contestant& contestant : sorted.order) {
     const auto& [scenario, strategy] = contestant;
     const std::string first = against.empty() ? sorted.strategies_in(scenario).front() : against;

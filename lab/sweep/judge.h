@@ -63,6 +63,8 @@ class Judge {
 Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, const std::vector<Row>& now,
                                              const std::string& metric, std::vector<std::string>& notes,
                                              const Catalogue& catalogue = shipped());
+/// An error unless rows have a strategy of this name; an empty one stands for any.
+Status check_strategy(const std::vector<Row>& rows, const std::string& name);
 /// The strategies of one sweep against one of them; with an empty name against the first one of each scenario.
 Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, const std::string& against,
                                                  const std::string& metric, const Catalogue& catalogue = shipped());

@@ -106,6 +106,8 @@ Expected<AnswerLines> lines_of(const std::vector<Answer>& answers, Values&& valu
     out.lines.push_back({one.scenario, one.strategy, {}, values(one)});
   }
   if (out.lines.empty()) return input_error("there is only one strategy, and none to compare it with");
+  if (std::ranges::all_of(answers, [](const Answer& one) { return one.values.empty(); }))
+    return input_error("no game was completed by two strategies");
   name_lines(out.lines, scenarios.size());
   out.against = references.size() == 1 ? *references.begin() : "what it is compared with";
   return out;
@@ -290,12 +292,6 @@ class Drawing {
   std::string out_;
 };
 
-std::vector<std::string> names_of(const std::vector<const Metric*>& metrics) {
-  std::vector<std::string> out;
-  for (const Metric* metric : metrics) out.emplace_back(metric->name);
-  return out;
-}
-
 std::vector<std::string> names_of(const std::vector<PlotLine>& lines) {
   std::vector<std::string> out;
   for (const PlotLine& line : lines) out.push_back(line.name);
@@ -308,9 +304,7 @@ Expected<std::string> score_plot(const std::vector<Row>& rows, const std::string
                                  const Catalogue& catalogue) {
   const auto all = lines_of(rows, metric, catalogue);
   if (!all) return all.error();
-  if (!against.empty() && std::ranges::find(all->strategies, against) == all->strategies.end())
-    return input_error("there is no strategy '" + against + "'; there are " +
-                       some_of_and_nearest(against, all->strategies, 8));
+  if (Status s = check_strategy(rows, against); !s) return s.error();
   const std::vector<PlotLine>& lines = all->lines;
   const std::vector<Estimate> estimates = estimates_of(lines);
   Span span{all->least, all->most};
@@ -422,16 +416,9 @@ Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::stri
 Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string& metric, const Catalogue& catalogue) {
   const auto all = lines_of(rows, metric, catalogue);
   if (!all) return all.error();
-  const std::vector<const Metric*> parts = parts_of(rows, all->metric.name, catalogue);
-  const bool any = std::ranges::any_of(parts, [&rows](const Metric* part) {
-    return std::ranges::any_of(rows, [part](const Row& row) { return row.figure(part->name).has_value(); });
-  });
-  if (!parts.empty() && !any)
-    return input_error("no row has the parts of " + all->metric.name + "; expected some of the columns " +
-                       some_of(names_of(parts), 8));
-  if (parts.empty())
-    return input_error("the world declares no parts of " + all->metric.name +
-                       ", as points by kind are (Metric::part_of)");
+  const auto found = parts_of(rows, all->metric.name, catalogue);
+  if (!found) return found.error();
+  const std::vector<const Metric*>& parts = *found;
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (std::size_t i = 0; i < all->lines.size(); ++i) places[{all->lines[i].scenario, all->lines[i].strategy}] = i;
   std::vector<std::vector<std::vector<double>>> values(all->lines.size(),

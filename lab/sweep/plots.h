@@ -26,8 +26,7 @@ Expected<std::string> share_plot(const std::vector<Answer>& answers);
 /// A curve for each strategy and scenario: the share of games (upwards) that reach a figure (to the right).
 Expected<std::string> profile_plot(const std::vector<Row>& rows, const std::string& metric,
                                    const Catalogue& catalogue = shipped());
-/// A bar for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of). An
-/// error if there are none.
+/// A bar for each strategy and scenario: the means of the metrics that are parts of this one (`parts_of`).
 Expected<std::string> parts_plot(const std::vector<Row>& rows, const std::string& metric,
                                  const Catalogue& catalogue = shipped());
 

@@ -261,16 +261,29 @@ Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& m
   return table;
 }
 
-std::vector<const Metric*> parts_of(const std::vector<Row>& rows, const std::string& metric,
-                                    const Catalogue& catalogue) {
-  std::vector<const Metric*> out;
+Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, const std::string& metric,
+                                              const Catalogue& catalogue) {
+  std::vector<const Metric*> parts, out;
+  std::vector<std::string> names, whole;
   for (const Row& row : rows) {
     const WorldKind* const world = catalogue.find_world(row.world);
     if (!world) continue;
-    for (const Metric& one : world->metrics)
-      if (one.part_of == metric) out.push_back(&one);
+    for (const Metric& one : world->metrics) {
+      if (one.part_of == metric) names.emplace_back(parts.emplace_back(&one)->name);
+      if (std::string of(one.part_of); !of.empty() && std::ranges::find(whole, of) == whole.end())
+        whole.push_back(std::move(of));
+    }
     break;
   }
+  if (parts.empty())
+    return input_error(metric + " has no parts" +
+                       (whole.empty() ? ", nor has another metric of this world"
+                                      : "; expected a metric that has some: " + some_of(whole)));
+  std::ranges::copy_if(parts, std::back_inserter(out), [&rows](const Metric* part) {
+    return std::ranges::any_of(rows, [part](const Row& row) { return row.figure(part->name).has_value(); });
+  });
+  if (out.empty())
+    return input_error("no row has the parts of " + metric + "; expected some of the columns " + some_of(names, 8));
   return out;
 }
 
@@ -284,7 +297,9 @@ Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metr
     table.rows.push_back(std::move(row));
   }
   table.columns.push_back({"mean", "mean", Kind::kNumber});
-  for (const Metric* part : parts_of(rows, whole->front().metric.name, catalogue)) {
+  const auto parts = parts_of(rows, whole->front().metric.name, catalogue);
+  if (!parts) return parts.error();
+  for (const Metric* part : *parts) {
     const auto scores = scores_of(rows, std::string(part->name), catalogue);
     if (!scores) continue;  // no game has any
     table.columns.push_back({std::string(part->name), std::string(part->what), Kind::kNumber});

@@ -23,7 +23,7 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
 /// A line for each strategy and scenario: the share of games that reach each of some thresholds.
 Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& metric,
                               const Catalogue& catalogue = shipped());
-/// A line for each strategy and scenario: the means of the metrics that are parts of this one (Metric::part_of).
+/// A line for each strategy and scenario: the means of the metrics that are parts of this one (`parts_of`).
 Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric,
                            const Catalogue& catalogue = shipped());
 
@@ -38,9 +38,10 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
 Table difference_table(const std::vector<Answer>& answers);
 /// A line for each answer to a requirement.
 Table requirement_table(const std::vector<Answer>& answers);
-/// The metrics that are parts of the one of that name in the world of the rows; none: it has no parts.
-std::vector<const Metric*> parts_of(const std::vector<Row>& rows, const std::string& metric,
-                                    const Catalogue& catalogue = shipped());
+/// The metrics that are parts of the one of that name in the world of the rows (Metric::part_of), as far as rows have
+/// figures of them. It is an error if there are none.
+Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, const std::string& metric,
+                                              const Catalogue& catalogue = shipped());
 /// What the tables do not show: games that were not completed, and questions that have too few games for an answer.
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers);
 /// The worst games of an answer, as places in its `games`; three at most.

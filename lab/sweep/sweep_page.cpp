@@ -215,11 +215,9 @@ Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<An
   plots = Json::array();
   add_plot(plots, prefix + "profile", "", profile_plot(rows, options.metric, catalogue));
   add_part("profile", profile_table(rows, options.metric, catalogue), std::move(plots));
-  if (!parts_of(rows, metric->name, catalogue).empty()) {
-    plots = Json::array();
-    add_plot(plots, prefix + "parts", "", parts_plot(rows, options.metric, catalogue));
-    add_part("parts", part_table(rows, options.metric, catalogue), std::move(plots));
-  }
+  plots = Json::array();
+  add_plot(plots, prefix + "parts", "", parts_plot(rows, options.metric, catalogue));
+  add_part("parts", part_table(rows, options.metric, catalogue), std::move(plots));
   if (!answers.empty()) {
     plots = Json::array();
     add_plot(plots, prefix + "shares", "", share_plot(answers));

@@ -131,6 +131,9 @@ class Choosing(Stories):
         self.write("many.clp", "(defrule count ?n <- (n ?x&:(< ?x 900)) => (retract ?n) (assert (n (+ ?x 1))))\n")
         self.write("many.story.yaml", self.story("many", "(n 0)", "fact: (n 900), within_s: 1").replace("door.clp", "many.clp"))
         self.assertEqual(self.played("many.story.yaml", code=0), {"many": True})
+        done = self.cxlab("test", "many.story.yaml", "--memory", "1MB")
+        self.assertEqual(done.returncode, 1, "a limit that the story exceeds is no mistake of its file")
+        self.assertRegex(done.stdout, "rules hold more than 1 MB of memory.*\n  seed 1; again: ")
         done = self.cxlab("test", "many.story.yaml", "--steps", "100", "--memory", "500MB", "--disk", "0", "--patience", "30", "-j", "2", "-q")
         self.assertEqual(done.returncode, 1, done.stdout)
         again = re.search("again: (.*)", done.stdout)[1]
@@ -318,6 +321,13 @@ class Failing(Stories):
             self.assertEqual(done.returncode, code, done.stdout + done.stderr)
             self.assertRegex(done.stdout, r"the run fails now: .*rules.clp:\d+: ")
         self.assertEqual(json.loads((self.folder / "golden/result.json").read_text())["status"], "completed")
+        self.write("rules/rules.clp", DOOR + "(deffacts start (bell))\n")
+        for limit in ("--steps 10", "--memory 1MB"):
+            done = self.cxlab("test", "golden.story.yaml::as it went", *limit.split(), "--keep-runs", "limited")
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            self.assertRegex(done.stdout, rf"golden.story.yaml:1: the run fails now: .*{limit.split()[0]}\n  seed 1; again: cxlab test .*{limit.split()[0]}")
+            self.assertNotIn("/tmp/cxlab-scratch", done.stdout)
+            self.assertTrue((self.folder / "limited/golden-as-it-went/manifest.json").is_file())
         self.write("late.story.yaml", "- {story: late, golden: golden, end: 3000}\n")
         done = self.cxlab("test", "late.story.yaml")
         self.assertEqual(done.returncode, 3)
@@ -354,6 +364,13 @@ class Unreadable(Stories):
         rows = json.loads(self.cxlab("test", "--json").stdout)["stories"]
         self.assertEqual([(row["file"], row["story"], row["passed"], row["again"]) for row in rows if row["file"] in ("a.story.yaml", "z.story.yaml")],
                          [(name, None, False, f"cxlab test {name}") for name in ("a.story.yaml", "z.story.yaml")], "no story is told of")
+
+    def test_all_that_is_wrong_with_it_is_told_at_once(self):
+        self.write("two.story.yaml", self.story("one", "(bell)", "fires: open, within: 1") + self.story("two", "(bell)", "fires: open", "  sead: 1\n"))
+        said = self.cxlab("test", "two.story.yaml").stdout
+        for line, part in ((4, "unknown key 'within' in '[0].expect[0]', did you mean 'within_s'?"), (9, "'[1].expect[0]: key 'within_s' is missing"), (8, "unknown key 'sead'")):
+            self.assertIn(f"two.story.yaml:{line}: {part}".replace("'[1]", "[1]"), said)
+        self.assertEqual(said.count("two.story.yaml:"), 1 + 3, said)
 
     def names(self, *arguments):
         done = self.cxlab("test", "--json", *arguments)

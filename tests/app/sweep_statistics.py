@@ -143,6 +143,9 @@ class SweepStatistics(Lab):
         rows = [("first", 1, 500), ("first", 2, 200), ("first", 3, 0), ("second", 1, 250), ("second", 2, 180), ("second", 3, 70)]
         self.sweep("s", rows)
         (second,) = json.loads(self.cxlab("bench", "show", "s", "--table", "shares", "--json").stdout)["shares"]
+        for kind in ("scores", "differences", "profile", "parts", "shares"):
+            for arguments in (("show", "s", "--table", kind), ("plot", "s", "x.svg", "--kind", kind)):
+                self.assertIn("there is no strategy 'nope'; there are ", self.cxlab("bench", *arguments, "--against", "nope", code=3).stderr)
         self.assertEqual((second["strategy"], second["against"], second["games"]), ("second", "first", 2), "0 points are no measure")
         self.assertEqual((second["min"], second["max"]), (0.5, 0.9))
         self.assertAlmostEqual(second["share"], 0.7)

@@ -212,7 +212,9 @@ TEST(Plots, PartsAddUpToTheMean) {
   ASSERT_TRUE(plot);
   EXPECT_THAT(found(*plot, "<title>([^<]*)"), ElementsAre("first, red ones: 60.5", "first, rotten ones: -10.0",
                                                           "second, red ones: 71.0", "second, rotten ones: -10.0"));
-  EXPECT_THAT(parts_plot(orchard(), "red", catalogue()).error().message, HasSubstr("declares no parts of red"));
+  for (const Error& error :
+       {parts_plot(orchard(), "red", catalogue()).error(), part_table(orchard(), "red", catalogue()).error()})
+    EXPECT_THAT(error.message, HasSubstr("red has no parts; expected a metric that has some: apples"));
 }
 
 TEST(Plots, ProfilesEndAtNoGame) {
@@ -260,8 +262,19 @@ TEST(Plots, APartThatNoGameHasIsLeftOutAndNoOther) {
 TEST(Plots, PartsWithoutAFigureAreAnError) {
   std::vector<Row> rows = orchard();
   for (Row& one : rows) one.figures.resize(1);
-  EXPECT_THAT(parts_plot(rows, "", catalogue()).error().message,
-              HasSubstr("no row has the parts of apples; expected some of the columns red, rotten"));
+  for (const Error& error : {parts_plot(rows, "", catalogue()).error(), part_table(rows, "", catalogue()).error()})
+    EXPECT_THAT(error.message, HasSubstr("no row has the parts of apples; expected some of the columns red, rotten"));
+}
+
+TEST(Plots, DifferencesOfGamesThatNobodyCompletedAreAnError) {
+  std::vector<Row> rows = orchard();
+  for (Row& one : rows) {
+    one.status = "failed";
+    one.exit_code = 4;
+  }
+  const auto answers = compare_strategies(rows, "", "", catalogue());
+  ASSERT_TRUE(answers);
+  EXPECT_EQ(difference_plot(*answers).error().message, "no game was completed by two strategies");
 }
 
 TEST(Plots, DifferencesHaveTheColourOfTheirAnswer) {

@@ -93,7 +93,7 @@ def form_of(row, text):
     """The faults in the form of an error. An error is one line that says what was found, without internals of the program or a path of the machine."""
     lines = [line for line in text.split(" / ") if line.startswith("error")]
     if not lines:  # a story that fails, and a problem without a plan, are answers
-        return [] if row.code in (0, 1, 10, 12, 23, 130, 143) or text.startswith("FAILED ") else ["no line begins with error:"]
+        return [] if row.code in (0, 1, 10, 12, 23, 130, 143) or text.endswith(" failed") else ["no line begins with error:"]
     given = " ".join([*map(str, row.command), row.stdin, *row.files, *(content for content in row.files.values() if isinstance(content, str))])
     wrong = []
     for line in lines:

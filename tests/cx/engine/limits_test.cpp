@@ -183,6 +183,21 @@ TEST_F(LimitsTest, StepsEndAMatchAndNameItsRule) {
   EXPECT_LE(engine().run().fired, 1);
 }
 
+TEST_F(LimitsTest, StepsOfReadingNameThePlaceThatWasRead) {
+  limits.steps = 1000;
+  engine().begin_tick();
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += "(deftemplate t" + std::to_string(i) + " (slot a))\n";
+  (void)engine().load_text(text, "many.clp", LoadMode::kConstructs);
+  ASSERT_TRUE(limits.exceeded);
+  EXPECT_GT(limits.exceeded->line, 1);
+  EXPECT_LT(limits.exceeded->line, 1000);
+  EXPECT_EQ(limits.exceeded->text(),
+            "many.clp:" + std::to_string(limits.exceeded->line) +
+                ": environment 'main': rules have taken more than 1000 steps in one tick; if they are right, allow "
+                "more with --steps");
+}
+
 TEST_F(LimitsTest, StepsAreThoseOfATick) {
   limits.steps = 100'000;
   for (int tick = 0; tick < 10; ++tick) {

@@ -110,6 +110,17 @@ TEST(Configuration, AGivenParameterForWhichNobodyAsksIsTold) {
   EXPECT_THAT(lab.log.with("'gian' was set"), ::testing::SizeIs(1));
 }
 
+TEST(Configuration, TwoMisspeltParametersAreNotTheRemedyOfEachOther) {
+  Lab lab;
+  lab.config("environments: [\"main\"]\nmain.plugins: [\"params\"]\nparams.plugin: \"cx::RosParamPlugin\"");
+  lab.options.params = {{"clips_manager.gani", "1", {"game.yaml", 7}}, {"clips_manager.gain", "2", {"game.yaml", 8}}};
+  lab.run_up();
+  ASSERT_TRUE(lab.manager->deactivate());
+  ASSERT_EQ(lab.manager->warnings().size(), 2u);
+  for (const Error& warning : lab.manager->warnings())
+    EXPECT_THAT(warning.text(), ::testing::EndsWith("was set, but nothing reads it"));
+}
+
 TEST(Configuration, AGivenParameterThatAPluginDoesNotHaveIsToldAtTheEnd) {
   Lab lab;
   lab.config("environments: [\"main\"]\nmain.plugins: [\"exec\"]\nexec.plugin: \"cx::ExecutivePlugin\"");
