@@ -47,8 +47,8 @@ Expected<Scenario> scenario_of(const testing::StorySpec& story, const testing::S
   if (story.begins > SimTime::zero()) scenario.sections = {{&kBegin, Begin{story.begins}}};
   scenario.seed = story.seed;
   scenario.epoch = 0;
-  scenario.tick = testing::kTick;
-  scenario.duration = std::max(testing::end_of(story), testing::kTick);
+  scenario.tick = scenario.physics_step = story.tick;
+  scenario.duration = std::max(testing::end_of(story), story.tick);
   std::map<std::string, fs::path> packages = story.packages;
   packages.insert(setup.packages.begin(), setup.packages.end());
   for (const auto& [name, share] : packages)

@@ -73,7 +73,7 @@ Status Play::prepare() {
   manager_ = *std::move(manager);
   scratch_.reset();
   if (Status s = set_up(stand_ins_, *spec_); !s) return s;
-  loop_.emplace(bus_, kTick, Parts{.servers = {this, &steps_, &stand_ins_}, .agents = {manager_.get()}});
+  loop_.emplace(bus_, spec_->tick, Parts{.servers = {this, &steps_, &stand_ins_}, .agents = {manager_.get()}});
   loop_->set_begin(spec_->begins);
   return {};
 }

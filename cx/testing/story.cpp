@@ -20,7 +20,7 @@ Status run(Play& play, StoryResult& result) {
     Status s = loop.tick();
     if (!s && s.error().file == spec.file) return s;
     if (!s) failure = s.error();
-    result.sim_time_s = to_seconds(loop.now());
+    result.sim_time_s = to_seconds(std::max(SimTime::zero(), loop.now() - std::max(spec.begins, spec.given_at)));
   }
   if (failure) result.failures.push_back(failure->text());
   for (std::string& what : judge(play)) result.failures.push_back(std::move(what));
@@ -92,8 +92,8 @@ bool same_agent(const StorySpec& one, const StorySpec& other) {
     return a.name == b.name && a.value == b.value;
   };
   return one.config == other.config && one.rules == other.rules && one.packages == other.packages &&
-         one.environment == other.environment && one.seed == other.seed && one.begins == other.begins &&
-         std::ranges::equal(one.params, other.params, same_params);
+         one.environment == other.environment && one.seed == other.seed && one.tick == other.tick &&
+         one.begins == other.begins && std::ranges::equal(one.params, other.params, same_params);
 }
 
 struct Stage::State {

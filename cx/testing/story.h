@@ -21,6 +21,8 @@
 
 namespace cxlab::testing {
 
+inline constexpr SimTime kTick = std::chrono::milliseconds(20);  ///< of stories that name no other
+
 /// A text of the story file and the line on which it stands.
 struct Line {
   std::string text;
@@ -70,6 +72,7 @@ struct StorySpec {
   std::uint64_t seed = 1;
   std::vector<std::uint64_t> seeds;  ///< with each of which it must hold; empty: `seed` alone
   std::vector<GivenFact> given;
+  SimTime tick = kTick;
   SimTime begins{};              ///< time of the first tick
   SimTime given_at{};            ///< when facts are given: not before `begins`
   bool moment = false;           ///< at `given_at` only the facts of `given` exist, and the activations that they cause
@@ -104,8 +107,8 @@ struct StoryResult {
   std::vector<std::string> printed;   ///< lines of the agent's log, but for those for debugging; the last 1000
   std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
   std::optional<Error> bad;           ///< the story itself, or a file that it names, cannot be used
-  double sim_time_s = 0;
-  explain::Coverage coverage;  ///< of all its environments, with `StorySetup::coverage`
+  double sim_time_s = 0;              ///< from when the facts are given
+  explain::Coverage coverage;         ///< of all its environments, with `StorySetup::coverage`
   bool passed() const { return failures.empty() && !bad; }
 };
 

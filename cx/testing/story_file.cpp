@@ -283,6 +283,10 @@ void read_story(yaml::Map& map, StorySpec& spec) {
     if (spec.seeds.empty()) seeds.fail("expected at least one seed");
     std::ranges::sort(spec.seeds);
   }
+  if (const yaml::Value tick = map.get("tick_s")) {
+    map.read_seconds("tick_s", spec.tick);
+    if (spec.tick <= SimTime::zero()) tick.fail(found_expected(tick.text(), "seconds above 0"));
+  }
   map.read_seconds("begins_s", spec.begins).read("moment", spec.moment).read("leaves_nothing", spec.leaves_nothing);
   if (const yaml::Value given_at = map.get("given_at_s")) {
     map.read_seconds("given_at_s", spec.given_at);

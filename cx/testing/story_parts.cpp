@@ -39,12 +39,16 @@ bool is_of_facts(const Step& step) { return step.verb == Verb::kAssert || step.v
 
 }  // namespace
 
+std::string global_of_story(const std::string& what, std::size_t number) {
+  return "?*" + std::string(kGlobalOfStory) + what + '-' + std::to_string(number) + '*';
+}
+
 SimTime end_of(const StorySpec& spec) {
   SimTime end = std::max({spec.begins, spec.given_at, spec.end});
   for (const Step& step : spec.steps) end = std::max(end, step.at);
   for (const Expectation& e : spec.expect)
     end = std::max({end, e.after, e.until == kNever ? SimTime::zero() : e.until});
-  return tick_not_before(end, kTick);
+  return tick_not_before(end, spec.tick);
 }
 
 Expected<std::string> config_for_rules(const StorySpec& spec) {
@@ -169,8 +173,8 @@ Status StoryFacts::send_goals(cx::Environment& environment) {
   for (const StandIn& server : spec_->stand_ins)
     if (server.action)
       for (const UnderWay& goal : server.under_way)
-        sent_.push_back({&server, &goal, "?*goal-under-way-" + std::to_string(sent_.size() + 1) + '*',
-                         binding_of(server.name, environment.engine())});
+        sent_.push_back(
+            {&server, &goal, global_of_story("goal", sent_.size() + 1), binding_of(server.name, environment.engine())});
   for (const Sent& sent : sent_) {
     const bool bound = !sent.binding.empty();
     const std::string created =
@@ -190,7 +194,7 @@ Status StoryFacts::send_requests(cx::Environment& environment, const StandIn& se
   if (server.action) return {};
   for (const UnderWay& request : server.under_way) {
     if (Status s = number_requests(environment, server, request.id, request.line); !s) return s;
-    const std::string global = "?*request-under-way-" + std::to_string(++requests_) + '*';
+    const std::string global = global_of_story("request", ++requests_);
     if (Status s = send(environment, global, "(ros-msgs-create-request \"" + server.type + "\")",
                         "(ros-msgs-async-send-request " + global + " \"" + server.name + "\")",
                         "ros-msgs-destroy-message", request.line);
@@ -238,8 +242,7 @@ Status StoryFacts::answer(cx::Environment& environment) const {
   return {};
 }
 
-/// The fact as an expression that names the goals of this story and the facts that it was given; empty if it names
-/// none.
+/// The fact with the goals of this story and the facts that it was given in the place of the words for them.
 std::string StoryFacts::with_pointers(const std::string& fact) const {
   std::string out = fact;
   const auto replace = [&out](const std::string& word, const std::string& by) {
@@ -253,7 +256,7 @@ std::string StoryFacts::with_pointers(const std::string& fact) const {
     replace(sent.goal->handle, sent.handle);
   }
   for (const auto& [word, global] : named_) replace(word, global);
-  return out == fact ? "" : "(assert " + out + ')';
+  return out;
 }
 
 Status StoryFacts::give_all(cx::Environment& environment) {
@@ -270,16 +273,16 @@ Status StoryFacts::give_all(cx::Environment& environment) {
 }
 
 Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
+  using Verb = cx::ControlAct::Verb;
   const std::string text = with_pointers(fact.text);
+  const bool is_plain = fact.as.empty() && text == fact.text;
+  std::string asserts = is_plain ? text : "(assert " + text + ')';
   if (!fact.as.empty()) {
-    const std::string global = "?*given-" + std::to_string(named_.size() + 1) + '*';
+    const std::string global = global_of_story("fact", named_.size() + 1);
     named_.emplace_back(fact.as, global);
-    return evaluate(
-        environment,
-        {"(defglobal " + global + " = " + (text.empty() ? "(assert " + fact.text + ')' : text) + ')', fact.line});
+    asserts = "(defglobal " + global + " = " + asserts + ')';
   }
-  if (!text.empty()) return evaluate(environment, {text, fact.line});
-  const auto done = environment.act(cx::ControlAct::Verb::kAssert, fact.text, std::string(kActOfStory));
+  const auto done = environment.act(is_plain ? Verb::kAssert : Verb::kLoad, asserts, std::string(kActOfStory));
   if (done) return {};
   const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);
   const std::string& why = done.error().message;

@@ -2,7 +2,10 @@
 // What a story does to an agent, as parts of an episode: its own (cx/testing/play.h), or a run with a world of kind
 // `story` (scenarios/story).
 
+#include <cstddef>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cx/executive/run_control.h"
@@ -13,7 +16,10 @@
 
 namespace cxlab::testing {
 
-inline constexpr SimTime kTick = std::chrono::milliseconds(20);
+/// Names of globals that stories define begin so.
+inline constexpr std::string_view kGlobalOfStory = "of-story-";
+/// "?*of-story-goal-2*"
+std::string global_of_story(const std::string& what, std::size_t number);
 
 /// The last tick that may be played.
 SimTime end_of(const StorySpec& spec);
@@ -87,7 +93,7 @@ class StoryFacts final : public cx::RunControl {
   std::string environment_;  // its stream; empty: not known yet
   bool begun_ = false, given_ = false, answered_ = false;
   std::vector<Sent> sent_;
-  int requests_ = 0;                                        // sent at the beginning
+  std::size_t requests_ = 0;                                // sent at the beginning
   std::vector<std::pair<std::string, std::string>> named_;  // words for facts that were given, and their globals
   std::size_t next_ = 0;
 };

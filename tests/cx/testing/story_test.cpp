@@ -257,7 +257,7 @@ TEST_F(Moments, AFactGoesWithWhatItFollowsFrom) {
 
 TEST_F(Moments, AFactPointsToFactsThatAreGivenBeforeIt) {
   write("door.clp",
-        "(deftemplate door (slot state))\n"
+        "(deftemplate door (slot state (allowed-values OPEN SHUT)))\n"
         "(defrule knock (knock) ?w <- (wants ?who ?door) => (retract ?w) (modify ?door (state OPEN)) (assert (let-in "
         "?who)))\n");
   const std::string given =
@@ -269,6 +269,9 @@ TEST_F(Moments, AFactPointsToFactsThatAreGivenBeforeIt) {
                           "{fact: '(let-in ?)', at: 1}, {no_fact: (let-in <ada>)}, {no_fact: (sees <Fact-7>)}, "
                           "{fact: '(sees ?)', at: 2}"),
               IsEmpty());
+  EXPECT_THAT(failures_of("  given: [{fact: (door (state (sym-cat AJAR))), as: <d>}]\n", "{fact: '(door)', at: 0}"),
+              IsEmpty())
+      << "CLIPS does not check the value of an expression";
   for (const auto& [facts, what] : std::initializer_list<std::pair<const char*, const char*>>{
            {"(wants ada <d>), {fact: (door), as: <d>}",
             "t.story.yaml:1: [0]: (wants ada <d>) points to <d>, which is given later (line 5): give it before"},
@@ -278,10 +281,28 @@ TEST_F(Moments, AFactPointsToFactsThatAreGivenBeforeIt) {
            {"{fact: (a)}", "key 'as' is missing"},
            {"{fact: (a), as: <d>, ass: <e>}", "unknown key 'ass'"},
            {"{fact: (door (stat OPEN)), as: <d>}",
-            "t.story.yaml:5: (defglobal ?*given-1* = (assert (door (stat OPEN))))"}})
+            "t.story.yaml:5: (door (stat OPEN)): template 'door' has no slot 'stat', did you mean 'state'?"},
+           {"{fact: (door (state AJAR)), as: <d>}",
+            "t.story.yaml:5: (door (state AJAR)): slot 'state' of template 'door' cannot be AJAR; it holds OPEN, SHUT"},
+           {"{fact: (door (state (no-such))), as: <d>}", "t.story.yaml:5: (door (state (no-such))): [EXPRNPSR3]"},
+           {"{fact: (ada), as: <d>}, (door (stat <d>))", "t.story.yaml:5: (door (stat <d>)): template 'door' has no"}})
     EXPECT_THAT(failures_of("  given: [" + std::string(facts) + "]\n", "{not_fires: knock}"),
                 ElementsAre(HasSubstr(what)))
         << facts;
+}
+
+TEST_F(Moments, ATickIsAsLongAsTheStorySays) {
+  write("door.clp", "(defrule knock (time ?t) (knock) => (assert (knocked ?t)))\n");
+  const auto keys = [](const std::string& tick) {
+    return "  begins_s: 0.9\n" + tick + "  steps: [{at: 1.01, assert: (knock)}]\n";
+  };
+  EXPECT_THAT(failures_of(keys(""), "{fact: (knocked 1.1), within_s: 2}, {no_fact: (knocked 1.104)}"), IsEmpty());
+  EXPECT_THAT(failures_of(keys("  tick_s: 0.016\n"), "{fact: (knocked 1.104), within_s: 2}"), IsEmpty());
+  EXPECT_THAT(failures_of(keys("  tick_s: 0\n"), "{not_fires: knock}"),
+              ElementsAre(HasSubstr("tick_s: found 0, expected seconds above 0")));
+  const auto stories = read("- story: s\n  rules: door.clp\n  moment: true\n  end: 105\n  begins_s: 99.9\n" +
+                            std::string("  given_at_s: 100\n  expect: [{not_fires: knock}]\n"));
+  EXPECT_DOUBLE_EQ(run_story(stories->front(), {interfaces_dir()}).sim_time_s, 5) << "from the moment on";
 }
 
 TEST_F(Moments, RequestsThatWereSentBeforeAreAnswered) {
@@ -408,12 +429,21 @@ TEST_F(Stories, AGoalGivesFeedbackUntilItEnds) {
                           "{fact: '(at ? \"\" 0.0 0.5)', at: 1}, {fact: '(at ? \"again\" $?)', within_s: 1.3}, "
                           "{fires: on-its-way, count: 2, within_s: 2}"),
               IsEmpty());
+  const std::string fails = "  faults: [{outcome: fail, probability: 1, takes_s: 9";
+  EXPECT_THAT(failures_of(twice, "{not_fires: on-its-way}", fails + "}]\n"), IsEmpty())
+      << "a fault is the whole answer";
+  EXPECT_THAT(failures_of(twice,
+                          "{fact: '(at ? \"\" 0.0 2)', at: 2}, {fires: on-its-way, within_s: 3}, {not_fires: "
+                          "on-its-way, within_s: 1.9}, {not_fires: on-its-way, after: 2.1}",
+                          fails + ", feedback: [{after_s: 2}]}]\n"),
+              IsEmpty());
   for (const auto& [answer, what] : std::initializer_list<std::pair<const char*, const char*>>{
            {"takes_s: 2, feedback: [{after_s: 3}]",
             "t.story.yaml:5: [0].skills[0].feedback[0].after_s: found 3, expected no time after takes_s (2)"},
            {"takes_s: [1, 2], feedback: [{after_s: 2.5}]", "found 2.5, expected no time after takes_s (2)"},
            {"feedback: [{data: {}}]", "key 'after_s' is missing"},
            {"feedback: [{after_s: -1}]", "after_s"},
+           {"takes_s: [1, 2], feedback: [{after_s: [0, 1]}]", "feedback[0].after_s: found a list, expected a number"},
            {"feedback: {after_s: 1}", "expected a list"},
            {"feedback: [{after_s: 0, date: {}}]",
             "unknown key 'date' in '[0].skills[0].feedback[0]', did you mean 'data'?"},
