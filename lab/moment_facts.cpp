@@ -1,12 +1,16 @@
 #include "lab/moment_facts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <set>
 
+#include "cx/base/json.h"
+#include "cx/base/number_text.h"
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
 #include "cx/plugins/ros_msgs/message_store.h"
+#include "cx/testing/story_parts.h"
 
 namespace cxlab::lab {
 
@@ -32,37 +36,101 @@ std::string call_that_opens(const std::string& fact) {
   return {};
 }
 
-std::string global_of(Handle message) {
-  return "?*message-" + std::to_string(static_cast<std::uint64_t>(message)) + '*';
+std::string global_of(Handle message) { return testing::global_of_story("message", static_cast<std::size_t>(message)); }
+
+/// CLIPS prints 15 digits: a number that needs more has all of them.
+std::string with_all_digits(double number) {
+  const std::string text = print_float(number);
+  if (!std::isfinite(number) || read_number<double>(text) == number) return text;
+  const std::string whole = general_text(number, 17);
+  return whole.find_first_of(".e") == std::string::npos ? whole + ".0" : whole;
 }
 
-/// A value as an expression; none for a message, and for an array.
-std::optional<std::string> value_of(const bus::MessageView& message, const bus::Field& field) {
-  using bus::FieldType;
-  if (field.array != bus::ArrayKind::kSingle) return std::nullopt;
-  switch (field.type) {
-    case FieldType::kMessage:
-    case FieldType::kChar: return std::nullopt;
-    case FieldType::kBool: return Value::boolean(message.integer(field) != 0).print();
-    case FieldType::kFloat32:
-    case FieldType::kFloat64: return Value::number(message.real(field)).print();
-    case FieldType::kString:
-    case FieldType::kWstring: return Value::string(message.text(field)).print();
-    default: return Value::integer(message.integer(field)).print();
-  }
+/// The value as a story has to write it.
+Value with_all_digits(const Value& value) {
+  if (value.is(ValueType::kFloat)) return Value::symbol(with_all_digits(value.as_number()));
+  if (!value.is(ValueType::kMultifield)) return value;
+  std::vector<Value> items;
+  for (const Value& item : value.items()) items.push_back(with_all_digits(item));
+  return Value::multifield(std::move(items));
 }
 
-/// Calls that make this message; none for one that has messages or arrays.
-std::vector<std::string> calls_that_make(const bus::MessageView& message, const std::string& global) {
-  std::vector<std::string> calls{"(defglobal " + global + " = (ros-msgs-create-message \"" + message.type().name() +
-                                 "\"))"};
-  for (const bus::Field& field : message.type().fields()) {
-    const auto value = value_of(message, field);
-    if (!value) return {};
-    calls.push_back("(ros-msgs-set-field " + global + " \"" + field.name + "\" " + *value + ')');
-  }
-  return calls;
+FactCopy with_all_digits(FactCopy fact) {
+  for (auto& [name, value] : fact.slots) value = with_all_digits(value);
+  return fact;
 }
+
+/// Calls that make a message by the functions of the generic plugin.
+class MessageCalls {
+ public:
+  /// None if it has numbers that are none, or too many values to write them down.
+  static std::vector<std::string> that_make(const bus::MessageView& message, const std::string& global) {
+    MessageCalls made;
+    made.create(global, message.type());
+    made.set_fields(message, global);
+    return made.can_be_made_ ? std::move(made.calls_) : std::vector<std::string>();
+  }
+
+ private:
+  static constexpr std::size_t kMostValues = 10'000;
+
+  void create(const std::string& global, const bus::MessageType& type) {
+    calls_.push_back("(defglobal " + global + " = (ros-msgs-create-message \"" + type.name() + "\"))");
+  }
+
+  /// Those that a new message has otherwise. `place` is an expression.
+  void set_fields(const bus::MessageView& message, const std::string& place) {
+    const bus::Message fresh(message.type());
+    for (const bus::Field& field : message.type().fields()) {
+      const std::string here = place + " \"" + field.name + '"';
+      if (field.array != bus::ArrayKind::kSingle && (values_ += message.size(field)) > kMostValues)
+        can_be_made_ = false;
+      if (!can_be_made_) return;
+      if (field.is_message()) {
+        set_messages(message, field, here);
+      } else if (const std::string values = values_of(message, field); values != values_of(fresh.view(), field)) {
+        calls_.push_back("(ros-msgs-set-field " + here + ' ' + values + ')');
+      }
+    }
+  }
+
+  /// The parts of a message are there with it, but for those of an array without a fixed size: copies of a new one.
+  void set_messages(const bus::MessageView& message, const bus::Field& field, const std::string& here) {
+    const std::size_t size = message.size(field);
+    if (field.is_sequence() && size > 0) {
+      const std::string part = testing::global_of_story("part", 1);
+      create(part, *field.nested);
+      std::string parts;
+      for (std::size_t i = 0; i < size; ++i) parts += ' ' + part;
+      calls_.push_back("(ros-msgs-set-field " + here + " (create$" + parts + "))");
+      calls_.push_back("(ros-msgs-destroy-message " + part + ')');
+    }
+    const std::string got = "(ros-msgs-get-field " + here + ')';
+    for (std::size_t i = 0; i < size; ++i)
+      set_fields(message.nested(field, i),
+                 field.array == bus::ArrayKind::kSingle ? got : "(nth$ " + std::to_string(i + 1) + ' ' + got + ')');
+  }
+
+  std::string values_of(const bus::MessageView& message, const bus::Field& field) {
+    if (field.array == bus::ArrayKind::kSingle) return value_of(message, field, 0);
+    std::string out = "(create$";
+    for (std::size_t i = 0; i < message.size(field); ++i) out += ' ' + value_of(message, field, i);
+    return out + ')';
+  }
+
+  std::string value_of(const bus::MessageView& message, const bus::Field& field, std::size_t index) {
+    if (field.is_text()) return Value::string(message.text(field, index)).print();
+    if (field.type == bus::FieldType::kBool) return Value::boolean(message.integer(field, index) != 0).print();
+    if (!field.is_real()) return Value::integer(message.integer(field, index)).print();
+    const double number = message.real(field, index);
+    if (!std::isfinite(number)) can_be_made_ = false;
+    return with_all_digits(number);
+  }
+
+  std::vector<std::string> calls_;
+  std::size_t values_ = 0;
+  bool can_be_made_ = true;
+};
 
 /// Calls `visit` for each pointer to a message or goal that the fact has.
 template <class Visit>
@@ -112,6 +180,9 @@ std::string expression_of(const FactCopy& fact, const RuleEngine& engine) {
 }  // namespace
 
 std::string yaml_quoted(const std::string& text) {
+  // Line ends and their like would become blanks.
+  if (std::ranges::any_of(text, [](char c) { return static_cast<unsigned char>(c) < ' '; }))
+    return json_text(Json(text));
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
   return out + '\'';
@@ -171,14 +242,15 @@ void MomentFacts::read(cx::Environment& environment, const MomentExchanges& exch
     for (const Exchange& goal : goals)
       if (!goal.handle.empty() && has_action_client(name)) handles.push_back(goal.handle);
   for (const FactCopy& fact : facts) {
-    const std::string text = fact.print();
+    const FactCopy whole = with_all_digits(fact);
+    const std::string text = fact.print(), plain = whole.print();
     if (text == "(initial-fact)") continue;
     const bool is_checked =
         (fact.slots.size() == 1 && fact.slots[0].first == "implied") || has_allowed_values(text, engine);
     const std::string expression =
-        with_messages(fact, is_checked ? text : expression_of(fact, engine), environment.common<cx::MessageStore>());
+        with_messages(fact, is_checked ? plain : expression_of(whole, engine), environment.common<cx::MessageStore>());
     if (const std::string why = what_it_lacks(expression, handles); why.empty())
-      given_.push_back({text, name_of(fact), expression == text ? "" : expression});
+      given_.push_back({text, name_of(fact), expression, expression != plain});
     else
       lost_.push_back("left out, because " + why + ": " + text);
   }
@@ -191,12 +263,26 @@ void MomentFacts::read(cx::Environment& environment, const MomentExchanges& exch
     if (!has_client(name) && exchanges.any_under_way(requests))
       lost_.push_back(name + " has a request from before, sent through a binding: its answer is not in the story");
   for (const auto& [global, value] : engine.globals())
-    if (const auto then = at_the_start_.find(global); then == at_the_start_.end() || then->second != value.print())
-      globals_.emplace_back(global,
-                            value.is(ValueType::kMultifield) ? "(create$ " + value.print().substr(1) : value.print());
+    if (!global.starts_with(testing::kGlobalOfStory)) read_global(global, value, environment);
   note_next_symbol(engine);
   if (const std::size_t waiting = engine.agenda().size(); waiting > 0)
     lost_.push_back(std::to_string(waiting) + " rules were on the agenda without their turn: a story forgets them");
+}
+
+/// Changed globals are set, and those that were defined after the start are defined.
+void MomentFacts::read_global(const std::string& global, const Value& value, cx::Environment& environment) {
+  const auto then = at_the_start_.find(global);
+  const bool is_new = then == at_the_start_.end();
+  if (!is_new && then->second == value.print()) return;
+  const std::string name = "?*" + global + '*';
+  const std::string whole = with_all_digits(value).print();
+  const std::string text = with_messages({0, 0, {}, {}, {{global, value}}},
+                                         value.is(ValueType::kMultifield) ? "(create$ " + whole.substr(1) : whole,
+                                         environment.common<cx::MessageStore>());
+  if (has_pointer(text))
+    lost_.push_back("not set, because a story cannot make the message, goal or fact to which it points: " + name);
+  else
+    globals_.push_back(is_new ? "(defglobal " + name + " = " + text + ')' : "(bind " + name + ' ' + text + ')');
 }
 
 /// `gensym` goes on where it was: `setgen` takes back that it was asked.
@@ -213,7 +299,7 @@ std::string MomentFacts::with_messages(const FactCopy& fact, std::string text, c
     const bus::MessageView message = store.view(handle.as_handle());
     if (!message) return;
     const std::string global = global_of(handle.as_handle()), pointer = handle.print();
-    const std::vector<std::string> calls = calls_that_make(message, global);
+    const std::vector<std::string> calls = MessageCalls::that_make(message, global);
     if (calls.empty()) return;
     messages_[handle.as_handle()] = calls;
     for (std::size_t at = 0; (at = text.find(pointer, at)) != std::string::npos; at += global.size())
@@ -241,9 +327,8 @@ std::string MomentFacts::what_it_lacks(const std::string& fact, const std::vecto
 std::string MomentFacts::given() const {
   std::string out;
   for (const auto& [text, name, expression, is_named] : given_) {
-    const std::string fact = yaml_quoted(expression.empty() ? text : expression);
-    const bool needs_name = is_named || !expression.empty();
-    out += "    - " + (needs_name ? "{fact: " + fact + ", as: " + yaml_quoted(name) + '}' : fact) + '\n';
+    const std::string fact = yaml_quoted(expression);
+    out += "    - " + (is_named ? "{fact: " + fact + ", as: " + yaml_quoted(name) + '}' : fact) + '\n';
   }
   return out;
 }
@@ -257,8 +342,7 @@ std::string MomentFacts::calls() const {
   for (const auto& [message, made] : messages_)
     for (const std::string& call : made) out += "    - " + yaml_quoted(call) + '\n';
   if (!setgen_.empty()) out += "    - " + yaml_quoted(setgen_) + '\n';
-  for (const auto& [global, value] : globals_)
-    out += "    - " + yaml_quoted("(bind ?*" + global + "* " + value + ")") + '\n';
+  for (const std::string& call : globals_) out += "    - " + yaml_quoted(call) + '\n';
   return out;
 }
 

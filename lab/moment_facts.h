@@ -16,7 +16,7 @@ class MessageStore;
 
 namespace cxlab::lab {
 
-/// In single quotes of YAML.
+/// In quotes of YAML, on one line.
 std::string yaml_quoted(const std::string& text);
 
 /// Whether it points to a fact or message.
@@ -53,13 +53,14 @@ class MomentFacts {
   struct Given {
     std::string text;        // as CLIPS prints it
     std::string name;        // "<Fact-12>"
-    std::string expression;  // that asserts it; empty: its text does
-    bool is_named = false;   // a later one points to it
+    std::string expression;  // that asserts it
+    bool is_named;           // the expression has to be evaluated, or a later fact points to this one
   };
   std::vector<FactCopy> in_order(std::vector<FactCopy> facts) const;
   bool has_open(const std::string& begin, const std::string& name) const;
   std::string with_messages(const FactCopy& fact, std::string text, const cx::MessageStore& store);
   std::string what_it_lacks(const std::string& fact, const std::vector<std::string>& handles);
+  void read_global(const std::string& global, const Value& value, cx::Environment& environment);
   void note_next_symbol(RuleEngine& engine);
 
   std::map<std::string, std::string> at_the_start_;  // globals with values, and facts
@@ -68,7 +69,7 @@ class MomentFacts {
   std::vector<std::string> of_plugin_;                   // facts of the generic plugin
   std::vector<std::string> bound_;                       // actions of which a binding has a client
   std::map<Handle, std::vector<std::string>> messages_;  // calls that make a message for a global
-  std::vector<std::pair<std::string, std::string>> globals_;
+  std::vector<std::string> globals_;                     // calls that set or define them
   std::string setgen_;
   std::vector<std::string> lost_;
 };

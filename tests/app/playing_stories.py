@@ -544,7 +544,12 @@ class FromAMoment(Stories):
 (deffacts start (start) (link) (other) (pair (name a)) (pair (name b)))
 (defrule tie ?p <- (pair (name a) (to nil)) ?q <- (pair (name b)) => (modify ?p (to ?q)))
 (defrule tie-back ?q <- (pair (name b) (to nil)) ?p <- (pair (name a) (to ~nil)) => (modify ?q (to ?p)))
-(defrule keep (start) => (assert (array (ros-msgs-create-message "std_msgs/msg/Int32MultiArray")) (flat (ros-msgs-create-message "std_msgs/msg/String"))))
+(defglobal ?*first* = nil)
+(defrule keep (start) => (bind ?endless (ros-msgs-create-message "std_msgs/msg/Float64")) (ros-msgs-set-field ?endless "data" (* 1e300 1e300))
+  (bind ?long (ros-msgs-create-message "std_msgs/msg/UInt8MultiArray")) (bind ?all (create$)) (loop-for-count 10000 (bind ?all ?all 1)) (ros-msgs-set-field ?long "data" (create$ ?all 1))
+  (bind ?most (ros-msgs-create-message "std_msgs/msg/UInt8MultiArray")) (ros-msgs-set-field ?most "data" ?all)
+  (assert (array ?endless) (long ?long) (most ?most) (flat (ros-msgs-create-message "std_msgs/msg/String"))))
+(defrule note (time ?t) (test (> ?t 0.4)) ?o <- (other) => (bind ?*first* ?o))
 (defrule point ?p <- (link (to nil)) ?o <- (other) => (modify ?p (to ?o)))
 (defrule compute (logical (start)) => (bind ?x 1) (assert (computed ?x) (follows)))
 (defrule end (time ?t) (test (> ?t 3)) ?s <- (start) (flat ?m) => (retract ?s) (assert (said (ros-msgs-get-field ?m "data"))))
@@ -555,14 +560,63 @@ class FromAMoment(Stories):
         self.assertEqual(done.returncode, 0, done.stderr)
         notes = re.findall(r"^note: (.*?)(?: of \d+ things.*)?$", done.stderr, re.MULTILINE)
         self.assertRegex(notes[0], r"^left out, because the fact to which it points is not given before it: \(pair \(name .\) \(to <Fact-\d+>\)\)$")
-        self.assertRegex(notes[2], r"^left out, because a story cannot make the message or goal to which it points: \(array <Pointer-C-\w+>\)$")
-        self.assertEqual(notes[3], "stays when the facts go from which it follows, because its rule computes it: (computed 1)")
-        self.assertEqual(notes[4:6], ["1", "  {no_fact: '(computed 1)', at: 5}"])
+        for note, fact in zip(notes[2:4], ("array", "long")):
+            self.assertRegex(note, rf"^left out, because a story cannot make the message or goal to which it points: \({fact} <Pointer-C-\w+>\)$")
+        self.assertEqual(notes[4], "stays when the facts go from which it follows, because its rule computes it: (computed 1)")
+        self.assertEqual(notes[5], "not set, because a story cannot make the message, goal or fact to which it points: ?*first*")
+        self.assertEqual(notes[6:8], ["1", "  {no_fact: '(computed 1)', at: 5}"])
         text = (self.folder / "m.story.yaml").read_text()
-        self.assertIn("'(ros-msgs-set-field ?*message-", text)
+        for fact in ("flat", "most"):
+            self.assertRegex(text, rf"'\({fact} \?\*of-story-message-\d+\*\)'")
         self.assertIn("{no_fact: '(follows)', at: 5}", text)
         self.assertRegex(text, r"{fact: '\(other\)', as: '(<Fact-\d+>)'}\n.*'\(link \(to \1\)\)'")
         self.assertIn("""{fact: '(said "")', at: 5}""", text)
+
+    def test_messages_and_globals_are_as_they_were(self):
+        """Messages with messages and arrays inside, texts with line ends, and globals that rules define or that point to messages."""
+        self.write("a.clp", """(deffacts start (start))
+(defglobal ?*kept* = nil ?*third* = (create$))
+(defrule keep ?s <- (start) (time ?t) (test (> ?t 0.4)) => (retract ?s)
+  (bind ?m (ros-msgs-create-message "std_msgs/msg/Float32MultiArray")) (ros-msgs-set-field ?m "data" (create$ 1.5 -2.0 1e20))
+  (bind ?a (ros-msgs-create-message "std_msgs/msg/MultiArrayDimension")) (ros-msgs-set-field ?a "label" (str-cat "Ada's \\"" (format nil "%n") "  x"))
+  (bind ?b (ros-msgs-create-message "std_msgs/msg/MultiArrayDimension")) (ros-msgs-set-field ?b "size" 7)
+  (bind ?l (ros-msgs-get-field ?m "layout")) (ros-msgs-set-field ?l "dim" (create$ ?a ?b)) (ros-msgs-set-field ?l "data_offset" 3)
+  (bind ?n (ros-msgs-create-message "std_msgs/msg/Float64")) (ros-msgs-set-field ?n "data" (/ 1.0 3.0)) (bind ?*kept* ?n)
+  (build "(defglobal ?*new* = 4)") (bind ?*third* ?*third* (/ 1 3)) (assert (array ?m) (sixth (/ 1 6)) (long 12345678901234567.0) (text (ros-msgs-get-field ?a "label"))))
+(defrule say (time ?t) (test (> ?t 3)) ?f <- (array ?m) (sixth ?s) (long ?g) => (retract ?f) (bind ?l (ros-msgs-get-field ?m "layout")) (bind ?d (ros-msgs-get-field ?l "dim"))
+  (bind ?third (ros-msgs-get-field ?*kept* "data"))
+  (assert (said (ros-msgs-get-field ?m "data") (str-length (ros-msgs-get-field (nth$ 1 ?d) "label")) (ros-msgs-get-field (nth$ 1 ?d) "size") (ros-msgs-get-field (nth$ 2 ?d) "size")
+    (length$ ?d) (ros-msgs-get-field ?l "data_offset") (= ?third (/ 1.0 3.0) (nth$ 1 ?*third*)) (= ?s (/ 1 6)) (floatp ?g) (eval "?*new*"))))
+""")
+        self.write("w.story.yaml", "- story: w\n  rules: a.clp\n  end: 6\n  expect: [{not_fires: say}]\n")
+        self.assertEqual(self.cxlab("test", "w.story.yaml", "--keep-runs", "k").returncode, 1)
+        done = self.cxlab("new", "story", "k/w-w", "--at", 1, "--for", 4, "--out", "m.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotRegex(done.stderr, "do not happen|left out|not set")
+        text = (self.folder / "m.story.yaml").read_text()
+        self.assertIn("{fact: '(said 1.5 -2.0 1.00000002004088e+20 11 0 7 2 3 TRUE TRUE TRUE 4)', at: 5}", text)
+        self.assertIn('"(text \\"Ada\'s \\\\\\"\\n  x\\")"', text)
+        self.assertIn("- '(defglobal ?*new* = 4)'", text)
+        self.assertIn("- '(sixth 0.16666666666666666)'\n", text)
+        self.assertIn("- '(long 12345678901234568.0)'\n", text)
+        self.assertIn("expects", done.stderr)
+        self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
+
+    def test_the_run_of_such_a_story_gives_another(self):
+        self.assertEqual(self.cxlab("new", "agent", "carrier", "--rcll").returncode, 0)
+        self.assertEqual(self.cxlab("run", "carrier/scenario.yaml", "--tier", "timed", "--until", "60", "--out", "run", "--quiet").returncode, 0)
+        self.assertEqual(self.cxlab("new", "story", "run", "--at", "21", "--for", "20", "--out", "one.story.yaml").returncode, 0)
+        text = (self.folder / "one.story.yaml").read_text()
+        self.assertIn("under_way: [{handle: ", text)
+        self.write("one.story.yaml", text.replace("  expect:\n", "  expect:\n    - {fact: (never), within_s: 41}\n"))
+        failed = self.cxlab("test", "one.story.yaml", "--keep-runs", "kept")
+        self.assertEqual(failed.returncode, 1)
+        self.assertIn(" ms, 20.1 s simulated)", failed.stdout, "not the seconds before the moment")
+        for at in (21, 25):
+            done = self.cxlab("new", "story", next((self.folder / "kept").iterdir()), "--at", at, "--for", 15, "--out", f"at{at}.story.yaml")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotRegex(done.stderr, "do not happen|left out")
+            self.assertNotIn("of-story-goal", (self.folder / f"at{at}.story.yaml").read_text())
 
     def new_story(self, run, at, name):
         done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")
@@ -578,17 +632,18 @@ class FromAMoment(Stories):
         for game in ("game", "planning"):
             shutil.copy(SOURCE / f"scenarios/rcll/{game}.yaml", self.folder / "rcll")
             self.assertEqual(self.cxlab("run", f"rcll/{game}.yaml", "--tier", "timed", "--until", 210, "--out", game, "--quiet").returncode, 0)
-        records = [json.loads(line) for line in (self.folder / "planning/journal.jsonl").read_text().splitlines()]
 
-        def first(look):
-            return next(r["t"] / 1e9 for r in records if r["data"].get("name") == look and r["t"] > 100e9)
-        planned, asked = first("action-ready /pddl_manager/temp_plan"), first("service-ready /pddl_manager/check_action_condition")
-        for run, at in (("game", 60), ("game", 180), ("planning", 60), ("planning", planned + 0.1), ("planning", asked)):
+        def first(run, look):
+            records = map(json.loads, (self.folder / run / "journal.jsonl").read_text().splitlines())
+            return next(r["t"] / 1e9 for r in records if r["data"].get("name", "").endswith(look) and r["t"] > 100e9)
+        driving = first("game", "/drive_to")  # this goal is sent in the tick of the moment, and its message has a message
+        planned, asked = first("planning", "action-ready /pddl_manager/temp_plan"), first("planning", "service-ready /pddl_manager/check_action_condition")
+        for run, at in (("game", 60), ("game", 180), ("game", driving), ("planning", 60), ("planning", planned + 0.1), ("planning", asked)):
             with self.subTest(run=run, at=at):
                 text = self.new_story(run, at, "story")
                 if at > planned:  # its goal was sent through a binding, and a fact keeps the message
                     self.assertRegex(text, r"temp_plan', type: \S+,\n +under_way: \[\{handle: '<Pointer-C-\w+>', id: ")
-                    self.assertRegex(text, r"- \{fact: '\(pddl-plan-goal \?\*message-\d+\* <Pointer-C-\w+>\)', as: ")
+                    self.assertRegex(text, r"- \{fact: '\(pddl-plan-goal \?\*of-story-message-\d+\* <Pointer-C-\w+>\)', as: ")
                 self.assertEqual(text, self.new_story(run, at, "again"))
                 self.assertEqual(self.cxlab("test", "story.story.yaml").returncode, 0)
                 without = re.sub(r", feedback: \[(\{after_s: [\d.]+, data: \{[^}]*\}\}(, )?)+\]", "", text)
