@@ -83,7 +83,7 @@ int make_game(const GameOptions& options) {
 struct StoryOptions {
   std::string run, environment, name, file;
   double at = 0, seconds = 10;
-  lab::PackageOptions packages;
+  std::vector<std::string> packages, prefixes;
   bool trust_programs = false, force = false;
 };
 
@@ -97,18 +97,20 @@ int make_story(StoryOptions options) {
   }
   if (path_exists(options.file) && !options.force)
     return fail(usage_error("there is a file already: choose another one (--out), or --force", options.file));
-  auto packages = lab::find_packages(options.packages);
-  if (!packages) return fail(packages.error());
+  const auto named = lab::named_packages(options.packages);
+  if (!named) return fail(named.error());
+  auto installed = lab::installed_packages(options.prefixes);
+  if (!installed) return fail(installed.error());
   Console console(true);
   const lab::Host host = console.host();
-  const lab::MomentStory moment{from_seconds(options.at), options.seconds, options.environment, options.name};
+  const lab::MomentStory moment{from_seconds(options.at), options.seconds, options.environment, options.name, *named};
   doing("playing the rules of " + options.run + " again");
   auto story = lab::story_of(*run, moment, options.file, host);
   if (const int code = interrupted("no story was written")) return code;
   if (!story) return fail(story.error());
   if (Status s = make_folder_of(options.file); !s) return fail(s.error());
   lab::StoryPlan plan;
-  plan.setup = {find_share().interfaces, false, *std::move(packages), host.limits(), own_packages()};
+  plan.setup = {find_share().interfaces, false, *std::move(installed), host.limits(), own_packages()};
   const Status kept = lab::keep_what_holds(*story, options.file, plan, host);
   std::error_code ignored;
   if (!kept || signal_that_came() != 0) std::filesystem::remove(options.file, ignored);
@@ -138,7 +140,8 @@ void add_story(CLI::App& command, Action& action) {
   sub->add_option("--env", options->environment, "The environment, if the run has several");
   sub->add_option("--name", options->name, "Name of the story (default: run and time)");
   sub->add_option("--out", options->file, "The file (default: RUN-at-T.story.yaml in this folder)");
-  add_package_options(*sub, options->packages);
+  once_each(sub->add_option("--package", options->packages, "NAME=DIR: where a package of the run is now"));
+  add_prefix_option(*sub, options->prefixes);
   add_trust_programs(*sub, options->trust_programs);
   sub->add_flag("--force", options->force, "Overwrites a file");
   sub->callback([options, &action] { action = [options] { return make_story(*options); }; });

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
+#include "cx/base/file.h"
 #include "cx/base/json.h"
 #include "cx/base/number_text.h"
 #include "cx/journal/journal_reader.h"
@@ -57,6 +59,9 @@ class Writer {
 
   /// Reads the moment and what comes after it, then writes: facts, stand-ins, steps, expectations.
   Expected<WrittenStory> write() {
+    auto scenario = run_.scenario();
+    if (!scenario) return scenario.error();
+    scenario_ = *std::move(scenario);
     if (Status s = find(); !s) return s.error();
     auto exchanges = MomentExchanges::read(run_.folder / "inputs.bin", stream_, at_);
     if (!exchanges) return exchanges.error();
@@ -69,7 +74,7 @@ class Writer {
         facts_.hear(record);
       }
     facts_.read(*environment_, exchanges_);
-    if (has_goal_under_way() && begins_ == at_)
+    if (has_goal_under_way() && begins_before_ >= begins_)
       return input_error("--at: at " + seconds_of(at_) +
                          " s a goal is in progress, and the rules have not run before; expected a later moment");
     if (Status s = play_on(); !s) return s.error();
@@ -97,7 +102,7 @@ class Writer {
     if (earlier)
       remedy = "; a story begins after the tick of its moment: the last thing before happened at " +
                seconds_of(*earlier) + " s, which a story with --at " +
-               seconds_of(std::max(SimTime::zero(), *earlier - testing::kTick)) + " has";
+               seconds_of(std::max(SimTime::zero(), *earlier - scenario_.tick)) + " has";
     if (later)
       remedy += "; the next thing happens at " + seconds_of(*later) + " s, which a story with --for " +
                 general_text(to_seconds(*later - at_) + 1, 6) + " has";
@@ -120,18 +125,27 @@ class Writer {
     if (!moment) return moment.error();
     moment_ = *std::move(moment);
     if (Status s = seek(given_.at); !s) return about_option(s.error(), "--at");
+    if (moment_->cut_off())
+      return usage_error("--at: the run ends at " + seconds_of(moment_->end()) + " s" + run_.cut_off_text("log"));
     at_ = moment_->t();
-    SimTime beat = kNever;
+    SimTime beat = kNever, before = kNever;
     for (const JournalRecord& record : records_.all)
-      if (record.stream == stream_ && record.kind == RecordKind::kAssert && record.data.text("template") == "time") {
-        begins_ = beat == kNever ? record.t : beat;
-        beat = record.t;
-      }
-    if (beat == kNever) begins_ = at_;
-    if (beat == kNever || beat == at_) return {};
-    at_ = beat;
-    if (Status s = moment_->rewind(); !s) return s;
-    return seek(beat);
+      if (record.stream == stream_ && record.kind == RecordKind::kAssert && record.data.text("template") == "time")
+        before = std::exchange(beat, record.t);
+    if (beat != kNever && beat != at_) {
+      at_ = beat;
+      if (Status s = moment_->rewind(); !s) return s;
+      if (Status s = seek(beat); !s) return s;
+    }
+    begins_ = due_of(at_);
+    begins_before_ = before == kNever ? at_ : due_of(before);
+    return {};
+  }
+
+  /// When the rules had to run that ran in this tick: the executive counts from the time at which it begins.
+  SimTime due_of(SimTime tick) const {
+    const auto due = dues_.find(tick);
+    return due == dues_.end() || due->second > tick || due->second + scenario_.tick <= tick ? tick : due->second;
   }
 
   Status seek(SimTime t) {
@@ -140,53 +154,75 @@ class Writer {
     if (Status s = moment_->seek(SimTime{-1}); !s) return s;  // to before the first tick
     auto found = moment_->environments(given_.environment);
     if (!found) return found.error();
-    if (found->size() > 1) {
-      std::vector<std::string> names;
-      for (const cx::Environment* one : *found) names.push_back(one->unique_name());
-      return usage_error("the run has several environments: choose one with --env: " + some_of(names));
+    std::vector<std::string> names;
+    for (cx::Environment* one : *found) {
+      const auto [owner, number] = owner_of(*one);
+      const AgentSpec& spec = scenario_.agents[owner];
+      if (spec.name_space != "/" || !spec.remaps.empty()) continue;
+      names.push_back(one->unique_name());
+      environment_ = one;
+      agent_ = owner;
+      number_ = number;
     }
-    environment_ = found->front();
+    if (names.empty())
+      return input_error("the agent has a namespace or remaps, which a story cannot have", run_.folder.string());
+    if (names.size() > 1)
+      return usage_error("the run has several environments: choose one with --env: " + some_of(names));
     stream_ = moment_->episode().journal().stream_name(environment_->engine().stream());
     facts_.begin(environment_->engine());
+    dues_.clear();
+    moment_->after_tick = [this, due = kNever, &agent = *moment_->episode().agents()[agent_]]() mutable {
+      dues_[moment_->t()] = std::exchange(due, agent.next_due());
+    };
     return moment_->seek(t);
   }
 
-  /// Which one it is, and the files that it is made of.
-  Status agent() {
-    auto scenario = run_.scenario();
-    if (!scenario) return scenario.error();
+  /// The agent that has the environment, and the environment's number there.
+  std::pair<std::size_t, std::size_t> owner_of(const cx::Environment& environment) const {
     auto& managers = moment_->episode().agents();
     for (std::size_t i = 0; i < managers.size(); ++i)
       for (std::size_t k = 0; k < managers[i]->size(); ++k)
-        if (&managers[i]->environment(k) == environment_) {
-          if (k > 0) head_ += "  environment: " + yaml_quoted(environment_->name()) + '\n';
-          return agent(*scenario, scenario->agents[i]);
-        }
-    return input_error("no agent of the run has the environment " + environment_->unique_name());
+        if (&managers[i]->environment(k) == &environment) return {i, k};
+    return {};
   }
 
-  Status agent(const Scenario& scenario, const AgentSpec& agent) {
-    if (agent.name_space != "/" || !agent.remaps.empty())
-      return input_error("the agent has a namespace or remaps, which a story cannot have", run_.folder.string());
-    const fs::path home = fs::absolute(file_).lexically_normal().parent_path();
-    const auto from_here = [&](const std::string& path) {
-      return fs::absolute(scenario.resolve(path)).lexically_normal().lexically_proximate(home).string();
-    };
-    head_ += "  config: " + yaml_quoted(from_here(agent.config)) + '\n';
-    std::map<std::string, PackageSpec> packages = scenario.packages;
-    for (const auto& [name, package] : agent.packages) packages[name] = package;
+  /// The files that the agent is made of, and its settings.
+  Status agent() {
+    const AgentSpec& agent = scenario_.agents[agent_];
+    if (number_ > 0) head_ += "  environment: " + yaml_quoted(environment_->name()) + '\n';
+    std::map<std::string, std::string> packages;
+    for (const auto& [name, package] : scenario_.packages) packages[name] = normal(scenario_.resolve(package.folder));
+    for (const auto& [name, package] : agent.packages) packages[name] = normal(scenario_.resolve(package.folder));
+    fs::path config = normal(scenario_.resolve(agent.config));
+    for (const auto& [name, now] : given_.packages) {
+      const auto then = packages.find(name);
+      const fs::path inside = then == packages.end() ? fs::path("..") : config.lexically_relative(then->second);
+      if (*inside.begin() != "..") config = normal(fs::path(now) / inside);
+      packages[name] = normal(now);
+    }
+    if (!is_file(config))
+      return input_error(
+          "the configuration of the agent is not there: if its package was moved, name its folder with --package "
+          "NAME=DIR",
+          config.string());
+    head_ += "  config: " + yaml_quoted(from_here(config)) + '\n';
     std::string list;
-    for (const auto& [name, package] : packages)
-      if (const auto own = own_packages_.find(name);
-          own == own_packages_.end() || from_here(package.folder) != from_here(own->second))
-        list += (list.empty() ? "" : ", ") + name + ": " + yaml_quoted(from_here(package.folder));
+    for (const auto& [name, folder] : packages)
+      if (const auto own = own_packages_.find(name); own == own_packages_.end() || folder != normal(own->second))
+        list += (list.empty() ? "" : ", ") + name + ": " + yaml_quoted(from_here(folder));
     if (!list.empty()) head_ += "  packages: {" + list + "}\n";
     list.clear();
     for (const cx::GivenParameter& param : agent.params)
       list += (list.empty() ? "" : ", ") + yaml_quoted(param.name) + ": " + param.value;
     if (!list.empty()) head_ += "  params: {" + list + "}\n";
     head_ += "  seed: " + std::to_string(run_.manifest.seed) + '\n';
+    if (scenario_.tick != testing::kTick) head_ += "  tick_s: " + seconds_of(scenario_.tick) + '\n';
     return {};
+  }
+
+  static std::string normal(const fs::path& path) { return fs::absolute(path).lexically_normal().string(); }
+  std::string from_here(const fs::path& path) const {
+    return path.lexically_proximate(fs::path(normal(file_)).parent_path()).string();
   }
 
   Status play_on() {
@@ -313,7 +349,7 @@ class Writer {
   /// When the story begins: before the moment, if goals have to run by then.
   std::string times() const {
     const bool later = has_goal_under_way();
-    return "  begins_s: " + seconds_of(later ? begins_ : at_) + "\n  moment: true\n" +
+    return "  begins_s: " + seconds_of(later ? begins_before_ : begins_) + "\n  moment: true\n" +
            (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
   }
 
@@ -374,10 +410,14 @@ class Writer {
   const fs::path& file_;
   const Host& host_;
   const std::map<std::string, std::string> own_packages_ = own_packages();  // each story has them
-  Records records_;                                                         // outlives the moment
+  Scenario scenario_;
+  Records records_;  // outlives the moment
   std::unique_ptr<Moment> moment_;
   cx::Environment* environment_ = nullptr;
-  SimTime at_{}, begins_{}, end_{};  // begins_: the last time before at which the rules were run
+  std::size_t agent_ = 0, number_ = 0;  // of the scenario, and of the environment in it
+  std::map<SimTime, SimTime> dues_;     // what was due next before each tick
+  SimTime at_{}, end_{};
+  SimTime begins_{}, begins_before_{};  // when the rules had to run that ran at the moment, and those before
   std::string stream_, head_;
   MomentExchanges exchanges_;
   MomentFacts facts_;

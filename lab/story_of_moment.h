@@ -2,6 +2,7 @@
 // A story from a recorded moment: what an environment knew then, what came to it afterwards, and what it did.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct MomentStory {
   double seconds = 10;           ///< how long it goes on after the moment
   std::string environment = {};  ///< empty: the only one
   std::string name = {};         ///< of the story; empty: "at T of RUN"
+  /// Where packages of the run are now, and further ones for the story.
+  std::map<std::string, std::string> packages = {};
 };
 
 struct WrittenStory {

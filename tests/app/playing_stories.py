@@ -618,6 +618,67 @@ class FromAMoment(Stories):
             self.assertNotRegex(done.stderr, "do not happen|left out")
             self.assertNotIn("of-story-goal", (self.folder / f"at{at}.story.yaml").read_text())
 
+    def test_the_folder_of_an_agent_may_have_moved(self):
+        self.assertEqual(self.cxlab("new", "agent", "sub/mine").returncode, 0)
+        self.assertEqual(self.cxlab("run", "sub/mine/scenario.yaml", "--out", "run", "--quiet").returncode, 0)
+        (self.folder / "sub/mine").rename(self.folder / "moved")
+        lost = self.cxlab("new", "story", "run", "--at", "1")
+        self.assertEqual(lost.returncode, 3)
+        self.assertIn("sub/mine/agent.yaml: the configuration of the agent is not there: if its package was moved, name its folder with --package NAME=DIR", lost.stderr)
+        done = self.cxlab("new", "story", "run", "--at", "1", "--out", "m.story.yaml", "--package", "mine=moved")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = (self.folder / "m.story.yaml").read_text()
+        self.assertIn("  config: 'moved/agent.yaml'\n  packages: {mine: 'moved'}\n", text)
+        self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
+
+    def test_only_agents_without_a_namespace_can_have_one(self):
+        self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)
+        one = "  - config: agent.yaml\n    packages: {mine: .}\n    namespace: /a\n"
+        scenario = (self.folder / "mine/scenario.yaml").read_text()
+        begin, end = scenario.index("agents:\n"), scenario.index("stimuli:")
+        for names, said in ((("/a", "/b"), "run: the agent has a namespace or remaps, which a story cannot have"),
+                            (("/a", "/"), None)):
+            self.write("mine/two.yaml", scenario[:begin] + "agents:\n" + "".join(one.replace("/a", name) for name in names) + scenario[end:])
+            self.assertEqual(self.cxlab("run", "mine/two.yaml", "--out", "run", "--quiet", "--force").returncode, 0)
+            done = self.cxlab("new", "story", "run", "--at", "1", "--out", "m.story.yaml")
+            if said:
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn(said, done.stderr)
+            else:
+                self.assertEqual(done.returncode, 0, "it is that of the only agent that can have one: " + done.stderr)
+
+    def test_a_story_has_the_ticks_of_its_run(self):
+        """Turtles have ticks of 16 ms, which rules that run ten times a second meet unevenly."""
+        self.assertEqual(self.cxlab("run", "turtlesim/hypotheses", "--until", 13, "--out", "run", "--quiet").returncode, 0)
+        for at in (10, 5):
+            done = self.cxlab("new", "story", "run", "--at", at, "--for", 3, "--env", "straight", "--out", "m.story.yaml", "--force")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("do not happen", done.stderr)
+        text = (self.folder / "m.story.yaml").read_text()
+        self.assertIn("  tick_s: 0.016\n  begins_s: 4.9\n", text)
+        self.write("m.story.yaml", text.replace("  expect:\n", "  expect:\n    - {fact: (never), within_s: 8}\n"))
+        self.assertEqual(self.cxlab("test", "m.story.yaml", "--keep-runs", "kept").returncode, 1)
+        done = self.cxlab("new", "story", next((self.folder / "kept").iterdir()), "--at", 6, "--for", 1.5, "--env", "straight", "--out", "again.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("do not happen", done.stderr)
+        self.assertIn("  tick_s: 0.016\n  begins_s: 6\n", (self.folder / "again.story.yaml").read_text())
+
+    def test_a_log_that_ends_before_the_moment_says_where(self):
+        self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)
+        run = subprocess.Popen([CXLAB, "run", "mine/scenario.yaml", "--break", "--out", "run", "--quiet"], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        while not (self.folder / "run/control.sock").exists():
+            self.assertIsNone(run.poll())
+            time.sleep(0.02)
+        self.cxlab("attach", "run", "-c", "until 5", "-c", "where")
+        run.kill()
+        run.wait()
+        done = self.cxlab("new", "story", "run", "--at", "8")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertRegex(done.stderr, r"--at: the run ends at [\d.]+ s, where the log of the run is cut off \(it is still being played, or was killed\)")
+        self.assertEqual(self.cxlab("new", "story", "run", "--at", "1").returncode, 0)
+
     def new_story(self, run, at, name):
         done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")
         self.assertEqual(done.returncode, 0, done.stderr)
