@@ -32,12 +32,17 @@ void append(const GroundEffects& more, GroundEffects& to) {
   sort_unique(to.remove);
 }
 
+using Bases = ById<std::vector<int>>;
+
 /// What the beginning or the end of an action reads and writes.
 struct Use {
   std::vector<int> reads, adds, removes, number_reads, assigned, increased;
+  const Symbols* derived = nullptr;  ///< what it reads by derived predicates; may be none
 
-  void read(const GroundTask& task, const GroundCondition& condition) {
-    append(condition.facts, reads);
+  void read(const GroundTask& task, const Bases& bases, const GroundCondition& condition) {
+    const int facts = static_cast<int>(task.facts.size());
+    for (const int f : condition.facts)
+      for (const int base : bases[f]) (base < facts ? reads : number_reads).push_back(base < facts ? base : base - facts);
     for (const int c : condition.comparisons) read(task.comparisons[c].expression);
   }
   void read(const GroundExpression& expression) {
@@ -52,29 +57,42 @@ struct Use {
     }
   }
 
-  bool is_disturbed_by(const Use& other) const {
-    return meet(reads, other.adds) || meet(reads, other.removes) || meet(adds, other.removes) ||
+  bool is_disturbed_by(const GroundTask& task, const Use& other) const {
+    return (derived && reads_changes(task, *derived, other)) || meet(reads, other.adds) || meet(reads, other.removes) || meet(adds, other.removes) ||
            meet(number_reads, other.assigned) || meet(number_reads, other.increased) ||
            meet(assigned, other.assigned) || meet(assigned, other.increased);
+  }
+
+ private:
+  static bool reads_changes(const GroundTask& task, const Symbols& symbols, const Use& other) {
+    const auto has = [](const ById<char>& some, int id) { return id >= 0 && id < std::ssize(some) && some[id]; };
+    const auto fact = [&](int f) { return has(symbols.predicates, task.facts[f].predicate); };
+    const auto number = [&](int n) { return has(symbols.functions, task.numbers[n].function); };
+    return std::ranges::any_of(other.adds, fact) || std::ranges::any_of(other.removes, fact) ||
+           std::ranges::any_of(other.assigned, number) || std::ranges::any_of(other.increased, number);
   }
 };
 
 /// Whether beginning and end can be one happening; `always`: also where all of its conditional effects come about.
-bool can_coincide(const GroundTask& task, const GroundAction& action, bool always) {
+bool can_coincide(const GroundTask& task, const Bases& bases, const GroundAction& action, bool always) {
   Use begin, end;
-  begin.read(task, action.start);
-  end.read(task, action.end);
+  begin.read(task, bases, action.start);
+  end.read(task, bases, action.end);
   begin.write(action.at_start);
   end.write(action.at_end);
   for (const ConditionalEffects& conditional : action.conditional) {
-    begin.read(task, conditional.start);
-    end.read(task, conditional.end);
+    begin.read(task, bases, conditional.start);
+    end.read(task, bases, conditional.end);
     if (!always) continue;
     begin.write(conditional.at_start);
     end.write(conditional.at_end);
   }
   for (const GroundDuration& duration : action.duration) (duration.at_end ? end : begin).read(duration.bound);
-  return !begin.is_disturbed_by(end) && !end.is_disturbed_by(begin);
+  if (!task.derived_reads.empty()) {
+    begin.derived = &task.derived_reads[action.schema].start;
+    end.derived = &task.derived_reads[action.schema].end;
+  }
+  return !begin.is_disturbed_by(task, end) && !end.is_disturbed_by(task, begin);
 }
 
 /// Adds to the condition that the constraint allows a duration of 0; false if it never does.
@@ -98,9 +116,9 @@ bool ask_for_zero(GroundTask& task, const GroundDuration& duration, GroundCondit
 
 /// The action that takes no time as an instantaneous one; false if there is none. It stays as it is, without what is
 /// asked over all, where it depends on the state whether its beginning and its end interfere.
-bool merge(GroundTask& task, GroundAction& action) {
-  if (!can_coincide(task, action, false)) return false;
-  if (!can_coincide(task, action, true)) {
+bool merge(GroundTask& task, const Bases& bases, GroundAction& action) {
+  if (!can_coincide(task, bases, action, false)) return false;
+  if (!can_coincide(task, bases, action, true)) {
     action.over_all = {};
     action.continuous.clear();
     for (ConditionalEffects& conditional : action.conditional) conditional.over_all = {};
@@ -153,10 +171,16 @@ bool is_surely_positive(const GroundTask& task, const GroundExpression& bound, c
 }
 
 void merge_instants(GroundTask& task) {
+  const Bases bases = bases_of_facts(task);
   ById<GroundAction> kept;
-  for (GroundAction& action : task.actions)
-    if (!action.durative || constant_durations(action).most > 0 || merge(task, action))
-      kept.push_back(std::move(action));
+  for (GroundAction& action : task.actions) {
+    const DurationRange range = constant_durations(action);
+    if (action.durative && range.most <= 0 && !merge(task, bases, action)) continue;
+    if (action.durative && range.most > 0 && range.least < kValidSeparation && !can_coincide(task, bases, action, false))
+      action.duration.push_back(
+          {Comparison::kGreaterEqual, GroundExpression::constant(in_seconds(kValidSeparation)), false});
+    kept.push_back(std::move(action));
+  }
   task.actions = std::move(kept);
 }
 

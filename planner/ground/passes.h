@@ -40,7 +40,8 @@ Possible possible_by_pairs(const GroundTask& task, Budget& budget);
 bool is_surely_positive(const GroundTask& task, const GroundExpression& bound, const GroundCondition& condition);
 
 /// Turns the actions that last no longer than 0 into instantaneous ones, and drops those whose beginning and end
-/// always interfere. Nothing is asked over all: the open interval between is empty.
+/// always interfere. Nothing is asked over all: the open interval between is empty. Actions that may last longer, and
+/// whose beginning and end always interfere, last at least `kValidSeparation`.
 void merge_instants(GroundTask& task);
 
 /// Copies each action whose effects depend on a duration that may be chosen, once for each of several durations.

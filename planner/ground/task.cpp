@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 
+#include "planner/ground/sorted.h"
 #include "planner/pddl/syntax.h"
 #include "planner/state/number.h"
 
@@ -196,6 +197,33 @@ ById<char> significant_numbers(const GroundTask& task) {
     for_each_effects(action, read_by);
   }
   return significant;
+}
+
+ById<std::vector<int>> bases_of_facts(const GroundTask& task) {
+  ById<std::vector<int>> bases(task.facts.size());
+  for (std::size_t f = 0; f < task.facts.size(); ++f)
+    if (!task.facts[f].derived) bases[f] = {task.positive(static_cast<int>(f))};
+  for (bool changed = !task.axioms.empty(); changed;) {
+    changed = false;
+    for (const Axiom& axiom : task.axioms) {
+      std::vector<int> of_head = bases[axiom.head];
+      for (const int f : axiom.body.facts) {
+        const std::vector<int>& more = bases[task.facts[f].derived ? task.positive(f) : f];
+        of_head.insert(of_head.end(), more.begin(), more.end());
+      }
+      for (const int c : axiom.body.comparisons)
+        task.comparisons[c].expression.for_each_number(
+            [&](int n) { of_head.push_back(static_cast<int>(task.facts.size()) + n); });
+      sort_unique(of_head);
+      if (of_head.size() != bases[axiom.head].size()) {
+        bases[axiom.head] = std::move(of_head);
+        changed = true;
+      }
+    }
+  }
+  for (std::size_t f = 0; f < task.facts.size(); ++f)
+    if (task.facts[f].derived && task.facts[f].is_complement) bases[f] = bases[task.facts[f].complement];
+  return bases;
 }
 
 DurationRange constant_durations(const GroundAction& action) {

@@ -22,6 +22,8 @@ using Micros = std::int64_t;
 /// Two happenings of which one reads what the other writes are this far apart: one millisecond, as plan validators
 /// ask, and one microsecond against their rounding.
 inline constexpr Micros kSeparation = 1001;
+/// What plan validators ask for.
+inline constexpr Micros kValidSeparation = 1000;
 
 inline constexpr Micros kMicrosPerSecond = 1'000'000;
 inline double in_seconds(Micros time) { return static_cast<double>(time) / static_cast<double>(kMicrosPerSecond); }
@@ -240,7 +242,15 @@ struct GroundTask {
 
   /// Words of bits of a state.
   int words() const { return static_cast<int>((facts.size() + 63) / 64); }
+  /// The fact, or the one that it is the complement of.
+  int positive(int fact) const {
+    return facts[fact].is_complement && facts[fact].complement >= 0 ? facts[fact].complement : fact;
+  }
 };
+
+/// By fact: the facts and, behind all facts, the numbers that it depends on. A fact that no axiom derives depends on
+/// itself, and a complement on what its fact depends on.
+ById<std::vector<int>> bases_of_facts(const GroundTask& task);
 
 /// By number: whether it may matter to what can be done, so that states with different values differ: all but those
 /// that only the metric reads.

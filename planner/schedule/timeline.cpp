@@ -18,31 +18,9 @@ void touch(std::vector<Touch>& touches, int key, std::uint8_t does, bool at_star
 }  // namespace
 
 Touches::Touches(const GroundTask& task, Continuous continuous, Conditional conditional)
-    : task_(task), keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others) {
-  bases_.resize(task.facts.size());
-  for (std::size_t f = 0; f < task.facts.size(); ++f)
-    if (!task.facts[f].derived) bases_[f] = {key_of_fact(static_cast<int>(f))};
-  for (bool changed = !task.axioms.empty(); changed;) {
-    changed = false;
-    for (const Axiom& axiom : task.axioms) {
-      std::vector<int> bases = bases_[axiom.head];
-      for (const int f : axiom.body.facts) {
-        const int positive = task.facts[f].derived && task.facts[f].is_complement ? task.facts[f].complement : f;
-        bases.insert(bases.end(), bases_[positive].begin(), bases_[positive].end());
-      }
-      for (const int c : axiom.body.comparisons)
-        task.comparisons[c].expression.for_each_number(
-            [&](int n) { bases.push_back(static_cast<int>(task.facts.size()) + n); });
-      sort_unique(bases);
-      if (bases.size() != bases_[axiom.head].size()) {
-        bases_[axiom.head] = std::move(bases);
-        changed = true;
-      }
-    }
-  }
-  for (std::size_t f = 0; f < task.facts.size(); ++f)
-    if (task.facts[f].derived && task.facts[f].is_complement) bases_[f] = bases_[task.facts[f].complement];
-
+    : task_(task),
+      keys_(static_cast<int>(task.facts.size() + task.numbers.size()) + task.others),
+      bases_(bases_of_facts(task)) {
   for (const GroundAction& action : task.actions) {
     std::vector<Touch> touches;
     write(touches, action.at_start, true);
@@ -105,11 +83,6 @@ bool Touches::breaks_goal(int event) const {
   return false;
 }
 
-int Touches::key_of_fact(int fact) const {
-  const GroundFact& f = task_.facts[fact];
-  return f.is_complement && f.complement >= 0 ? f.complement : fact;
-}
-
 void Touches::read(std::vector<Touch>& touches, const GroundCondition& condition, bool at_start, bool at_end) const {
   for (const int f : condition.facts)
     for (const int key : bases_[f]) touch(touches, key, Touch::kRead, at_start, at_end);
@@ -120,7 +93,7 @@ void Touches::hold(std::vector<Touch>& touches, const GroundCondition& condition
   constexpr std::uint8_t kBoth = Touch::kHoldTrue | Touch::kHoldFalse;
   for (const int f : condition.facts) {
     const GroundFact& fact = task_.facts[f];
-    const std::uint8_t does = fact.derived ? kBoth : key_of_fact(f) != f ? Touch::kHoldFalse : Touch::kHoldTrue;
+    const std::uint8_t does = fact.derived ? kBoth : task_.positive(f) != f ? Touch::kHoldFalse : Touch::kHoldTrue;
     for (const int key : bases_[f]) touch(touches, key, does, true, true);
   }
   for (const int c : condition.comparisons)
@@ -134,7 +107,7 @@ void Touches::read(std::vector<Touch>& touches, const Symbols& reads, std::uint8
   for (std::size_t f = 0; f < task_.facts.size(); ++f)
     if (const GroundFact& fact = task_.facts[f];
         !fact.derived && fact.predicate >= 0 && reads.predicates[fact.predicate])
-      touch(touches, key_of_fact(static_cast<int>(f)), does, at_start, at_end);
+      touch(touches, task_.positive(static_cast<int>(f)), does, at_start, at_end);
   for (std::size_t n = 0; n < task_.numbers.size(); ++n)
     if (reads.functions[task_.numbers[n].function])
       touch(touches, static_cast<int>(task_.facts.size() + n), does, at_start, at_end);
@@ -148,7 +121,7 @@ void Touches::read(std::vector<Touch>& touches, const GroundExpression& expressi
 void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const {
   const auto change = [&](int f, bool add) {
     const bool up = add != (task_.facts[f].is_complement && task_.facts[f].complement >= 0);
-    touch(touches, key_of_fact(f), up ? Touch::kUp : Touch::kDown, at_start, !at_start);
+    touch(touches, task_.positive(f), up ? Touch::kUp : Touch::kDown, at_start, !at_start);
   };
   for (const int f : effects.add) change(f, true);
   for (const int f : effects.remove) change(f, false);
@@ -162,7 +135,7 @@ void Touches::write(std::vector<Touch>& touches, const GroundEffects& effects, b
 void Touches::idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from, bool certain) const {
   for (const IdleTouch& each : from) {
     if (certain && each.conditional) continue;
-    const int key = each.key < static_cast<int>(task_.facts.size()) ? key_of_fact(each.key) : each.key;
+    const int key = each.key < static_cast<int>(task_.facts.size()) ? task_.positive(each.key) : each.key;
     const int does = (each.read ? Touch::kRead : 0) | (each.up ? Touch::kUp : 0) | (each.down ? Touch::kDown : 0);
     touch(touches, key, static_cast<std::uint8_t>(does), !each.at_end, each.at_end);
   }

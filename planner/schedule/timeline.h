@@ -94,11 +94,10 @@ class Touches {
   void read(std::vector<Touch>& touches, const GroundExpression& expression, bool at_start, bool at_end) const;
   void write(std::vector<Touch>& touches, const GroundEffects& effects, bool at_start) const;
   void idle(std::vector<Touch>& touches, const std::vector<IdleTouch>& from, bool certain) const;
-  int key_of_fact(int fact) const;
 
   const GroundTask& task_;
   int keys_ = 0;
-  ById<std::vector<int>> bases_;  ///< by fact: keys that it depends on
+  ById<std::vector<int>> bases_;  ///< by fact: keys that it depends on (bases_of_facts)
   ById<std::vector<Touch>> actions_, events_;
   ById<ById<std::vector<Touch>>> conditional_;  ///< by action and conditional effect
   std::vector<Touch> goal_;

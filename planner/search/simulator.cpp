@@ -107,36 +107,7 @@ Simulator::Whole Simulator::make_whole(const GroundAction& action) const {
     for (const int c : condition->comparisons)
       if (!contains(whole.condition.comparisons, c)) whole.plain = false;
   if (action.durative && whole.fixed && whole.duration < kSeparation) whole.plain = false;
-  whole.interferes = action.durative && interferes(action);
   return whole;
-}
-
-bool Simulator::interferes(const GroundAction& action) const {
-  const auto meet = [](const std::vector<int>& a, const std::vector<int>& b) {
-    return std::ranges::any_of(a, [&b](int item) { return contains(b, item); });
-  };
-  const auto reads = [this](const GroundCondition& condition, const NumericEffect& effect) {
-    return std::ranges::any_of(condition.comparisons,
-                               [&](int c) { return task_.comparisons[c].expression.mentions(effect.number); });
-  };
-  const auto disturbs = [&](const GroundEffects& effects, const GroundCondition& condition) {
-    return meet(effects.add, condition.facts) || meet(effects.remove, condition.facts) ||
-           std::ranges::any_of(effects.numbers, [&](const NumericEffect& effect) { return reads(condition, effect); });
-  };
-  const auto both_change = [&](const NumericEffect& effect) {
-    return std::ranges::any_of(action.at_end.numbers,
-                               [&](const NumericEffect& other) { return other.number == effect.number; });
-  };
-  const auto idles_conflict = [](const IdleTouch& a, const IdleTouch& b) {
-    return a.key == b.key && a.at_end != b.at_end &&
-           ((a.read && (b.up || b.down)) || (b.read && (a.up || a.down)) || (a.up && b.down) || (a.down && b.up));
-  };
-  const bool idle = std::ranges::any_of(action.idle, [&](const IdleTouch& a) {
-    return std::ranges::any_of(action.idle, [&](const IdleTouch& b) { return idles_conflict(a, b); });
-  });
-  return idle || !action.conditional.empty() || disturbs(action.at_start, action.end) ||
-         disturbs(action.at_end, action.start) || meet(action.at_start.add, action.at_end.remove) ||
-         meet(action.at_start.remove, action.at_end.add) || std::ranges::any_of(action.at_start.numbers, both_change);
 }
 
 PackedState Simulator::initial() const {
@@ -243,9 +214,9 @@ bool Simulator::apply_with(int action, Word* state, Micros duration) const {
     return have_values(whole.numbers, numbers(state));
   }
   Remembered remembered;
-  if (a.durative && duration < kSeparation) {  // its beginning and its end are one happening
-    if (whole.interferes || !holds(a.end, state, in_seconds(duration))) return false;
-  }
+  // Its beginning and its end are one happening. Effects under conditions may interfere.
+  if (a.durative && duration < kSeparation && (!a.conditional.empty() || !holds(a.end, state, in_seconds(duration))))
+    return false;
   if (!begin(action, state, duration, remembered)) return false;
   if (!a.durative) return true;
   return over_all_holds(action, state, duration) && end(action, state, duration, remembered);

@@ -78,8 +78,6 @@ class Simulator {
     bool plain = false;                  ///< condition, effects and constant changes of numbers are all there is
     bool fixed = false;                  ///< the duration is a constant
     Micros duration = 0;
-    bool interferes =
-        false;  ///< its end uses what its beginning changes, or the other way: they may not happen at once
   };
 
   std::optional<Micros> chosen(int action, const DurationRange& range, const Word* state) const;
@@ -88,7 +86,6 @@ class Simulator {
   double* mutable_numbers(Word* state) const { return reinterpret_cast<double*>(state + fact_words_); }
   void apply_effects(const GroundEffects& effects, Word* state, double duration_s) const;
   Whole make_whole(const GroundAction& action) const;
-  bool interferes(const GroundAction& action) const;
 
   const GroundTask& task_;
   int fact_words_ = 0;
