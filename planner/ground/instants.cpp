@@ -42,7 +42,8 @@ struct Use {
   void read(const GroundTask& task, const Bases& bases, const GroundCondition& condition) {
     const int facts = static_cast<int>(task.facts.size());
     for (const int f : condition.facts)
-      for (const int base : bases[f]) (base < facts ? reads : number_reads).push_back(base < facts ? base : base - facts);
+      for (const int base : bases[f])
+        (base < facts ? reads : number_reads).push_back(base < facts ? base : base - facts);
     for (const int c : condition.comparisons) read(task.comparisons[c].expression);
   }
   void read(const GroundExpression& expression) {
@@ -58,8 +59,8 @@ struct Use {
   }
 
   bool is_disturbed_by(const GroundTask& task, const Use& other) const {
-    return (derived && reads_changes(task, *derived, other)) || meet(reads, other.adds) || meet(reads, other.removes) || meet(adds, other.removes) ||
-           meet(number_reads, other.assigned) || meet(number_reads, other.increased) ||
+    return (derived && reads_changes(task, *derived, other)) || meet(reads, other.adds) || meet(reads, other.removes) ||
+           meet(adds, other.removes) || meet(number_reads, other.assigned) || meet(number_reads, other.increased) ||
            meet(assigned, other.assigned) || meet(assigned, other.increased);
   }
 
@@ -176,7 +177,8 @@ void merge_instants(GroundTask& task) {
   for (GroundAction& action : task.actions) {
     const DurationRange range = constant_durations(action);
     if (action.durative && range.most <= 0 && !merge(task, bases, action)) continue;
-    if (action.durative && range.most > 0 && range.least < kValidSeparation && !can_coincide(task, bases, action, false))
+    if (action.durative && range.most > 0 && range.least < kValidSeparation &&
+        !can_coincide(task, bases, action, false))
       action.duration.push_back(
           {Comparison::kGreaterEqual, GroundExpression::constant(in_seconds(kValidSeparation)), false});
     kept.push_back(std::move(action));

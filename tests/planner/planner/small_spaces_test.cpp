@@ -23,6 +23,10 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
 constexpr const char* kWalk = R"((:predicates (open) (crossed))
   (:durative-action cross :parameters () :duration (= ?duration 3) :condition (and (at start (open)) (at end (open)))
    :effect (at end (crossed))))";
+constexpr const char* kHeat = R"((:predicates (on) (slow) (hot)) (:functions (time))
+  (:durative-action heat :parameters () :duration (= ?duration (time)) :condition (at end (on))
+   :effect (and (at start (on)) (at end (hot)) (at end (assign (time) 2))))
+  (:action slow-down :parameters () :precondition (slow) :effect (increase (time) 3)))";
 constexpr const char* kShop = R"((:predicates (open) (done))
   (:durative-action serve :parameters () :duration (= ?duration 4) :condition (at start (open))
    :effect (and (at start (not (open))) (at end (open)) (at end (done)))))";
@@ -140,6 +144,24 @@ const Row kRows[] = {
    :effect (and (at end (assign (level) 5)) (increase (level) (* #t 1))))
   (:action look :parameters () :precondition (= (level) 5) :effect (g)))",
      "(:init) (:goal (g))", 0.001},
+    {"ItsEndNeedsWhatItsStartMakesInNoTime", kHeat, "(:init (= (time) 0)) (:goal (hot))", {}},
+    {"ItsEndNeedsWhatItsStartMakes", kHeat, "(:init (slow) (= (time) 0)) (:goal (hot))", 3.001},
+    {"ItsEndDerivesFromWhatItsStartMakesInNoTime",
+     R"((:predicates (on) (warm) (hot)) (:functions (time)) (:derived (warm) (on))
+  (:durative-action heat :parameters () :duration (= ?duration (time)) :condition (at end (warm))
+   :effect (and (at start (on)) (at start (assign (time) 2)) (at end (hot)))))",
+     "(:init (= (time) 0)) (:goal (hot))",
+     {}},
+    {"ItsEndSetsItsDurationInNoTime",
+     R"((:predicates (done)) (:functions (time))
+  (:durative-action tick :parameters () :duration (= ?duration (time)) :condition ()
+   :effect (and (at end (assign (time) 1)) (at end (done)))))",
+     "(:init (= (time) 0)) (:goal (done))",
+     {}},
+    {"BothEndsInNoTime", R"((:predicates (a) (b)) (:functions (time))
+  (:durative-action blink :parameters () :duration (= ?duration (time)) :condition () :effect (and (at start (a)) (at end (b))))
+  (:action slow-down :parameters () :precondition (a) :effect (increase (time) 3)))",
+     "(:init (= (time) 0)) (:goal (and (a) (b)))", 0},
     {"SetWhereAConditionHolds",
      R"((:predicates (idle) (ready) (late) (g)) (:functions (watch))
   (:durative-action measure :parameters () :duration (= ?duration 6) :condition (and (at start (idle)) (over all (<= (watch) 12)))
@@ -170,6 +192,7 @@ TEST_P(SmallSpaces, EndWithTheBestPlanOrAProof) {
   const Task task = parse(row.domain, row.problem);
   const PlanAnswer found = *find_plan(task, {.budget = 3'000'000, .anytime = true});
   if (!row.makespan) {
+    EXPECT_EQ(found.refused, 0) << found.refusal;
     EXPECT_EQ(found.status, PlanStatus::kUnsolvable) << found.reason;
     EXPECT_FALSE(found.plan) << to_text(found.plan->steps, task.domain, task.problem);
     return;
