@@ -34,7 +34,7 @@ Expected<lab::RunsCoverage> covered_by(const RunsCoverageOptions& options, const
       continue;
     }
     if (!options.trust_programs)
-      return input_error(
+      return usage_error(
           "the games of a sweep are played again by the commands in its runs.sqlite; if you trust them, add "
           "--trust-programs",
           path);

@@ -251,6 +251,7 @@ class Checker {
       sources.push_back({shown(file), *std::move(text), judged, true});
     }
     check::Outside outside = outside_of_files();
+    outside.loaded = true;
     outside.open = own_library;
     outside.words = opening.words;
     for (const ConstructInfo& info : constructs) {

@@ -196,9 +196,21 @@ void pair_facts(const Timeline& a, const Timeline& b, Streams::Parting& parted) 
   if (!partner(a, parted.in_a, b, parted.in_b)) partner(b, parted.in_b, a, parted.in_a);
 }
 
-/// Says why `rule`, which fired in the other run at `t`, has not fired in this one, which has been played up to then;
-/// nothing if it has.
-void remark_on_rule(const Inspector& inspector, const std::string& rule, SimTime t, Comparison::Side& side) {
+/// What the rule lacks for the values with which it fired in the other run; as many of the first of them as its
+/// conditions bind here.
+std::optional<explain::UnmetCondition> lacks_for(RuleEngine& engine, const ConstructInfo& rule,
+                                                 explain::Values values) {
+  while (true) {
+    auto lacks = explain::unmet_condition(engine, rule, explain::Wanted(values.begin(), values.end()));
+    if (lacks || values.empty()) return lacks;
+    values.pop_back();
+  }
+}
+
+/// Says why `rule`, which fired in the other run at `t` with these values, has not fired in this one, which has been
+/// played up to then; nothing if it has.
+void remark_on_rule(const Inspector& inspector, const std::string& rule, const Comparison::Side& fired, SimTime t,
+                    Comparison::Side& side) {
   RuleEngine& engine = inspector.engine();
   const ConstructInfo* info = engine.find_construct("defrule", rule);
   if (!info || !engine.has("defrule", rule)) {
@@ -208,7 +220,7 @@ void remark_on_rule(const Inspector& inspector, const std::string& rule, SimTime
   if (const auto last = inspector.last_firing(rule); last && inspector.timeline().time(*last) == t) return;
   if (!engine.acting_call(*info).empty()) return;
   inspector.assert_time();
-  if (!(side.lacks = explain::unmet_condition(engine, *info))) return;
+  if (!(side.lacks = lacks_for(engine, *info, fired.because->steps.front().values))) return;
   side.rule = rule;
   side.remark = "rule " + rule + " did not fire: condition " + std::to_string(side.lacks->number) +
                 " does not hold: " + side.lacks->print();
@@ -246,8 +258,9 @@ Expected<Comparison> compare(const Run& a, const Run& b, const Host& host) {
     const std::string rule_of_a = rule_at(in_a.timeline(), parting->in_a);
     const std::string rule_of_b = rule_at(in_b.timeline(), parting->in_b);
     if (rule_of_a == rule_of_b) continue;
-    if (!rule_of_b.empty()) remark_on_rule(in_a, rule_of_b, parting->t, out.first->a);
-    if (!rule_of_a.empty()) remark_on_rule(in_b, rule_of_a, parting->t, out.first->b);
+    auto& [environment, t, side_a, side_b] = *out.first;
+    if (!rule_of_b.empty()) remark_on_rule(in_a, rule_of_b, side_b, t, side_a);
+    if (!rule_of_a.empty()) remark_on_rule(in_b, rule_of_a, side_a, t, side_b);
   }
   return out;
 }

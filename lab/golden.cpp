@@ -131,6 +131,7 @@ testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage,
     result.bad = differs.error();
   else
     result.failures = *std::move(differs);
+  result.differs = !result.failures.empty();
   return result;
 }
 

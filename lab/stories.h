@@ -62,7 +62,8 @@ struct StoryPlan {
 /// names (cx/wall/wall.h); a story whose copy ends early or takes too long has failed, and the others are played.
 Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host = {});
 
-/// The stories whose golden runs go otherwise have passed, once the runs of now are in the place of these.
+/// The stories whose golden runs go otherwise have passed, once the runs of now are in the place of these. One that
+/// failed before it could be compared, as at a limit or after its patience, keeps its golden run.
 Status accept_golden_runs(std::vector<PlayedStory>& stories, const Host& host = {});
 
 /// The coverage of all stories together.

@@ -23,6 +23,7 @@ std::string story_answer(const testing::StoryResult& result) {
                   {"sim_time_s", result.sim_time_s},
                   {"coverage", JsonWriter::json(coverage)},
                   {"bad", bad},
+                  {"differs", result.differs},
                   {"printed", result.printed},
                   {"files", result.files}};
   return json_text(line);
@@ -39,6 +40,7 @@ std::optional<testing::StoryResult> read_story_answer(const std::string& text) {
     if (const auto& bad = line.at("bad"); !bad.is_null())
       result.bad = Error{
           static_cast<ErrorKind>(bad.at("kind").get<int>()), bad.at("message"), bad.at("file"), bad.at("line"), {}};
+    result.differs = line.at("differs").get<bool>();
     result.printed = line.at("printed").get<std::vector<std::string>>();
     result.files = line.at("files").get<std::vector<std::string>>();
     return result;

@@ -203,10 +203,28 @@ void judge_slots(const RuleBase& base, const Known& known, Findings& findings) {
   }
 }
 
+/// Slots that a template of these files does not have: CLIPS refuses the construct.
+void judge_unknown_slots(const RuleBase& base, Findings& findings) {
+  for (const Touch& touch : base.touches()) {
+    const auto known = base.templates().find(touch.template_name);
+    if (!touch.term || !touch.by->judged() || known == base.templates().end()) continue;
+    const auto& [defined, slots] = known->second;
+    if (slots.empty()) continue;
+    std::vector<std::string> names;
+    for (const auto& [name, slot] : slots) names.push_back(name);
+    for (const Term& item : touch.term->items)
+      if (const std::string name(item.head()); !name.empty() && !slots.contains(name))
+        add(findings, {touch.place.source, item.line}, "not-loaded",
+            "CLIPS refuses this: deftemplate '" + touch.template_name + "' has no slot '" + name + '\'' +
+                did_you_mean(name, names));
+  }
+}
+
 }  // namespace
 
 void judge_facts(const RuleBase& base, Findings& findings) {
   const Known known = known_of(base);
+  if (!base.outside().loaded) judge_unknown_slots(base, findings);
   judge_templates(base, known, findings);
   judge_symbols(base, findings);
   judge_slots(base, known, findings);

@@ -27,11 +27,12 @@ struct Source {
 
 /// What does not come from rule files.
 struct Outside {
-  Words templates;    ///< that plugins define; they may assert and read them as they like
-  Words facts;        ///< ordered facts that plugins assert
-  Words functions;    ///< deffunctions that plugins define
-  Words words;        ///< of configurations and PDDL: modules that get the focus, symbols that come back
-  bool open = false;  ///< more may be asserted and read: a name is doubted only where a known one is spelt nearly so
+  Words templates;      ///< that plugins define; they may assert and read them as they like
+  Words facts;          ///< ordered facts that plugins assert
+  Words functions;      ///< deffunctions that plugins define
+  Words words;          ///< of configurations and PDDL: modules that get the focus, symbols that come back
+  bool loaded = false;  ///< CLIPS has loaded the rules, and has told what it refuses
+  bool open = false;    ///< more may be asserted and read: a name is doubted only where a known one is spelt nearly so
 };
 
 struct Place {

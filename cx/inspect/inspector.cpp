@@ -441,8 +441,9 @@ Derivation Inspector::why(std::uint64_t record) const {
       step.planned = is_planned(cause);
       step.by_story = is_by_story(cause);
       step.by_program = is_by_program(cause);
-      step.text = step.kind == RecordKind::kControl
-                      ? text_of_act(cause)
+      step.text = step.kind == RecordKind::kControl ? text_of_act(cause)
+                  : step.kind == RecordKind::kError
+                      ? std::string(cause.data.text("message"))
                       : std::string(cause.data.text("what")) + ' ' + std::string(cause.data.text("name"));
     }
     std::ranges::sort(own, std::greater());

@@ -244,6 +244,7 @@ std::string line_of(const Derivation::Step& step) {
                               : "a person at ") +
              seconds_text(step.t) + ": " + step.text;
       break;
+    case RecordKind::kError: text = "an error at " + seconds_text(step.t) + ": " + step.text; break;
     default: text = "from outside: " + step.text + " at " + seconds_text(step.t);
   }
   if (step.outside) text += ", from " + *step.outside;

@@ -24,12 +24,14 @@ struct Value::Shared {
   std::vector<Error> errors;
   std::vector<Override> overrides;
 
-  /// Where the value at that path comes from: the last option that set it or something around it, else the file.
+  /// Where the value at that path comes from: the last option that set it or something around it, or that made it for
+  /// something below it; else the file.
   Origin origin(const std::string& path, int line) const {
+    const auto is_around = [](const std::string& whole, const std::string& part) {
+      return part.starts_with(whole) && (part[whole.size()] == '.' || part[whole.size()] == '[');
+    };
     for (auto o = overrides.rbegin(); o != overrides.rend(); ++o)
-      if (path == o->path ||
-          (path.starts_with(o->path) && (path[o->path.size()] == '.' || path[o->path.size()] == '[')))
-        return {o->option, 0};
+      if (path == o->path || is_around(o->path, path) || (line <= 0 && is_around(path, o->path))) return {o->option, 0};
     return {file, line};
   }
   void add(const std::string& path, std::string what, int line) {

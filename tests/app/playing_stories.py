@@ -307,6 +307,12 @@ class Failing(Stories):
             self.assertIn(part, done.stdout)
         self.assertEqual(self.cxlab("diff", "golden", "runs/golden-as-it-went").returncode, 1)
         self.assertEqual(self.cxlab("test").returncode, 1)
+        before = (self.folder / "golden/inputs.bin").read_bytes()
+        for code, limit in ((1, ("--patience", "0.001")), (3, ("--steps", "10"))):
+            done = self.cxlab("test", "golden.story.yaml::as it went", "--accept", *limit)
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+            self.assertNotIn("accepted", done.stdout)
+            self.assertEqual((self.folder / "golden/inputs.bin").read_bytes(), before)
         done = self.cxlab("test", "--accept")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("accepted  ", done.stdout)
@@ -320,6 +326,7 @@ class Failing(Stories):
             done = self.cxlab("test", "golden.story.yaml", *arguments)
             self.assertEqual(done.returncode, code, done.stdout + done.stderr)
             self.assertRegex(done.stdout, r"the run fails now: .*rules.clp:\d+: ")
+            self.assertIn("b: an error at 0.000 s: found no closing parenthesis", done.stdout)
         self.assertEqual(json.loads((self.folder / "golden/result.json").read_text())["status"], "completed")
         self.write("rules/rules.clp", DOOR + "(deffacts start (bell))\n")
         for limit in ("--steps 10", "--memory 1MB"):
@@ -332,6 +339,8 @@ class Failing(Stories):
         done = self.cxlab("test", "late.story.yaml")
         self.assertEqual(done.returncode, 3)
         self.assertRegex(done.stdout, r"late.story.yaml:1: end: 3000 s is after the end of the golden run, \d+ s\n")
+        self.write("zero.story.yaml", "- {story: zero, golden: golden, end: 0}\n")
+        self.assertIn("found 0, expected a time after 0", self.cxlab("test", "zero.story.yaml").stdout)
         self.write("bad.story.yaml", "- {story: none, golden: nowhere}\n")
         done = self.cxlab("test", "bad.story.yaml")
         self.assertEqual(done.returncode, 3)
@@ -371,6 +380,10 @@ class Unreadable(Stories):
         for line, part in ((4, "unknown key 'within' in '[0].expect[0]', did you mean 'within_s'?"), (9, "'[1].expect[0]: key 'within_s' is missing"), (8, "unknown key 'sead'")):
             self.assertIn(f"two.story.yaml:{line}: {part}".replace("'[1]", "[1]"), said)
         self.assertEqual(said.count("two.story.yaml:"), 1 + 3, said)
+        self.write("two.story.yaml", "common: {stepss: []}\nstories:\n" + self.story("one", "(bell)", "fires: open, within: 1"))
+        said = self.cxlab("test", "two.story.yaml").stdout
+        self.assertIn("unknown key 'stepss'", said)
+        self.assertIn("unknown key 'within'", said)
 
     def names(self, *arguments):
         done = self.cxlab("test", "--json", *arguments)

@@ -456,6 +456,17 @@ class TwoRuns(Lab):
         self.assertIn("(choice (order 0))", found["a"]["what"])
         self.assertIn("(choice (order 4))", found["b"]["what"])
 
+    def test_a_rule_that_no_longer_fires_lacks_something_for_the_values_with_which_it_fired(self):
+        for i, facts in enumerate(("(job 1 2) (job 2 90) (job 3 1)", "(job 3 1) (job 2 90) (job 1 2)")):
+            rules = f"""(deffacts jobs {facts})
+(defrule take (job ?id ?end) (time ?now&:(>= ?now 4)&:(< ?now ?end)) (not (taken ?id)) => (assert (taken ?id)))
+"""
+            a = self.agent(rules, out=f"a{i}")
+            b = self.agent(rules.replace("(< ?now ?end)", "(< (+ ?now 99) ?end)"), out=f"b{i}")
+            found = json.loads(self.cxlab("diff", a, b, "--json", expect=1).stdout)["first"]
+            self.assertIn("?id = 2 ?end = 90", found["a"]["what"])
+            self.assertRegex(found["b"]["remark"], r"rule take did not fire: condition 2 does not hold: .*\?end = 90")
+
     def test_a_change_that_changes_nothing_is_named_and_no_difference(self):
         a, b = self.agent(), self.agent(AGENT.replace("(lost ?id)", "(gone ?id)"), out="other")
         found = json.loads(self.cxlab("diff", a, b, "--json").stdout)

@@ -163,6 +163,18 @@ INSTANTIATE_TEST_SUITE_P(
              "(state ?s)))\n(deffacts doors (door (state OPEN)))\n(defrule r ?d <- (door (state OPEN)) => (put ?d "
              "SHUT))",
              "3 never-set"},
+        Seed{"slot_that_a_pattern_misspells",
+             "(deftemplate door (slot name))\n(deffacts d (door (name a)))\n(defrule r (door (name ?n)) (not\n  (door "
+             "(nmae ?n))) => (printout t ?n))",
+             "4 not-loaded"},
+        Seed{"slot_that_an_assert_misspells",
+             "(deftemplate door (slot name))\n(deffacts d (door (name a)))\n(defrule r (door (name ?n)) (time ?) =>\n"
+             "  (assert (door (nmae ?n))))",
+             "4 not-loaded"},
+        Seed{"slot_that_a_fact_at_the_start_misspells",
+             "(deftemplate door (slot name))\n(deffacts d (door (name a))\n  (door (nmae b)))\n(defrule r (door (name "
+             "?n)) => (printout t ?n))",
+             "3 not-loaded"},
         Seed{"slot_of_no_use",
              "(deftemplate door (slot name)\n  (slot weight (default 1)))\n(deffacts d (door (name a)))\n(defrule r "
              "(door (name "

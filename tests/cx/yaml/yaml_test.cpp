@@ -116,6 +116,15 @@ TEST(Yaml, EachValueKnowsWhereItComesFrom) {
   EXPECT_EQ(document->status().error().text(), "--set world.robots=8: world.robots: too many");
 }
 
+TEST(Yaml, AnUnknownMapThatAnOptionMadeNamesTheOption) {
+  auto document = Document::parse("world: {kind: rcll}\n", "s.yaml");
+  ASSERT_TRUE(document->set("wrld.robots=2").ok());
+  Map root = document->root().as_map();
+  root.get("world");
+  EXPECT_FALSE(root.finish());
+  EXPECT_EQ(document->status().error().text(), "--set wrld.robots=2: unknown key 'wrld', did you mean 'world'?");
+}
+
 struct Wheel {
   std::string name;
   double radius = 0.1;
