@@ -458,6 +458,8 @@ def waits(game):
             stands[d["robot"]].append(t)
         if kind == "fault" or kind == "skill" and d["event"] == "end" and (d["code"] or d["cancelled"]):
             thwarted[d.get("robot")].append(t)
+        if kind == "skill" and d.get("phase") == "wait" and "for" not in d:
+            thwarted[d["robot"]].append(t)  # it has another way from then on
     for robot, its in steps.items():
         for i, ((t, d), (until, _)) in enumerate(zip(its, its[1:]), 1):
             if d.get("phase") != "wait" or until - t < 1.5 * TICK:
