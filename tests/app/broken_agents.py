@@ -144,8 +144,8 @@ AGENTS = [
     # The planning agent: a product waits at a machine until it is pushed off, and a robot comes for it to another one.
     Agent("arguments in the wrong order", 165, "planning_agent/clips/execution.clp",
           [("(case transport then (robot-job MOVE (order-of ?a) (output-of ?b) (input-of ?c)))", "(case transport then (robot-job MOVE (order-of ?a) (output-of ?c) (input-of ?b)))")],
-          ["orders", "facts '(job (order 2))' --at 2:00", "why '(job (order 2))' --at 2:00"],
-          r'rule agenda-begin .*\?params = \(o2 rs1 rs2 s1\)', PLANNING, short=False),
+          ["orders", "facts '(job (order 2))' --at 1:20", "why '(job (order 2))' --at 1:20"],
+          r'rule agenda-approach [^└]*\?params = \(o2 rs1 rs2 s1\)', PLANNING, short=False),
     # No order is begun but for a wait.
     Agent("a request that is never over", 60, "planning_agent/clips/execution.clp", [("  (retract ?effects))", "  (modify ?effects (time ?time)))")],
           ["orders", "rules", "why-not '(effects)'", r"why-not '(effects (number {forbids it:? \(effects \(number (\d+)\)}))'"],
