@@ -46,7 +46,7 @@ SlotConstraint constraint_of(std::span<const Term> items) {
     } else if (is_variable(item)) {
       const std::string name = variable_name(item);
       if (item.text.starts_with("$?")) out.plain = false;
-      if (is_negated && name == out.variable && !name.empty()) out.impossible = true;
+      if (is_negated && name == out.variable) out.impossible = true;
       if (is_first && !is_negated)
         out.variable = name;
       else
