@@ -132,12 +132,11 @@ class CertainReader {
   }
 
  private:
-  static void take(const std::map<std::string, std::span<const Term>>& values, const PatternSlots& pattern, bool same,
+  static void take(const std::map<std::string, std::span<const Term>>& values, const PatternSlots& pattern,
                    NewFact& fact) {
     for (const auto& [slot, items] : values) {
       const auto constraint = pattern.slots.find(slot);
-      const std::string variable =
-          same && constraint != pattern.slots.end() ? constraint->second.variable : std::string();
+      const std::string variable = constraint != pattern.slots.end() ? constraint->second.variable : std::string();
       const int growth = items.size() == 1 ? grows_from(items[0], variable) : 0;
       if (growth != 0)
         fact.grows[slot] = growth;
@@ -152,7 +151,7 @@ class CertainReader {
     const auto& pattern = rule.conditions[condition].pattern;
     if (!pattern) return std::nullopt;
     NewFact fact{pattern->name, {}, {}, {}, true, false, condition};
-    take(values_of(action, 2), *pattern, true, fact);
+    take(values_of(action, 2), *pattern, fact);
     // CLIPS looks again only at conditions that name a slot which has changed.
     for (const auto& [slot, growth] : fact.grows) fact.fresh = fact.fresh || pattern->slots.contains(slot);
     for (const auto& [slot, value] : fact.constants)
@@ -166,9 +165,9 @@ class CertainReader {
     const auto& pattern = rule.conditions[condition].pattern;
     if (!pattern || asserted.head().empty()) return;
     NewFact fact{std::string(without_module(asserted.head())), {}, {}, {}, false, goes, condition};
-    take(values_of(asserted), *pattern, fact.name == pattern->name, fact);
+    take(values_of(asserted), *pattern, fact);
     for (std::size_t i = 1; i < asserted.items.size(); ++i) {
-      if (!asserted.items[i].is_list() || !pattern->slots.contains("#") || fact.name != pattern->name) continue;
+      if (!asserted.items[i].is_list() || !pattern->slots.contains("#")) continue;
       const std::string slot = std::to_string(i);  // a call among the fields of an ordered fact
       const auto constraint = pattern->slots.find(slot);
       const int growth =
@@ -258,7 +257,7 @@ class Loops {
         }
         std::vector<std::size_t> round{at};
         while (round.back() != start) round.push_back(from.at(round.back()));
-        if (is_undisturbed(round)) return round;
+        if (is_undisturbed(round) && grows_all_round(round)) return round;
       }
     }
     return {};
@@ -329,6 +328,22 @@ class Loops {
         return &condition == &step.trigger() ||
                std::ranges::none_of(touched, [&](const std::string& name) { return names(*condition.term, name); });
       });
+    });
+  }
+
+  /// A slot that one step makes grow, no other step sets back: a value that is small again could end the round.
+  bool grows_all_round(const std::vector<std::size_t>& round) const {
+    const auto goes_on = [&](const std::string& slot, int growth) {
+      return std::ranges::all_of(round, [&](std::size_t i) {
+        const NewFact& fact = *steps_[i].fact;
+        const auto grown = fact.grows.find(slot);
+        if (grown != fact.grows.end()) return grown->second == growth;
+        return fact.keeps_others && !fact.constants.contains(slot) && !fact.unknown.contains(slot);
+      });
+    };
+    return std::ranges::all_of(round, [&](std::size_t i) {
+      return std::ranges::all_of(steps_[i].fact->grows,
+                                 [&](const auto& grown) { return goes_on(grown.first, grown.second); });
     });
   }
 

@@ -240,6 +240,10 @@ INSTANTIATE_TEST_SUITE_P(
              "(retract ?p) "
              "(assert (three)))\n(defrule c ?p <- (three) => (retract ?p) (assert (one)))",
              "4 loop"},
+        Seed{"count_in_turn",
+             "(deffacts c (left 1))\n(defrule a ?c <- (left ?n) => (retract ?c) (assert (right (+ ?n 1))))\n(defrule b "
+             "?c <- (right ?n&:(> ?n 0)) => (retract ?c) (assert (left (+ ?n 1))))",
+             "3 loop"},
         Seed{"loops_beside_a_call",
              "(deffunction note (?x) (if (> ?x 3) then (assert (noted ?x))))\n(defrule heard (noted ?x) => (printout t "
              "?x))\n(deffacts c (count 0))\n(defrule r ?c <- (count ?n) => (note ?n) (retract ?c) (assert (count (+ ?n "
@@ -327,6 +331,16 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair(
             "a_loop_that_shrinks",
             "(deffacts c (count 9))\n(defrule r ?c <- (count ?n&:(> ?n 0)) => (retract ?c) (assert (count (- ?n 1))))"),
+        std::pair("a_loop_that_a_value_set_back_ends",
+                  "(deffacts c (turn 1 0))\n(defrule a ?c <- (turn 1 ?n) => (retract ?c) (assert (turn 2 (+ ?n "
+                  "1))))\n(defrule b ?c <- (turn 2 ?n&:(> ?n 9)) => (retract ?c) (assert (turn 1 0)))"),
+        std::pair("a_loop_that_returns_to_a_fact_that_is_there",
+                  "(deffacts c (left 0))\n(defrule a (left ?n) => (assert (right (+ ?n 1))))\n(defrule b (right ?n) => "
+                  "(assert (left (- ?n 1))))"),
+        std::pair(
+            "one_of_two_conditions",
+            "(defrule r (or (egg) (wanted 7)) => (assert (egg)))\n(defrule s (forall (hen) (wanted 7)) => (assert "
+            "(hen)))"),
         std::pair("a_value_that_means_none",
                   "(deftemplate door (slot is (allowed-values GONE SHUT)))\n(deffunction state-of (?n) (if (> ?n 1) "
                   "then NONE else "
