@@ -44,14 +44,20 @@ Moments::Moments(const GroundTask& task, const Simulator& simulator, Budget& bud
     });
   for (const TimedEvent& event : task.events)
     for (const int f : event.effects.remove) lasts[f] = 0;
+  ById<char> asked(task.facts.size(), 0);  // by an effect, which does not come about where the fact is gone
+  for (const GroundAction& action : task.actions)
+    for (const ConditionalEffects& conditional : action.conditional)
+      for (const auto* condition : {&conditional.start, &conditional.over_all, &conditional.end})
+        for (const int f : condition->facts) asked[f] = 1;
   for (std::size_t a = 0; a < task.actions.size(); ++a) {
     const GroundAction& action = task.actions[a];
     const bool chooses = action.stretch > 0 || action.aim >= 0;  // here all durations are open
     if (!chooses) candidates_.push_back(static_cast<int>(a));
     bool once = task.axioms.empty() && action.conditional.empty() && action.continuous.empty();
     for (const auto* effects : {&action.at_start, &action.at_end})
-      once =
-          once && effects->numbers.empty() && std::ranges::all_of(effects->add, [&](int f) { return lasts[f] != 0; });
+      once = once && effects->numbers.empty() &&
+             std::ranges::all_of(effects->add, [&](int f) { return lasts[f] != 0; }) &&
+             std::ranges::none_of(effects->remove, [&](int f) { return asked[f] != 0; });
     repeats_nothing_.push_back(once);
     reads_duration_.push_back(mentions_duration(action, task));
     most_at_once_.push_back(most_copies(action));

@@ -145,6 +145,16 @@ TEST(NoDuration, BeginningAndEndMustNotInterfere) {
             "go");
 }
 
+TEST(NoDuration, BeginningAndEndInterfereOnlyWhereTheirEffectsComeAbout) {
+  const std::string domain =
+      "(:predicates (armed) (inside)) (:durative-action enter :parameters () :duration (= ?duration 0) :condition () "
+      ":effect (and (at start (inside)) (when (at end (armed)) (at end (not (inside)))))) ";
+  const char* problem = "(:init (armed)) (:goal (inside))";
+  EXPECT_EQ(steps(parse(domain + "(:action disarm :precondition (armed) :effect (not (armed)))", problem)),
+            "disarm enter");
+  EXPECT_EQ(steps(parse(domain + "(:action rearm :effect (armed))", problem)), "unsolvable");
+}
+
 TEST(NoDuration, TheEndMayNeedWhatTheBeginningDidOneSeparationBefore) {
   for (const auto& [duration, found] : {std::pair{"0.0005", "unsolvable"}, {"0.001001", "go"}, {"0.002", "go"}})
     EXPECT_EQ(
