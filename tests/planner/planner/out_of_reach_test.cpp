@@ -227,6 +227,10 @@ TEST(OutOfReach, RulesAndEffectsWithConditions) {
   EXPECT_EQ(why("(:predicates (a) (b)) (:action make :effect (when (b) (a)))", "(:init) (:goal (a))"),
             "the goal (a) is out of reach: only make (domain.pddl:2) makes it true, and needs (b) for this effect; no "
             "action makes it true, and :init lacks it");
+  EXPECT_EQ(why("(:predicates (a) (b ?lid)) (:action shake :effect (forall (?lid) (when (b ?lid) (a))))",
+                "(:objects x y) (:init) (:goal (a))"),
+            "the goal (a) is out of reach: only shake (domain.pddl:2) makes it true, and needs (b ?lid) for this "
+            "effect; no action makes it true, and :init has none");
 }
 
 TEST(OutOfReach, SeveralActionsAndLongChains) {

@@ -151,6 +151,30 @@ TEST(LateRepair, MovesActionsUntilTheyComeInTime) {
   EXPECT_FALSE(problem->best_list().empty());
 }
 
+/// Each counter closes 3 s after the one before, and all could be served at the first one if time did not count.
+TEST(LateRepair, ExchangesStepsThatComeTooLate) {
+  constexpr int kPersons = 15;
+  std::string persons, counters, init, goal;
+  for (int i = 0; i < kPersons; ++i) {
+    const std::string p = "p" + std::to_string(i), c = "c" + std::to_string(i);
+    persons += " " + p;
+    counters += " " + c;
+    init += " (waits " + p + ") (open " + c + ") (at " + std::to_string(3.1 * (i + 1)) + " (not (open " + c + ")))";
+    goal += " (served " + p + ")";
+  }
+  Prepared problem(
+      R"((:types person counter) (:predicates (waits ?p - person) (served ?p - person) (free) (open ?c - counter))
+    (:durative-action serve :parameters (?p - person ?c - counter) :duration (= ?duration 3)
+     :condition (and (at start (waits ?p)) (at start (free)) (over all (open ?c)))
+     :effect (and (at start (not (free))) (at end (free)) (at start (not (waits ?p))) (at end (served ?p)))))",
+      "(:objects" + persons + " - person" + counters + " - counter) (:init (free)" + init + ") (:goal (and" + goal +
+          "))");
+  SequenceSearch sequences(*problem, Cut::kNothing);
+  const std::int64_t before = problem->budget.units();
+  ASSERT_TRUE(repair_late(*problem, sequences, {1, 20'000}));
+  EXPECT_LT(problem->budget.units() - before, 8'000) << "random moves alone take twice as long";
+}
+
 TEST(LateRepair, GivesUpAfterItsTurns) {
   const std::string domain = R"((:predicates (light) (done))
     (:durative-action work :parameters () :duration (= ?duration 4) :condition (over all (light)) :effect (at end (done))))";
@@ -288,6 +312,79 @@ TEST(HappeningStrategy, RatesAndConditionsThatAreNoNumbersRuleOutTheirActions) {
       EXPECT_GE(answer.plan->steps.size(), 2u) << action << goal;
       EXPECT_EQ(answer.refused, 0) << answer.refusal;
     }
+  }
+}
+
+/// Beyond, it would take long and find little.
+TEST(HappeningStrategy, SearchesSmallProblemsInWhichTimesCount) {
+  const auto searches = [](int lamps, const std::string& action, bool better) {
+    std::string objects;
+    for (int i = 0; i < lamps; ++i) objects += " l" + std::to_string(i);
+    Prepared problem("(:predicates (on ?l)) " + action,
+                     "(:objects" + objects + ") (:init) (:goal (exists (?l) (on ?l)))");
+    EXPECT_EQ(problem->ground.actions.size(), static_cast<std::size_t>(lamps));
+    HappeningStrategy strategy(*problem, better);
+    const std::int64_t units = problem->budget.units();
+    strategy.run(kTurn);
+    return problem->budget.units() > units;
+  };
+  const std::string light =
+      "(:durative-action light :parameters (?l) :duration (= ?duration 1) :condition () :effect (at end (on ?l)))";
+  EXPECT_TRUE(searches(200, light, false));
+  EXPECT_FALSE(searches(201, light, false));
+  EXPECT_TRUE(searches(40, light, true));
+  EXPECT_FALSE(searches(41, light, true));
+  EXPECT_FALSE(searches(1, "(:action light :parameters (?l) :effect (on ?l))", false));
+}
+
+/// Water runs into a tank, which is looked at once. Whether it holds less than 3, 3 or more is chosen by the time.
+TEST(HappeningStrategy, AnEffectWithAConditionOnANumberInMotionDecidesWhenItsActionIs) {
+  const std::string domain =
+      "(:predicates (runs) (fresh) (low) (right) (high)) (:functions (level)) (:durative-action run :parameters () "
+      ":duration (= ?duration 4) :condition (at start (fresh)) :effect (and (at start (runs)) (at start (not (fresh))) "
+      "(at end (not (runs))) (increase (level) (* #t 1)))) (:action look :parameters () :precondition (runs) :effect "
+      "(and (when (< (level) 3) (low)) (when (= (level) 3) (right)) (when (> (level) 3) (high))))";
+  for (const auto& [goal, from, to] : {std::tuple("low", 0.0, 3.0), {"right", 3.0, 3.0}, {"high", 3.0, 4.0}}) {
+    Prepared problem(domain, "(:init (fresh) (= (level) 0)) (:goal (" + std::string(goal) + "))");
+    HappeningStrategy strategy(*problem, false);
+    for (std::uint64_t round = 0; round < 20 && !strategy.exhausted() && !problem->best.exists(); ++round)
+      strategy.run({round, 20'000});
+    ASSERT_TRUE(problem->best.exists()) << goal;
+    const std::vector<PlanStep> steps = problem->best.plan().steps;
+    ASSERT_EQ(steps.size(), 2u);
+    const double time = std::abs(steps[1].start - steps[0].start);
+    EXPECT_GE(time, from) << goal;
+    EXPECT_LE(time, to) << goal;
+  }
+}
+
+/// Water runs into a tank, one vessel is poured in soon, and the valve opens for a moment later: with one of the
+/// vessels, the level is right then.
+TEST(HappeningStrategy, MomentsThatDifferInANumberThatIsInMotionAreNotOne) {
+  for (const auto& sizes : {std::vector{7, 6, 3, 5}, {3, 7, 6, 5}, {6, 5, 7, 3}, {5, 3, 6, 7}}) {
+    std::string objects, init;
+    for (const int size : sizes) {
+      objects += " v" + std::to_string(size);
+      init += " (= (size v" + std::to_string(size) + ") " + std::to_string(size) + ")";
+    }
+    Prepared problem(
+        "(:predicates (early) (soon) (runs) (full ?v) (open) (shut)) (:functions (level) (size ?v)) (:durative-action "
+        "run "
+        ":parameters () :duration (= ?duration 4) :condition (at start (early)) :effect (and (at start (runs)) (at "
+        "start "
+        "(not (early))) (at end (not (runs))) (increase (level) (* #t 1)))) (:action pour :parameters (?v) "
+        ":precondition (and (runs) (soon) "
+        "(full ?v)) :effect (and (forall (?w) (not (full ?w))) (increase (level) (size ?v)))) (:action close "
+        ":parameters () "
+        ":precondition (and (open) (>= (level) 5) (<= (level) 5.4)) :effect (shut))",
+        "(:objects" + objects + ") (:init (early) (soon) (= (level) 0)" + init +
+            " (full v3) (full v5) (full v6) (full v7) (at 0.5 (not (early))) (at 1 (not (soon))) (at 2 (open)) (at 2.2 "
+            "(not (open)))) "
+            "(:goal (shut))");
+    HappeningStrategy strategy(*problem, false);
+    for (std::uint64_t round = 0; round < 20 && !strategy.exhausted() && !problem->best.exists(); ++round)
+      strategy.run({round, 20'000});
+    EXPECT_TRUE(problem->best.exists()) << init;
   }
 }
 
