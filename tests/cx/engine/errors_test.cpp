@@ -450,6 +450,7 @@ TEST_F(RuleErrors, OfSeveralCallsOfOneFunctionTheOneThatFailedIsNamed) {
   EXPECT_EQ(line("(bind ?a (/ 4 2))\n(if (> ?a 1) then\n(create$ (/ 1 1)\n(/ 1 0)))"), 4);
   EXPECT_EQ(line("(assert-string \"(b 1)\")\n(assert-string \"(b 2)\")\n(assert-string \"(b\")"), 3);
   EXPECT_EQ(line("(eval \"(+ 1 1)\")\n(eval \"(/ 1 0)\")\n(eval \"(+ 1 1)\")"), 2);
+  EXPECT_EQ(line("(eval \"(+ 1 1)\")\n(eval \"(create$ (eval \\\"1\\\") (/ 1 0))\")\n(eval \"(+ 1 1)\")"), 2);
   EXPECT_EQ(line("(half 1)\n(half 2)\n(create$\n(half 0))\n(half 3)"), 4) << "the call of a deffunction";
   EXPECT_EQ(line("(bind ?x (/ 2 1))\n(half 0)"), 2) << "not the call of '/' in the rule";
   EXPECT_EQ(line("(modify ?f)\n(bind ?g 99)\n(modify ?g\n(size 1))"), 3);

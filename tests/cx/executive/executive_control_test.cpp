@@ -146,6 +146,26 @@ TEST_F(ExecutiveControl, FocusStackIsRunInItsOrder) {
               ElementsAre("error executive: Focus stack entry 'C' is not a valid module, removing from stack."));
 }
 
+/// One rule of the module A halts while another one waits, and MAIN has a rule to fire as well.
+constexpr const char* kHalts =
+    "(defrule first (not (seen)) => (assert (seen)) (focus A))"
+    "(defrule second (seen) => (println \"ran in MAIN\"))"
+    "(defmodule A) (deffacts start (go 1) (go 2)) (defrule a (go ?) => (println \"ran in A\") (halt))";
+
+TEST_F(ExecutiveControl, TheReleasedOneGoesOnWhereTheLastRunEnded) {
+  start("", "", "", kHalts);
+  lab.ticks(10);
+  EXPECT_THAT(lab.log.with("ran "),
+              ElementsAre("info main: ran in A", "info main: ran in A", "info main: ran in MAIN"));
+}
+
+TEST_F(ExecutiveControl, NextBeginsAtMainAgain) {
+  start("", "", "compat: next\n", kHalts);
+  lab.ticks(10);
+  EXPECT_THAT(lab.log.with("ran "),
+              ElementsAre("info main: ran in A", "info main: ran in MAIN", "info main: ran in A"));
+}
+
 TEST_F(ExecutiveControl, RuleLimitEndsATick) {
   start("", ", rule_limit: 2", "",
         "(deffacts start (n 1)) (defrule count ?f <- (n ?n) (time ?) => (retract ?f) (assert (n (+ ?n 1))))");

@@ -483,6 +483,7 @@ TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
     EXPECT_THAT(said(more), HasSubstr(what)) << more;
   EXPECT_THAT(read("- story: s\n  golden: run\n  seed: 4\n").error().text(), HasSubstr("t.story.yaml:3: [0].seed: "));
   EXPECT_THAT(read("- story: s\n- story: t\n").error().text(), HasSubstr("expected one of config, rules, golden"));
+  EXPECT_THAT(read("- story: s\n  rules: door.clp\n  end: 1\n").error().text(), HasSubstr("nothing is expected"));
 }
 
 TEST_F(Stories, AStoryThatWouldEndAtItsFirstTickIsAMistake) {
