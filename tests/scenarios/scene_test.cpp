@@ -475,6 +475,25 @@ TEST_F(SceneOf, MachinesSayWhatTheyDoAndWhichLightsShine) {
         << state << " of " << testing::PrintToString(robots);
 }
 
+TEST_F(SceneOf, MachinesHaveABandInTheColourOfTheirTeam) {
+  auto episode = load(source_dir() / "scenarios/rcll/two_teams.yaml", {"tier=timed"});
+  begin(*episode);
+  std::set<std::string> teams;
+  for (const Entity& entity : episode->scene().entities) {
+    if (entity.kind != "machine") continue;
+    const std::string team = entity.name.substr(0, 1);
+    const auto solids = solids_of(entity.look);
+    ASSERT_TRUE(solids.ok()) << entity.look;
+    std::set<std::uint32_t> colours;
+    for (const Solid& solid : *solids) colours.insert(solid.colour);
+    constexpr std::uint32_t kCyan = 0x00c7db, kMagenta = 0xe01a9e;
+    EXPECT_EQ(colours.contains(kCyan), team == "C") << entity.name;
+    EXPECT_EQ(colours.contains(kMagenta), team == "M") << entity.name;
+    teams.insert(team);
+  }
+  EXPECT_EQ(teams, (std::set<std::string>{"C", "M"}));
+}
+
 TEST_F(SceneOf, NothingIsWrittenWithoutAJournalOrAWorld) {
   for (const auto& [file, level, there] :
        {std::tuple{game_, JournalLevel::kDecisions, true}, std::tuple{game_, JournalLevel::kNone, false},

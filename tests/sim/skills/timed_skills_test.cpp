@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/ledger/ledger_world.h"
+#include "sim/skills/destination.h"
 
 namespace cxlab::sim::timed_skills_test {
 namespace {
@@ -131,6 +134,61 @@ TEST(TimedMeans, OfShelfAndSlideFollowThoseOfPickAndPlace) {
   const HandlingMeans means = means_of(config);
   EXPECT_EQ((std::vector{means.pick, means.pick_shelf, means.place, means.place_slide}),
             (std::vector<double>{7, 9, 5, 8}));
+}
+
+TEST(TimedConfig, AValueOutOfItsRangeIsRefusedByItsName) {
+  using Config = TimedSkillsConfig;
+  const auto refused = [](auto key, double value) {
+    Config config;
+    config.*key = value;
+    const Status valid = validate(config);
+    return valid ? "" : valid.error().message.substr(0, valid.error().message.find(':'));
+  };
+  const std::pair<const char*, std::optional<double> Config::*> means[]{
+      {"pick_mean_s", &Config::pick_mean_s},
+      {"pick_shelf_mean_s", &Config::pick_shelf_mean_s},
+      {"place_mean_s", &Config::place_mean_s},
+      {"place_slide_mean_s", &Config::place_slide_mean_s},
+      {"discard_mean_s", &Config::discard_mean_s}};
+  for (const auto& [name, mean] : means) {
+    for (const double wrong : {-0.01, 0.0}) EXPECT_EQ(refused(mean, wrong), name);
+    EXPECT_EQ(refused(mean, 0.01), "") << name;
+  }
+  EXPECT_EQ(refused(&Config::shortest_s, 0), "shortest_s");
+  const std::pair<const char*, double Config::*> sigmas[]{{"pick_sigma_s", &Config::pick_sigma_s},
+                                                          {"place_sigma_s", &Config::place_sigma_s},
+                                                          {"discard_sigma_s", &Config::discard_sigma_s}};
+  for (const auto& [name, sigma] : sigmas) {
+    EXPECT_EQ(refused(sigma, -0.01), name);
+    EXPECT_EQ(refused(sigma, 0), "") << name;
+  }
+  const std::pair<const char*, double Config::*> shares[]{{"drive_sigma", &Config::drive_sigma},
+                                                          {"drive_failure", &Config::drive_failure},
+                                                          {"pick_failure", &Config::pick_failure},
+                                                          {"place_failure", &Config::place_failure}};
+  for (const auto& [name, share] : shares) {
+    for (const double wrong : {-0.01, 1.01}) EXPECT_EQ(refused(share, wrong), name);
+    for (const double right : {0.0, 1.0}) EXPECT_EQ(refused(share, right), "") << name;
+  }
+}
+
+/// Where no wall stands, too.
+TEST(Destination, ARobotTurnsFromTheBorderBeforeItLetsGoOfAPiece) {
+  constexpr double kPi = std::numbers::pi;
+  for (const Pose2& place :
+       {Pose2{6.5, 2, 0}, Pose2{-6.5, 2, kPi}, Pose2{-2, 7.5, kPi / 2}, Pose2{-2, 0.5, -kPi / 2}}) {
+    FloorPlan plan = small_floor();
+    plan.robots[0].pose_in_world = place;
+    const LedgerWorld world{plan};
+    Traffic traffic{plan};
+    const Pose2 stands = destination_of({SkillKind::kDiscard, "", std::nullopt, {}}, world, traffic, kRobot1).pose;
+    EXPECT_EQ(stands.position(), place.position());
+    const Vec3 lets_go = transform(stands, {kRobot.home_forward + kRobot.forward_stroke, 0, 0});
+    EXPECT_GT(lets_go.x(), plan.min_x + 0.2);
+    EXPECT_LT(lets_go.x(), plan.max_x - 0.2);
+    EXPECT_GT(lets_go.y(), plan.min_y + 0.2);
+    EXPECT_LT(lets_go.y(), plan.max_y - 0.2);
+  }
 }
 
 /// How long a pick, a place, another pick and a discard take, s.

@@ -1040,6 +1040,7 @@ TEST_F(OutsideLeague, AnInstructionThatNoMachineTakesEndsAfterTenSeconds) {
   EXPECT_FALSE(idle->ended);
   story_.run_for(2);
   EXPECT_EQ(idle->code, 209);
+  EXPECT_EQ(idle->status, bus::GoalStatus::kAborted);
   const auto down = instruct();
   machine_is("DOWN");
   story_.run_for(20);
@@ -1163,6 +1164,7 @@ TEST_F(OutsideLeague, AnswersOfTheRobotEndASkill) {
 }
 
 TEST_F(OutsideLeague, AnExploreTellsWhatTheRobotReportsOfItsZone) {
+  const auto sightings = story_.listen("/outside/robot1/sightings", "cxlab_skills/msg/Sightings");
   for (const char* seen : {"C-RS1", "C-CS2"}) {
     const auto goal = story_.send_goal("/outside/robot1/explore", "cxlab_skills/action/Explore", "{target: C_Z52}");
     story_.run_for(0.1);
@@ -1171,6 +1173,7 @@ TEST_F(OutsideLeague, AnExploreTellsWhatTheRobotReportsOfItsZone) {
                "team_color: CYAN machines { name: 'C-BS' type: 'BS' zone: C_Z23 rotation: 45 } machines { name: '" +
                    std::string(seen) + "' type: 'CS' zone: C_Z52 rotation: 90 }");
     story_.run_for(0.1);
+    EXPECT_THAT(*sightings, AllOf(HasSubstr("C-BS"), HasSubstr("C_Z23"), HasSubstr(seen), HasSubstr("C_Z52")));
     answer("successful: true");
     EXPECT_EQ(goal->status, bus::GoalStatus::kSucceeded);
     EXPECT_THAT(goal->text, AllOf(HasSubstr("zone: \"C_Z52\""), HasSubstr("machine: \"" + std::string(seen) + '"'),
