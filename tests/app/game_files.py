@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 
-from lab import CXLAB, Lab
+from lab import CXLAB, SCENARIO, Lab
 
 WORLD = """schema: 1
 world: {kind: rcll, robots: 1, production_s: 250, game: games/g.yaml}
@@ -55,6 +55,11 @@ class GameFiles(Lab):
         shutil.rmtree(self.folder / "games")
         self.cxlab("replay", "out", "--physics")
         self.assertIn("files of the scenario are missing", self.cxlab("rerun", "out").stderr)
+        # A folder from elsewhere, which calls another file the game.
+        index = self.folder / "out/files/index.jsonl"
+        copies = {line["name"]: line["hash"] for line in map(json.loads, index.read_text().splitlines())}
+        index.write_text(index.read_text().replace(copies["world/game/g.yaml"], copies["scenario.yaml"]))
+        self.assertIn("g.yaml:1: unknown key 'schema'", self.cxlab("replay", "out", "--physics", code=3).stderr)
 
     def test_a_path_is_relative_to_the_scenario_or_to_where_the_option_was_given(self):
         self.write("scenario.yaml", WORLD)
@@ -159,6 +164,9 @@ class GameFiles(Lab):
         self.assertEqual([(r["strategy"], r["game"], r["seed"], r["status"]) for r in rows],
                          [(s, g, "1", "completed") for s in ("one", "none") for g in ("g1", "g2")])
         self.assertEqual(len({r["journal_hash"] for r in rows}), 4)
+        self.cxlab("bench", "page", "bench", "--out", "page.html")
+        shown = set(re.findall(r">([^<>]*), seed 1\b", (self.folder / "page.html").read_text()))
+        self.assertEqual(shown, {"g1", "g2"})
         self.write("it's/g2.yaml", "down: []\n")
         self.assertIn("2 rows are current and kept", self.cxlab("bench", "suite.yaml", "--out", "bench").stderr)
         self.write("it's/g2.yaml", "up: []\n")
@@ -166,3 +174,12 @@ class GameFiles(Lab):
         self.write("suite.yaml", "scenarios: [scenario.yaml]\ngames: nowhere\nstrategies: {one: []}\n")
         self.assertIn("suite.yaml:2: games: found 'nowhere', expected a folder",
                       self.cxlab("bench", "suite.yaml", "--out", "bench", code=3).stderr)
+
+    def test_a_row_of_a_crash_counts_until_the_file_of_its_game_changes(self):
+        self.agent("(defrule endless (time ?) => (while TRUE do (bind ?x 1)))", WORLD.replace(", game: games/g.yaml", "") + SCENARIO.split("\n", 2)[2])
+        for seed in 1, 2:
+            self.cxlab("new", "game", f"games/g{seed}.yaml", "--seed", seed)
+        self.write("suite.yaml", "scenarios: [scenario.yaml]\ngames: games\nstrategies: {one: []}\n")
+        self.cxlab("bench", "suite.yaml", "--out", "crashed", "--quiet", "--time-limit", 0.5, code=1)
+        self.cxlab("new", "game", "games/g1.yaml", "--seed", 3, "--force")
+        self.assertIn("1 of 2 cells has a row; 1 row was taken", self.cxlab("bench", "suite.yaml", "--collect", "crashed", "--out", "c", code=1).stderr)

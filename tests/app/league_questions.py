@@ -227,6 +227,14 @@ class Orders(unittest.TestCase):
                     self.assertRegex(order["outcome"], "^not begun yet: " if order["state"] == "not begun" else "^never begun: ")
         self.assertIn("not begun", seen)
 
+    def test_products_that_were_lost_are_told_one_by_one(self):
+        most = 0
+        for order in ask("orders", "faults")["orders"]:
+            told = re.findall(r"(?:^|; |; before, )product \d+ \([^)]*\) was lost at ", order["outcome"])
+            self.assertEqual(len(told), order["outcome"].count(" was lost at "), order["outcome"])
+            most = max(most, len(told))
+        self.assertGreater(most, 1)
+
     def test_a_product_that_fell_is_named_with_the_robot_and_the_time(self):
         drops = {d["piece"]: (t, d["from_name"]) for t, d in referee("faults", "piece")
                  if d["from"] == "gripper" and d["to"] == "floor"}
@@ -369,6 +377,8 @@ class Pieces(unittest.TestCase):
                 self.assertLessEqual(set(moved), set(pieces))
                 delivered = sorted(p["order"] for p in pieces.values() if p["fate"] == "delivered")
                 self.assertEqual(delivered, sorted(d["order"] for d in result_of(game)["deliveries"] if d["correct"]))
+                told = re.findall(r"^ {,6}\d+ .*? delivered for order (\d+)", cxlab("pieces", folder / game).stdout, re.M)
+                self.assertEqual(sorted(map(int, told)), delivered)
                 for number, move in moved.items():
                     if move["to"] == "slide":
                         self.assertEqual(pieces[number]["fate"], "payment")
@@ -564,9 +574,9 @@ class Asking(unittest.TestCase):
         for arguments, code, text in (
                 (["waits", rules, "robot7"], 2, "did you mean 'robot"),
                 (["machines", rules, "C-RS3"], 2, "did you mean 'C-RS1'"),
-                (["orders", rules, "12"], 2, "there is no order '12'"),
+                (["orders", rules, "12"], 2, "there is no order '12' in this game; it has 1, 2, 3, 4,"),
                 (["orders", rules, "x"], 2, "there is no order 'x'"),
-                (["pieces", rules, "999"], 2, "there is no workpiece '999'"),
+                (["pieces", rules, "999"], 2, "there is no workpiece '999' up to that time; they are numbered from 1 to "),
                 (["waits", rules, "--sort", "lenght_s"], 2, "did you mean 'length_s'"),
                 (["scene", rules, "robot7"], 2, "called 'robot7' at 20:00.0, did you mean 'robot"),
                 (["scene", rules, "robots"], 2, "did you mean 'robot"),

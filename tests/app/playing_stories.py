@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 import xml.etree.ElementTree
@@ -727,6 +728,7 @@ class FromAMoment(Stories):
         # The last one has a request in progress, and facts about it.
         number = re.search(r"'\(pddl-asked \"/pddl_manager/check_action_condition\" (\d+) <Fact-\d+> condition <Fact-\d+>\)'", text)[1]
         self.assertRegex(text, r"- \{fact: '\(pddl-instance .*\)', as: '<Fact-\d+>'\}")
+        self.assertRegex(text, rf"check_action_condition', type: \S+, next_id: {int(number) + 1},", "requests are numbered on")
         sent = f"under_way: [{{id: '{number}', outcome: succeed, takes_s: "
         self.assertIn(sent, text)
         self.write("story.story.yaml", text.replace(sent, sent + "9"))
@@ -765,6 +767,9 @@ class Watching(Stories):
         process = subprocess.Popen([CXLAB, "test", "--watch", *arguments], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
+        end = threading.Timer(60, process.kill)  # where a change is not noticed, it would say nothing for ever
+        end.start()
+        self.addCleanup(end.cancel)
         return process
 
     def turn(self, process):
@@ -813,6 +818,17 @@ class Watching(Stories):
         rest = process.stdout.read()
         self.assertNotIn("working:", rest)
         self.assertEqual(process.wait(10), 130)
+
+    def test_a_golden_run_is_played_again_when_a_package_of_its_agent_changes(self):
+        self.write("agent.yaml", CONFIG)
+        self.write("rules/rules.clp", DOOR)
+        self.write("scenario.yaml", SCENARIO.replace("packages: {rules: rules}\n", "") + "    packages: {rules: rules}\n")
+        self.cxlab("run", "scenario.yaml", "--out", "golden", "--quiet")
+        self.write("g.story.yaml", "- {story: g, golden: golden}\n")
+        process = self.watch()
+        self.assertIn("1 passed, 0 failed; watching ", self.turn(process))
+        self.write("rules/rules.clp", DOOR + "(deffacts start (bell))\n")
+        self.assertIn("rules/rules.clp has changed\nFAILED  g.story.yaml: g", self.turn(process))
 
 
 if __name__ == "__main__":

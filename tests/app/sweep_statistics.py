@@ -83,8 +83,9 @@ class SweepStatistics(Lab):
         self.write("rules/rules.clp", "(defrule bomb (time ?t&:(> ?t 0.5)) => (while TRUE do (bind ?x 1)))\n")
         self.write("release/rows.csv", COLUMNS.replace("points", "sim_time_s") + "".join(f"s,agent,,{seed},completed,0,2,1,h\n" for seed in (1, 2)))
         self.write("suite.yaml", "scenarios: [s.yaml]\nseeds: [1, 2]\nstrategies: {agent: []}\nearlier: {release: release}\n"
-                                 "require: [not worse than release in sim_time_s by 10, mean(sim_time_s) >= 0]\n")
+                                 "require: [not worse than release, not worse than release in sim_time_s by 10, mean(sim_time_s) >= 0]\n")
         said = self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--time-limit", "0.5", "-j", 2, code=1).stdout
+        self.assertRegex(said, r"\nagent +not worse than release +worse +2 +- +- +0 ", "in the metric that the earlier sweep has")
         self.assertRegex(said, r"\nagent +not worse than release in sim_time_s by 10 +worse +2 +- +- +0 ")
         self.assertRegex(said, r"\nagent +mean\(sim_time_s\) >= 0 +worse +2 +- +- +0 ")
         self.assertIn("s, agent: worse, because 2 games were not completed that the other side completed\n", said)

@@ -48,8 +48,8 @@ class Sweeps(Lab):
         for name, text in (("agent.yaml", CONFIG), ("rules/rules.clp", RULES), ("scenarios/game.yaml", GAME), ("suite.yaml", SUITE)):
             self.write(f"home/{name}", text)
 
-    def bench(self, *arguments, folder=None, code=0, before=()):
-        done = subprocess.run([*before, CXLAB, "bench", "suite.yaml", *map(str, arguments)], cwd=folder or self.home, text=True, timeout=120,
+    def bench(self, *arguments, suite="suite.yaml", folder=None, code=0, before=()):
+        done = subprocess.run([*before, CXLAB, "bench", suite, *map(str, arguments)], cwd=folder or self.home, text=True, timeout=120,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         if code is not None:
             self.assertEqual(done.returncode, code, done.stderr + done.stdout)
@@ -107,6 +107,10 @@ class Sweeps(Lab):
         # Another content: nothing counts.
         (moved / "rules/rules.clp").write_text(RULES + "; changed\n")
         tables = {name: (moved / "r" / name).read_bytes() for name in ("rows.csv", "runs.sqlite", "index.html")}
+        shutil.copy(moved / "suites/suite.yaml", moved / "suites/a suite.yaml")
+        shutil.copytree(moved / "r", moved / "r 2")
+        done = self.bench("--collect", "../r 2", "--out", "../r 2", suite="a suite.yaml", folder=moved / "suites", code=3)
+        self.assertIn("To play these games again: cxlab bench 'a suite.yaml' --out '../r 2'; ", done.stderr)
         done = self.bench("--collect", "../r", "--out", "../r", folder=moved / "suites", code=3)
         self.assertIn("r/rows.csv: would lose 6 rows, because package://rules/rules.clp has changed since they were played; it stays as it is. "
                       "To play these games again: cxlab bench suite.yaml --out ../r; to collect only what is current: --out with another folder", done.stderr)

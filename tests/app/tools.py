@@ -171,6 +171,17 @@ clips_manager:
         self.assertEqual(process.wait(), 143)
         process.stderr.close()
 
+    def test_a_pause_names_the_request_that_caused_it(self):
+        asks = "{{at: {}, call: /set_game_state, type: rcll_interfaces/srv/SetGameState, request: {{state: {}}}}}"
+        run = self.timed_game(9, "--journal", "full", "--set", f"stimuli=[{asks.format(5, 'PAUSED')}, {asks.format(8, 'RUNNING')}]")
+        records = [json.loads(line) for line in (run / "journal.jsonl").read_text().splitlines()]
+        by_name = {f"{record['stream']}:{record['n']}": record for record in records}
+        changes = [record for record in records if record["stream"] == "referee" and record["data"]["event"] == "state"]
+        self.assertEqual([record["data"]["state"] for record in changes], ["PAUSED", "RUNNING"])
+        for change in changes:
+            (cause,) = (by_name[cause] for cause in change["cause"])
+            self.assertEqual((cause["stream"], cause["data"]["name"]), ("node/stimuli", "/set_game_state"))
+
     # --- replay
 
     def test_rules_of_a_timed_game_replay(self):
@@ -184,6 +195,13 @@ clips_manager:
         answer = self.answer("replay", self.physics_game(12))
         self.assertTrue(answer["rules"]["same"])
         self.assertTrue(answer["physics"]["same"])
+
+    def test_physics_whose_log_is_cut_off_replay_up_to_there(self):
+        run = self.physics_game(4)
+        log = (run / "inputs.bin").read_bytes()
+        (run / "inputs.bin").write_bytes(log[:-len(log) // 8])
+        said = self.cxlab("replay", run, "--physics", expect=3).stdout
+        self.assertRegex(said, r"^physics: replayed up to [1-3]\.\d+ s, where the log ends\n$")
 
     def test_a_run_replays_when_its_files_are_gone_and_it_has_moved(self):
         config = self.package(LOOKER)

@@ -284,8 +284,9 @@ class Film(Lab):
                              "which needs nothing\n")
             done = self.cxlab(*command, "--video", "/proc/none/film.mp4", expect=5)
             self.assertEqual(done.stderr, "error: /proc/none: the folder cannot be made: No such file or directory\n")
-        self.stand_in("exit 1\n")
-        self.assertIn("film.mp4: the film cannot be written", self.cxlab(*run, "--video", "film.mp4", expect=5).stderr)
+        for ends in ("exit 1\n", "cat > /dev/null\nexit 1\n"):  # before it has read, or after
+            self.stand_in(ends)
+            self.assertIn("film.mp4: the film cannot be written", self.cxlab(*run, "--video", "film.mp4", expect=5).stderr)
 
     @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "there is no ffmpeg here")
     def test_ffmpeg_writes_a_film_that_can_be_played(self):

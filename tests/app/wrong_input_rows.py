@@ -546,7 +546,7 @@ with tempfile.TemporaryDirectory(prefix="cxlab-row-") as made, tempfile.Temporar
     ROWS["whole runs"] = asked(whole)
     ROWS["damaged runs"] = damaged(whole)
     run = with_library(native)
-    ROWS["native runs"] = [Row(f"{command} of a stranger's library", words, 2, run) for command, words in ASKS.items()]
+    ROWS["native runs"] = [Row(f"{command} of a stranger's library", words, 2, run) for command, words in {**ASKS, "coverage": ["coverage", "run"]}.items()]
     manifest = whole["run/manifest.json"].replace(b'"overrides": []', b'''"overrides": ["servers=[{node: pddl_manager, command: 'touch made {plan}'}]"]''')
     assert manifest != whole["run/manifest.json"]
     ROWS["native runs"].append(Row("rerun of a stranger's planner", ASKS["rerun"], 2, {**whole, "run/manifest.json": manifest}))
