@@ -295,6 +295,15 @@ class Waits(unittest.TestCase):
                 for one, other in zip(waits, waits[1:]):
                     self.assertLessEqual(one["to_s"], other["from_s"] + 1e-9)
 
+    def test_a_pause_is_no_time_in_which_another_robot_is_in_the_way(self):
+        wait = next(w for w in ask("waits", "rules")["waits"] if " was in the way of its " in w["why"] and w["length_s"] > 3)
+        begin = round(wait["from_s"] + 1.5, 1)
+        cxlab("run", *GAMES["rules"], "--set", f"world.pauses=[{{at: {begin}, for: 10}}]", "--until", begin + 20, "--quiet", "--out", folder / "held up")
+        told = [w for w in ask("waits", "held up", wait["robot"])["waits"] if w["to_s"] > begin - 0.1 and w["from_s"] < begin + 10.1]
+        self.assertEqual([w["for"] for w in told][:3], [wait["for"], "pause", wait["for"]])
+        for one, other in zip(told, told[1:]):
+            self.assertLessEqual(one["to_s"], other["from_s"] + 1e-9)
+
     def by_robot(self, waits):
         out = collections.defaultdict(list)
         for wait in waits:
