@@ -163,7 +163,7 @@ void Portfolio::improve_makespan() {
       if (everything_.space() && !everything_.exhausted())
         improve.of_parts(*everything_.space(), to_parts(everything_.space()->split, list), round, idle);
     } else if (!list.empty()) {
-      if (improve.of_list(list, round, idle) && round % 8 == 7) idle += idle / 2;
+      improve.of_list(list, round, idle);
     } else if (const SplitSpace* cut = context_.best_parts().cut) {
       if (kind == 3) (cut == envelopes_.space() ? envelopes_ : everything_).run(turn);
       improve.of_parts(*cut, context_.best_parts().list, round, idle);
