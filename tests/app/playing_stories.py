@@ -767,7 +767,7 @@ class Watching(Stories):
         process = subprocess.Popen([CXLAB, "test", "--watch", *arguments], cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
-        end = threading.Timer(60, process.kill)  # where a change is not noticed, it would say nothing for ever
+        end = threading.Timer(60, process.kill)  # a change that is not noticed would never be answered
         end.start()
         self.addCleanup(end.cancel)
         return process
