@@ -45,6 +45,17 @@ std::string path_of(const Suite& suite) { return fs::absolute(suite.file).lexica
 using Named = std::tuple<std::string, std::string, std::string, std::uint64_t>;
 Named name_in_table(const Cell& cell) { return {cell.scenario, cell.strategy, cell.game, cell.seed}; }
 
+/// The rows of the tables that are there. Those of rows.csv, which count if there is no index, have no keys.
+std::vector<Row> rows_in_tables(const fs::path& folder, const Catalogue& catalogue) {
+  std::vector<Row> out;
+  if (auto index = read_index(folder / "runs.sqlite")) {
+    for (IndexedRow& one : *index) out.push_back(std::move(one.row));
+  } else if (const fs::path csv = folder / "rows.csv"; path_exists(csv)) {
+    if (auto rows = read_rows(csv, catalogue)) out = *std::move(rows);  // else nobody could read the table
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string identity_of(const Cell& cell) {
@@ -156,18 +167,18 @@ Status RowFolder::write_tables(const std::vector<Row>& rows, const Suite& suite)
 
 std::vector<Row> RowFolder::lost_rows(const std::vector<Cell>& cells, const std::vector<Row>& rows,
                                       const Suite& suite) const {
-  const fs::path csv = folder_ / "rows.csv";
-  auto out = path_exists(csv) ? read_rows(csv, *suite.catalogue) : Expected<std::vector<Row>>(std::vector<Row>());
-  if (!out) return {};  // no table that anybody could read
-  std::set<Named> names;
-  std::set<std::string> journals{};
+  std::vector<Row> out = rows_in_tables(folder_, *suite.catalogue);
+  std::set<Named> names, before;
   for (const Cell& cell : cells) names.insert(name_in_table(cell));
-  for (const Row& row : rows) journals.insert(row.journal_hash);
-  std::erase_if(*out, [&](const Row& row) {
-    return names.contains(name_in_table(row.cell)) ||
-           (!row.journal_hash.empty() && journals.contains(row.journal_hash));
+  for (const Row& row : out) before.insert(name_in_table(row.cell));
+  std::map<std::string, std::size_t> renamed;  // rows with a name that is new, by key
+  for (const Row& row : rows) renamed[row.key] += !before.contains(name_in_table(row.cell));
+  std::erase_if(out, [&](const Row& row) {
+    if (names.contains(name_in_table(row.cell))) return true;
+    const auto found = renamed.find(row.key);
+    return found != renamed.end() && found->second > 0 && found->second-- > 0;
   });
-  return *std::move(out);
+  return out;
 }
 
 Status RowFolder::take_tables_over(const std::vector<Row>& lost, const Suite& suite, const Host& host) const {

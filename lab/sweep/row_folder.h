@@ -80,8 +80,8 @@ class RowFolder {
   void remove_unfinished() const;
   /// Writes rows.csv, runs.sqlite and suite.txt.
   Status write_tables(const std::vector<Row>& rows, const Suite& suite) const;
-  /// Rows of rows.csv that new tables would lose: they are not of these cells, and their games have none of the rows
-  /// under another name.
+  /// Rows of the tables that new tables would lose: they are not of these cells. A row that only gets another name is
+  /// not lost: one of `rows` has its Row::key and a name that is new.
   std::vector<Row> lost_rows(const std::vector<Cell>& cells, const std::vector<Row>& rows, const Suite& suite) const;
   /// Fails if new tables of `suite` would lose these rows and another suite, which is still there, wrote them; else a
   /// note tells the host.

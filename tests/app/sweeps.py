@@ -133,6 +133,28 @@ class Sweeps(Lab):
         self.assertEqual(len((self.home / "r/rows.csv").read_text().splitlines()), 5)
         self.assertEqual(len(list((self.home / "r/rows").glob("game-duration_s_3-*.json"))), 2)
 
+    def test_rows_are_missed_though_another_strategy_plays_the_same_games(self):
+        strategies = lambda names: SUITE[:SUITE.index("strategies")] + f"strategies: {{{names}}}\n"
+        self.write("home/other/suite.yaml", strategies("plain: []").replace("scenarios/", "../scenarios/"))
+        self.write("home/suite.yaml", strategies("plain: [], set: [duration_s=2], twin: []"))
+        self.bench("--out", "r")
+        self.assertEqual(self.query(self.home / "r", "SELECT count(DISTINCT journal_hash), count(DISTINCT key) FROM runs WHERE seed = 1"), [(1, 2)])
+        rows = (self.home / "r/rows.csv").read_bytes()
+        for arguments in ([], ["--collect", "r"]):
+            done = subprocess.run([CXLAB, "bench", "other/suite.yaml", *arguments, "--out", "r"], cwd=self.home, text=True, capture_output=True, timeout=60)
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn("r/rows.csv: has 4 rows of games that other/suite.yaml does not play, as game set seed 1: ", done.stderr)
+            self.assertEqual((self.home / "r/rows.csv").read_bytes(), rows)
+        # A strategy with another name loses nothing; one that is taken out does, also beside one that plays the same.
+        self.write("home/suite.yaml", strategies("base: [], set: [duration_s=2], twin: []"))
+        self.assertEqual(self.bench("--out", "r").stderr, "6 rows are current and kept\n")
+        self.write("home/suite.yaml", strategies("base: [], set: [duration_s=2]"))
+        self.assertIn("r/rows.csv loses 2 rows of games that suite.yaml does not play, as game twin seed 1; rows/*.json keeps them\n", self.bench("--out", "r").stderr)
+        # Without the index nothing shows which rows have another name only.
+        (self.home / "r/runs.sqlite").unlink()
+        self.write("home/suite.yaml", strategies("renamed: [], set: [duration_s=2]"))
+        self.assertIn("loses 2 rows", self.bench("--out", "r").stderr)
+
     def test_the_program_for_ray_says_what_is_missing(self):
         def play(*arguments, path):
             return subprocess.run([sys.executable, SOURCE / "docs/examples/ray/play_on_ray.py", *arguments], cwd=self.home, text=True, capture_output=True, timeout=60,
