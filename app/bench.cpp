@@ -271,7 +271,7 @@ int bench(const BenchOptions& options) {
   if (!suite) return fail(suite.error());
   suite->catalogue = &catalogue();
   if (!options.seeds.empty()) {
-    auto seeds = yaml::seeds_of_range(options.seeds);
+    auto seeds = yaml::seeds_of(options.seeds);
     if (!seeds) return fail(usage_error("--seeds: " + seeds.error().message));
     suite->seeds = *std::move(seeds);
   }
@@ -348,8 +348,10 @@ void add_bench(CLI::App& app, Action& action) {
                    "Tasks of the array of --slurm, which share the cells (default one for each cell, at most 1000)"),
                1, 1000000)
       ->needs(slurm);
-  CLI::Option* seeds = command->add_option("--seeds", options->seeds, "Plays these seeds instead of those of the suite")
-                           ->type_name("FIRST..LAST");
+  CLI::Option* seeds =
+      command
+          ->add_option("--seeds", options->seeds, "Plays these seeds instead of those of the suite: 7, 1..5 or 1..5,9")
+          ->type_name("SEEDS");
   const std::array modes{cells, cell, collect, slurm, seeds};
   for (std::size_t i = 0; i < modes.size(); ++i)
     for (std::size_t j = i + 1; j < modes.size(); ++j) modes[i]->excludes(modes[j]);

@@ -11,9 +11,10 @@
 namespace cxlab::yaml {
 
 inline constexpr std::uint64_t kMostSeeds = 1'000'000;
-/// A list of seeds, each once, or a range of at most `kMostSeeds`: "0..29". An error is reported at the value.
+/// The seeds of a text, in its order: numbers and ranges with commas between them, as "0..29" or "1..5,9". Each seed is
+/// there once, and at most `kMostSeeds` are there.
+Expected<std::vector<std::uint64_t>> seeds_of(const std::string& text);
+/// The seeds of such a text, or of a list of seeds. An error is reported at the value.
 std::vector<std::uint64_t> read_seeds(const Value& value);
-/// The seeds of such a range.
-Expected<std::vector<std::uint64_t>> seeds_of_range(const std::string& text);
 
 }  // namespace cxlab::yaml

@@ -170,7 +170,13 @@ class Sweeps(Lab):
     def test_seeds_can_be_chosen(self):
         self.bench("--seeds", "7..9", "--out", "r", "--quiet")
         self.assertEqual(sorted({row["seed"] for row in self.rows(self.home / "r").values()}), [7, 8, 9])
-        self.assertIn("--seeds: found '9..7', expected a list of seeds or a range", self.bench("--seeds", "9..7", code=2).stderr)
+        for text, seeds in (("4", [4]), ("9,1,4", [9, 1, 4]), ("3..4,1, 8..9", [3, 4, 1, 8, 9])):
+            self.bench("--seeds", text, "--out", "s", "--quiet")
+            self.assertEqual([seed for (seed,) in self.query(self.home / "s", "SELECT seed FROM runs WHERE strategy = 'short' ORDER BY cell")], seeds)
+        self.assertIn("--seeds: found seed 4 twice, expected each once", self.bench("--seeds", "1..5,4", code=2).stderr)
+        self.assertIn("--seeds: found more seeds, expected at most 1000000", self.bench("--seeds", "1..600000,700000..1200000", code=2).stderr)
+        self.assertIn("--seeds: found '[1,3]', expected a seed, a range \"0..29\", or several with commas between them", self.bench("--seeds", "[1,3]", code=2).stderr)
+        self.assertIn("--seeds: found '9..7', expected a seed, a range", self.bench("--seeds", "9..7", code=2).stderr)
         self.assertIn("found '1..2000000', expected a range of at most 1000000 seeds", self.bench("--seeds", "1..2000000", code=2).stderr)
         self.write("home/suite.yaml", SUITE.replace("[1, 2]", '"1..2000000"'))
         self.assertIn("suite.yaml:2: seeds: found '1..2000000', expected a range of at most 1000000 seeds", self.bench(code=3).stderr)

@@ -219,9 +219,20 @@ TEST_F(SuiteTest, NothingMayComeTwice) {
   EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: [1]\nstrategies: {s: , s: }\n"), HasSubstr("'s'"));
 }
 
+TEST_F(SuiteTest, SeedsAreNumbersAndRanges) {
+  for (const auto& [text, seeds] : std::vector<std::pair<std::string, std::vector<std::uint64_t>>>{
+           {"3", {3}}, {"\"3..5\"", {3, 4, 5}}, {"\"7,3..4, 1\"", {7, 3, 4, 1}}, {"[7, 3]", {7, 3}}}) {
+    const auto suite = load("scenarios: [a.yaml]\nseeds: " + text + "\nstrategies: {s: }\n");
+    ASSERT_TRUE(suite) << text;
+    EXPECT_EQ(suite->seeds, seeds) << text;
+  }
+  EXPECT_THAT(error_of("scenarios: [a.yaml]\nseeds: \"1..600000,700000..1200000\"\nstrategies: {s: }\n"),
+              HasSubstr("seeds: found more seeds, expected at most 1000000"));
+}
+
 TEST_F(SuiteTest, WrongSeedsAreErrors) {
-  for (const char* seeds : {"[-1]", "[x]", "\"-1..-1\"", "\"0..-1\"", "\"..3\"", "\"3\"", "\"9..3\"", "\"0..2000000\"",
-                            "\"1..2..3\"", "[]"})
+  for (const char* seeds : {"[-1]", "[x]", "\"-1..-1\"", "\"0..-1\"", "\"..3\"", "\"9..3\"", "\"1,\"", "\",1\"",
+                            "\"1..3,2\"", "\"0..2000000\"", "\"1..2..3\"", "[]"})
     EXPECT_NE(error_of("scenarios: [a.yaml]\nseeds: " + std::string(seeds) + "\nstrategies: {s: }\n"), "no error")
         << seeds;
 }

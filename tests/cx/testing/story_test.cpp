@@ -465,7 +465,7 @@ TEST_F(Stories, MistakesInSeedsAndFaultsAreFound) {
     return result.bad ? result.bad->text() : "no error";
   };
   for (const auto& [more, what] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"  seeds: \"5..1\"", "expected a list of seeds or a range"},
+           {"  seeds: \"5..1\"", "expected a seed, a range"},
            {"  seeds: []", "expected at least one seed"},
            {"  seeds: [1, 1]", "found seed 1 twice"},
            {"  seed: 1\n  seeds: [2]", "found beside seeds, expected one of the two"},
