@@ -193,6 +193,10 @@ class Sweeps(Lab):
         self.assertRegex(done.stderr, r"error: cell 2: two rows of the same game differ, a/rows/game-short-2-\w+\.json and b/rows/game-short-2-\w+\.json; ")
         self.assertIn("\n1 row is of another build of cxlab", done.stderr)
         self.assertIn("\n1 file is not a row", done.stderr)
+        (self.home / "b/rows.csv").unlink()
+        shown = subprocess.run([CXLAB, "bench", "show", "b"], cwd=self.home, text=True, capture_output=True, timeout=60)
+        self.assertEqual(shown.returncode, 3)
+        self.assertRegex(shown.stderr, r"b/rows/game-short-1-\w+\.json: is not a row of a sweep, or is cut short; cxlab bench with its suite plays the game again\n$")
         self.assertEqual(self.query(self.home / "c", "SELECT count(*), count(DISTINCT cell) FROM runs"), [(6, 6)])
 
     def test_of_two_rows_of_a_game_the_first_counts_unless_only_the_second_was_played(self):

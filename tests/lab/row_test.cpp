@@ -84,6 +84,9 @@ TEST_F(RowTest, IsPlayedAgainIfItsRulesMayTakeLessOrItFailedAndTheyMayTakeMore) 
 TEST_F(RowTest, IsAnErrorIfTheTextIsNoRow) {
   for (const char* text : {"", "{", "[]", "{}", "{\"schema\": 1}", "{\"schema\": 99}", "{\"schema\": \"one\"}"})
     EXPECT_FALSE(Row::parse(text)) << text;
+  for (const char* text : {"", "{", "[]", "{}"})
+    EXPECT_EQ(Row::parse(text).error().message,
+              "is not a row of a sweep, or is cut short; cxlab bench with its suite plays the game again");
   std::string cut = row().to_json();
   for (; cut.size() > 1; cut.resize(cut.size() - 1 - cut.size() / 50))
     EXPECT_FALSE(Row::parse(cut.substr(0, cut.size() - 2)));
