@@ -85,9 +85,10 @@ void print_worst_games(const lab::JudgedRows& judged) {
 }
 
 /// The table, and where `judged` is given what the requirements of the suite have come to. Returns the exit code.
-int print_table(const std::vector<lab::Row>& rows, const BenchOptions& options,
+int print_table(const lab::Suite& suite, const std::vector<lab::Row>& rows, const BenchOptions& options,
                 const lab::JudgedRows* judged = nullptr) {
-  const std::vector<lab::TableLine> table = lab::table_of(rows, catalogue());
+  std::vector<lab::TableLine> table = lab::table_of(rows, catalogue());
+  for (lab::TableLine& line : table) line.planned = suite.planned_games();
   const std::string csv = (options.folder() / "rows.csv").string();
   const int code = all_count(rows) ? 0 : static_cast<int>(ErrorKind::kNo);
   if (!judged) {
@@ -234,7 +235,7 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
                           : std::optional(lab::judged_rows(suite, found->rows));
   if (judged && !*judged) return fail(judged->error());
   if (!found->rows.empty()) write_page(options, host, judged ? (*judged)->answers : std::vector<lab::Answer>());
-  const int code = print_table(found->rows, options, judged ? &**judged : nullptr);
+  const int code = print_table(suite, found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
     return fail(negative(cells_text(found->contradictory) + ": two rows of the same game differ, " +
                          found->differ.first.string() + " and " + found->differ.second.string() +
@@ -293,14 +294,14 @@ int bench(const BenchOptions& options) {
     if (!judged) return fail(judged.error());
     if (const int code = interrupted(finished_text(judged->rows.size(), suite->size()))) return code;
     write_page(options, host, judged->answers);
-    return print_table(judged->rows, options, &*judged);
+    return print_table(*suite, judged->rows, options, &*judged);
   }
   const auto rows = lab::sweep(*suite, {options.folder(), options.jobs, options.time_limit_s}, host);
   console.clear();
   if (!rows) return fail(rows.error());
   if (const int code = interrupted(finished_text(rows->size(), suite->size()))) return code;
   write_page(options, host);
-  return print_table(*rows, options);
+  return print_table(*suite, *rows, options);
 }
 
 }  // namespace

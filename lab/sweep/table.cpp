@@ -169,7 +169,7 @@ std::string header_of(const TableLine& line, const Widths& widths) {
 std::string text_of(const TableLine& line, const Widths& widths) {
   const Metric* compared = compared_in(line.world);
   char done[32];
-  std::snprintf(done, sizeof done, "%3zu/%-3zu ", line.completed, line.episodes);
+  std::snprintf(done, sizeof done, "%3zu/%-3zu ", line.completed, std::max(line.planned, line.episodes));
   std::string out = cell(line.scenario, widths.scenario) + cell(line.strategy, widths.strategy) + cell(done, 8);
   for (const auto& [metric, s] : line.metrics) {
     if (metric == compared) {

@@ -23,6 +23,7 @@ Summary summarize(const std::vector<double>& values);
 struct TableLine {
   std::string scenario, strategy;
   std::size_t episodes = 0, completed = 0;
+  std::size_t planned = 0;           ///< games that the suite plays; 0: not known
   const WorldKind* world = nullptr;  ///< of its episodes; none: they have not come so far
   struct OfMetric {
     const Metric* metric;

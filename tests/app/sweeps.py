@@ -84,6 +84,7 @@ class Sweeps(Lab):
         sources = [self.folder / name / "checkout/r" for name in "ab"]
         done = self.bench("--collect", *sources, "--out", "r", code=1)
         self.assertIn("5 of 6 cells have a row; 5 rows were taken", done.stderr)
+        self.assertRegex(done.stdout, r"\ngame +duration_s=2 +2/2 (.*\n)+game +duration_s=3 +1/2 ")
         self.assertIn("error: cell 6 has no row; cxlab bench suite.yaml --out r plays it", done.stderr)
         self.assertEqual(self.bench("--cell", 6, "--out", "r", "--json").returncode, 0)
         done = self.bench("--collect", *sources, "--out", "r")

@@ -111,6 +111,13 @@ TEST(TableText, ShowsAStrategyOnALine) {
   EXPECT_THAT(text, HasSubstr(" 90     90  1.0            -              100            -10.0\n"));
 }
 
+TEST(TableText, CountsTheGamesOfTheSuite) {
+  std::vector<TableLine> table = table_of({row("first", 1, 100), row("first", 2, 102, "failed")});
+  EXPECT_THAT(to_text(table), HasSubstr("  1/2 "));
+  table.front().planned = 30;
+  EXPECT_THAT(to_text(table), HasSubstr("  1/30 "));
+}
+
 TEST(TableText, KeepsItsColumnsBesideLongNames) {
   const std::string text = to_text(table_of({row("first", 1, 100), row("robots=2 patience=20000", 1, 90)}));
   const std::size_t second = text.find('\n') + 1, third = text.find('\n', second) + 1;
