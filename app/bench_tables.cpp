@@ -139,8 +139,9 @@ int compare(const CompareOptions& options) {
   std::fprintf(out, "answer: %s\n", word);
   if (std::ranges::any_of(*answers, [](const lab::Answer& answer) { return answer.lost > 0; })) {
     print_errors(options.now, *now);
-    std::fprintf(stderr, "cxlab bench page %s shows these games with the commands that play them again\n",
-                 printable(options.now).c_str());
+    if (is_file(fs::path(options.now) / "runs.sqlite"))  // it has the commands
+      std::fprintf(stderr, "cxlab bench page %s shows these games with the commands that play them again\n",
+                   printable(options.now).c_str());
   }
   return code;
 }

@@ -235,6 +235,10 @@ class Sweeps(Lab):
         self.assertRegex(shown.stderr, r"game, duration_s=3, 2 of 2 episodes: .*wrong")
         self.assertRegex(shown.stderr, r"game, duration_s=3, 2 of 2 episodes: .*late")
         self.assertNotIn("episodes", shown.stdout)
+        self.write("home/completed.csv", (self.home / "r/rows.csv").read_text().replace(",failed,4,", ",completed,0,"))
+        compared = subprocess.run([CXLAB, "bench", "compare", "completed.csv", "r", "--metric", "sim_time_s"], cwd=self.home, text=True, capture_output=True, timeout=60)
+        self.assertEqual(compared.returncode, 1, compared.stderr)
+        self.assertIn("cxlab bench page r shows these games with the commands that play them again\n", compared.stderr)
         self.assertEqual(self.query(self.home / "r", "SELECT DISTINCT agent_commit FROM runs"), [("0123456789abcdef0123456789abcdef01234567",)])
         for cpu, memory, wall, host in self.query(self.home / "r", "SELECT cpu_s, peak_rss_mb, wall_time_s, host FROM runs"):
             self.assertTrue(0 < cpu < 60 and 1 < memory < 5000 and 0 < wall < 60 and host, (cpu, memory, wall, host))
