@@ -83,6 +83,9 @@ const RowsOfGames* opponent(const Sorted& before, const Contestant& contestant) 
   return there.size() == 1 ? rows_of(before, {contestant.first, there.front()}) : nullptr;
 }
 
+/// Games of a folder have names.
+bool are_of_folder(const std::vector<Game>& games) { return !games.empty() && !games.front().first.empty(); }
+
 /// An answer that waits for its judgement, and the question of it.
 struct Asked {
   Answer answer;
@@ -93,6 +96,7 @@ struct Asked {
 Asked ask_mean(const RowsOfGames& rows, const std::vector<Game>& games, double bound, bool at_least, Answer answer) {
   Asked out{std::move(answer), {Question::About::kMean, {}}};
   out.answer.bound = bound;
+  out.answer.of_folder = are_of_folder(games);
   for (const Game& game : games) {
     const auto value = figure_of(rows, game, out.answer.metric.name);
     if (value) {
@@ -110,6 +114,7 @@ Asked ask_difference(const RowsOfGames& first, const RowsOfGames& second, const 
   Asked out{std::move(answer), {Question::About::kDifferences, {}}};
   const MetricOfRows& metric = out.answer.metric;
   out.answer.is_difference = true;
+  out.answer.of_folder = are_of_folder(games);
   out.answer.bound = metric.more_is_better ? -margin : margin;
   for (const Game& game : games) {
     const auto a = figure_of(first, game, metric.name), b = figure_of(second, game, metric.name);

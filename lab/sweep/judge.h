@@ -32,8 +32,9 @@ struct Answer {
                            ///< enough for kWorse
   std::size_t gained = 0;  ///< of a difference: games that only the strategy completed
   Judgement judgement = Judgement::kUndecided;
-  std::size_t after = 0;  ///< games
-  double p = 1;           ///< corrected for the other questions
+  bool of_folder = false;  ///< its games are files of a folder
+  std::size_t after = 0;   ///< games
+  double p = 1;            ///< corrected for the other questions
 };
 
 /// The exit code of these answers: 1 if one is worse, else 6 if one is undecided, else 0.

@@ -451,21 +451,24 @@ Table requirement_table(const std::vector<Answer>& answers) {
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers) {
   using About = statistics::Question::About;
   std::vector<std::string> out;
+  const auto add = [&out](std::string line) {  // two requirements may have the same to say
+    if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
+  };
   for (const Answer& one : answers) {
     const std::string who = one.scenario + ", " + one.strategy + ": ";
     if (one.lost > 0)
-      out.push_back(who + "worse, because " + count_text(one.lost, "game") + (one.lost == 1 ? " was" : " were") +
-                    " not completed" + (one.is_difference ? " that the other side completed" : ""));
+      add(who + "worse, because " + count_text(one.lost, "game") + (one.lost == 1 ? " was" : " were") +
+          " not completed" + (one.is_difference ? " that the other side completed" : ""));
     if (one.gained > 0)
-      out.push_back(who + count_text(one.gained, "game") + (one.gained == 1 ? " was" : " were") +
-                    " completed that the other side did not complete; they count in no difference");
+      add(who + count_text(one.gained, "game") + (one.gained == 1 ? " was" : " were") +
+          " completed that the other side did not complete; they count in no difference");
     const std::size_t fewest =
         statistics::fewest_games(one.is_difference ? About::kDifferences : About::kMean, answers.size());
     if (one.judgement == Judgement::kUndecided && one.values.size() < fewest)
-      out.push_back(
-          who + found_expected(one.is_difference ? count_text(one.values.size(), "pair") + " of games"
+      add(who + found_expected(one.is_difference ? count_text(one.values.size(), "pair") + " of games"
                                                  : count_text(one.values.size(), "game"),
-                               "at least " + std::to_string(fewest) + " to answer anything; add seeds to the suite"));
+                               "at least " + std::to_string(fewest) + " to answer anything; add " +
+                                   (one.of_folder ? "games to the suite's folder of games" : "seeds to the suite")));
   }
   return out;
 }

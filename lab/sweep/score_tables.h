@@ -43,6 +43,7 @@ Table requirement_table(const std::vector<Answer>& answers);
 Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, const std::string& metric,
                                               const Catalogue& catalogue = shipped());
 /// What the tables do not show: games that were not completed, and questions that have too few games for an answer.
+/// No sentence comes twice.
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers);
 /// The worst games of an answer, as places in its `games`; three at most.
 std::vector<std::size_t> worst_games(const Answer& answer);

@@ -352,6 +352,8 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
                          (sweep.path / kRequirements).string());
     data["requirements"] = kept["shown"];
     data["requirements"]["remarks"] = kept["remarks"];
+    Json& remarks = data["remarks"];
+    for (const Json& said : kept["remarks"]) remarks.erase(std::ranges::remove(remarks, said).begin(), remarks.end());
   }
   data["comparison"] = nullptr;
   if (before) {

@@ -167,6 +167,9 @@ class GameFiles(Lab):
         self.cxlab("bench", "page", "bench", "--out", "page.html")
         shown = set(re.findall(r">([^<>]*), seed 1\b", (self.folder / "page.html").read_text()))
         self.assertEqual(shown, {"g1", "g2"})
+        self.write("few.yaml", (self.folder / "suite.yaml").read_text() + "require: mean(points) >= 0\n")
+        self.assertIn("scenario, one: found 2 games, expected at least 10 to answer anything; add games to the suite's folder of games\n",
+                      self.cxlab("bench", "few.yaml", "--out", "bench", code=6).stdout)
         self.write("it's/g2.yaml", "down: []\n")
         self.assertIn("2 rows are current and kept", self.cxlab("bench", "suite.yaml", "--out", "bench").stderr)
         self.write("it's/g2.yaml", "up: []\n")

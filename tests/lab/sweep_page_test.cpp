@@ -446,6 +446,12 @@ TEST(Requirements, SayHowManyGamesAreMissing) {
   const std::vector<double> nine(9, 1.0), ten(10, 1.0);
   EXPECT_THAT(remarks_on({answer(nine, Judgement::kUndecided)}),
               ElementsAre(HasSubstr("found 9 games, expected at least 10")));
+  EXPECT_THAT(remarks_on({answer(nine, Judgement::kUndecided), answer(nine, Judgement::kUndecided)}),
+              ElementsAre(HasSubstr("found 9 games")))
+      << "two requirements have the same to say";
+  Answer of_files = answer(nine, Judgement::kUndecided);
+  of_files.of_folder = true;
+  EXPECT_THAT(remarks_on({of_files}), ElementsAre(HasSubstr("; add games to the suite's folder of games")));
   EXPECT_TRUE(remarks_on({answer(ten, Judgement::kUndecided)}).empty());
   EXPECT_TRUE(remarks_on({answer(nine, Judgement::kWorse)}).empty());
 }
