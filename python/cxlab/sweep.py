@@ -128,17 +128,7 @@ class Sweep:
         file = self.folder / "requirements.json"
         if not file.exists():
             return self._frame([])
-        given = json.loads(file.read_text())
-        rows = []
-        for cells in given["rows"]:
-            row = {}
-            for column, cell in zip(given["columns"], cells, strict=True):
-                key, is_number = column["key"], column["number"] and not column["key"].endswith("_95")
-                row[key.replace("_95", "_in")] = (
-                    (cell["order"] if cell["text"] else None) if is_number else cell["text"]
-                )
-            rows.append(row)
-        return self._frame(rows)
+        return self._frame(json.loads(file.read_text())["requirements"])
 
     def plot(self, kind: str = "scores", *, metric: str | None = None, against: str | None = None) -> Plot:
         """Draws scores, differences, profile or parts (docs/reference/sweeps.md)."""
