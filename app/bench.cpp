@@ -108,7 +108,8 @@ int print_table(const lab::Suite& suite, const std::vector<lab::Row>& rows, cons
                     {"planned", judged->planned}};
     std::printf("%s\n", json_text(json, 2).c_str());
   } else {
-    std::printf("%s%s\n\n%s", lab::to_text(table).c_str(), csv.c_str(), lab::table_text(answers, line_width()).c_str());
+    std::printf("%s%s\n\n%s", lab::to_text(table).c_str(), csv.c_str(),
+                lab::table_text(lab::titled(answers), line_width()).c_str());
     for (const std::string& remark : remarks) std::printf("%s\n", remark.c_str());
     print_worst_games(*judged);
     if (judged->games < judged->planned)

@@ -36,7 +36,7 @@ struct TableOptions {
 };
 
 struct ShowOptions : TableOptions {
-  std::string sweep, against, table;
+  std::string sweep, against, scenario, table;
 };
 
 struct CompareOptions : TableOptions {
@@ -46,7 +46,7 @@ struct CompareOptions : TableOptions {
 const std::vector<std::string> kPlots{"scores", "differences", "profile", "parts", "shares"};
 
 struct PlotOptions {
-  std::string sweep, file, metric, against, kind = "scores";
+  std::string sweep, file, metric, against, scenario, kind = "scores";
 };
 
 struct PageOptions {
@@ -56,18 +56,26 @@ struct PageOptions {
 };
 
 std::string written(const Table& table, const std::string& format) {
-  if (format == "markdown") return lab::table_markdown(table);
   if (format == "csv") return lab::table_csv(table);
-  if (format == "latex") return lab::table_latex(table);
-  return lab::table_text(table, line_width());
+  const Table shown = lab::titled(table);
+  if (format == "markdown") return lab::table_markdown(shown);
+  if (format == "latex") return lab::table_latex(shown);
+  return lab::table_text(shown, line_width());
+}
+
+/// The rows of a sweep; with a scenario only those of that one.
+Expected<std::vector<lab::Row>> rows_of(const std::string& sweep, const std::string& scenario) {
+  auto rows = lab::read_rows(sweep, catalogue());
+  return rows ? lab::rows_of_scenario(*std::move(rows), scenario) : rows;
 }
 
 /// Names the errors and warnings of games, which no table shows. rows.csv has no texts of them, the index has.
-void print_errors(const std::string& sweep, std::vector<lab::Row> rows) {
+void print_errors(const std::string& sweep, std::vector<lab::Row> rows, const std::string& scenario = {}) {
   if (const fs::path index = fs::path(sweep) / "runs.sqlite"; is_file(index))
     if (auto read = lab::read_index(index)) {
       rows.clear();
-      for (lab::IndexedRow& one : *read) rows.push_back(std::move(one.row));
+      for (lab::IndexedRow& one : *read)
+        if (scenario.empty() || one.row.cell.scenario == scenario) rows.push_back(std::move(one.row));
     }
   std::fputs(printable(lab::errors_text(lab::table_of(rows, catalogue()))).c_str(), stderr);
 }
@@ -76,7 +84,7 @@ int show(const ShowOptions& options) {
   const std::string& format = options.written();
   if (format == "csv" && options.table.empty())
     return fail(usage_error("--format csv prints one table; expected --table with one of: " + some_of(kTables)));
-  const auto rows = lab::read_rows(options.sweep, catalogue());
+  const auto rows = rows_of(options.sweep, options.scenario);
   if (!rows) return fail(rows.error());
   if (Status s = lab::check_strategy(*rows, options.against); !s) return fail(s.error());
   std::vector<Table> tables;
@@ -111,7 +119,7 @@ int show(const ShowOptions& options) {
   }
   for (std::size_t i = 0; i < tables.size(); ++i)
     std::printf("%s%s", i ? "\n" : "", written(tables[i], format).c_str());
-  print_errors(options.sweep, *rows);
+  print_errors(options.sweep, *rows, options.scenario);
   return 0;
 }
 
@@ -159,7 +167,7 @@ Expected<std::string> drawn(const std::vector<lab::Row>& rows, const PlotOptions
 int plot(const PlotOptions& options) {
   if (std::filesystem::path(options.file).extension() != ".svg")
     return fail(usage_error(options.file + ": the drawing is an SVG, expected a name that ends in .svg"));
-  const auto rows = lab::read_rows(options.sweep, catalogue());
+  const auto rows = rows_of(options.sweep, options.scenario);
   if (!rows) return fail(rows.error());
   const auto drawing = drawn(*rows, options);
   if (!drawing) return fail(drawing.error());
@@ -170,10 +178,8 @@ int plot(const PlotOptions& options) {
 
 /// Plays the games again that the page shows, into SWEEP/games, unless they are there.
 Status play_shown_games(const lab::SweepRecord& sweep, const PageOptions& options) {
-  const auto games = lab::shown_games(sweep, options.metric, catalogue());
-  if (!games) return games.error();
   std::vector<lab::GameAgain> missing;
-  for (const lab::IndexedRow* game : *games)
+  for (const lab::IndexedRow* game : lab::shown_games(sweep, options.metric, catalogue()))
     if (const fs::path folder = lab::folder_of_game(sweep.path, *game); !is_file(folder / "index.html"))
       missing.push_back({game, folder});
   Console console(true);
@@ -213,6 +219,10 @@ int page(const PageOptions& options) {
   return 0;
 }
 
+void add_scenario_option(CLI::App& command, std::string& scenario) {
+  command.add_option("--scenario", scenario, "Only the games of this scenario")->type_name("NAME");
+}
+
 void add_table_options(CLI::App& command, TableOptions& options) {
   command.add_option("--metric", options.metric,
                      "The metric (default: the first one of the world; cxlab list metrics)");
@@ -239,6 +249,7 @@ void add_bench_tables(CLI::App& bench, Action& action) {
                    "Only this table; overview: several figures side by side; parts: points by kind; shares: of the "
                    "figure of --against in the same game")
       ->check(one_of(kTables));
+  add_scenario_option(*show_command, shown->scenario);
   add_table_options(*show_command, *shown);
   show_command->callback([shown, &action] { action = [shown] { return show(*shown); }; });
 
@@ -259,6 +270,7 @@ void add_bench_tables(CLI::App& bench, Action& action) {
                    "The plot (default scores: games and means with intervals); parts: points by kind; shares: of the "
                    "figure of --against in the same game")
       ->check(one_of(kPlots));
+  add_scenario_option(*plot_command, plotted->scenario);
   plot_command->callback([plotted, &action] { action = [plotted] { return plot(*plotted); }; });
 
   auto paged = std::make_shared<PageOptions>();

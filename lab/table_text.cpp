@@ -219,20 +219,19 @@ std::string table_markdown(const Table& table) {
 }
 
 std::string table_csv(const Table& table) {
-  const auto is_stretch = [](const TableCell& cell) { return std::holds_alternative<TableCell::Stretch>(cell.value); };
-  std::vector<bool> stretches;
+  const auto is_interval = [&table](std::size_t i) { return table.columns[i].key.ends_with("_95"); };
   std::string out;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    stretches.push_back(std::ranges::any_of(table.rows, [&](const auto& row) { return is_stretch(row[i]); }));
     const std::string& key = table.columns[i].key;
-    out += (i > 0 ? "," : "") + (stretches[i] ? csv_text(key + "_low") + ',' + csv_text(key + "_high") : csv_text(key));
+    out +=
+        (i > 0 ? "," : "") + (is_interval(i) ? csv_text(key + "_low") + ',' + csv_text(key + "_high") : csv_text(key));
   }
   out += '\n';
   for (const auto& row : table.rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i > 0) out += ',';
       out += csv_text(row[i]);
-      if (stretches[i] && !std::holds_alternative<TableCell::Stretch>(row[i].value)) out += ',';
+      if (is_interval(i) && row[i].empty()) out += ',';
     }
     out += '\n';
   }

@@ -23,12 +23,12 @@ std::string table_text(const Table& table, std::size_t width = kTableWidth);
 Json table_json(const Table& table);
 /// As people read it in Markdown: a title, and a table whose numbers are on the right.
 std::string table_markdown(const Table& table);
-/// Comma-separated values (RFC 4180) with the keys as header and numbers in full; a stretch has two columns, KEY_low
-/// and KEY_high.
+/// Comma-separated values (RFC 4180) with the keys as header and numbers in full. An interval, whose key ends in `_95`,
+/// has two columns, KEY_low and KEY_high, also where no row has one.
 std::string table_csv(const Table& table);
 /// A field of a CSV (RFC 4180): in quotes where it has to be.
 std::string csv_text(const std::string& text);
-/// The fields of a cell: two of a stretch.
+/// The fields of a cell: two of an interval.
 std::string csv_text(const TableCell& cell);
 /// An environment `tabular`, which needs no package.
 std::string table_latex(const Table& table);

@@ -298,6 +298,7 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   const Sorted old_rows(before), new_rows(now);
   std::vector<Asked> asked;
   std::set<Contestant> used;
+  std::optional<Error> without_metric;
   std::size_t most = 0;
   for (const Contestant& contestant : new_rows.order) {
     const auto& [scenario, strategy] = contestant;
@@ -311,7 +312,11 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
     used.insert(other);
     auto found = metric_of(now, metric, catalogue, &scenario);
     if (!found) found = metric_of(before, metric, catalogue, &other.first);
-    if (!found) return found.error();
+    if (!found) {
+      notes.push_back(scenario + ", " + strategy + ": " + found.error().message);
+      if (!without_metric) without_metric = found.error();
+      continue;
+    }
     Answer answer;
     answer.scenario = scenario;
     answer.strategy = strategy;
@@ -335,6 +340,7 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   for (const Contestant& contestant : old_rows.order)
     if (!used.contains(contestant))
       notes.push_back(contestant.first + ", " + contestant.second + " is in the old sweep only");
+  if (asked.empty() && without_metric) return *without_metric;
   if (asked.empty()) {
     std::string why;
     for (const std::string& note : notes) why += "; " + note;
@@ -360,17 +366,18 @@ Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, c
   std::vector<Asked> asked;
   std::size_t most = 0;
   if (Status s = check_strategy(rows, against); !s) return s.error();
+  const auto metrics = metrics_of_scenarios(rows, metric, catalogue);
+  if (!metrics) return metrics.error();
   for (const Contestant& contestant : sorted.order) {
     const auto& [scenario, strategy] = contestant;
     const std::string first = against.empty() ? sorted.strategies_in(scenario).front() : against;
-    if (strategy == first || !sorted.of.contains({scenario, first})) continue;
-    const auto found = metric_of(rows, metric, catalogue, &scenario);
-    if (!found) return found.error();
+    const auto found = metrics->find(scenario);
+    if (strategy == first || !sorted.of.contains({scenario, first}) || found == metrics->end()) continue;
     Answer answer;
     answer.scenario = scenario;
     answer.strategy = strategy;
     answer.asked = first;
-    answer.metric = *found;
+    answer.metric = found->second;
     const std::vector<Game>& games = sorted.games_of.at(scenario);
     most = std::max(most, games.size());
     asked.push_back(ask_difference(sorted.of.at({scenario, first}), sorted.of.at(contestant), games, 0, answer));

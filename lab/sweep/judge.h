@@ -59,14 +59,15 @@ class Judge {
 
 /// Each strategy of `now` against the one of the same name in `before`, in the same scenario and games; where both
 /// sweeps have a single strategy in a scenario, these, whatever their names.
-/// An empty metric is the one that the world compares. `notes` gets what is in one of them only. Fails if nothing is in
-/// both.
+/// An empty metric is the one that the world compares. `notes` gets what is in one of them only, and the scenarios
+/// without the metric. Fails if nothing is in both.
 Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, const std::vector<Row>& now,
                                              const std::string& metric, std::vector<std::string>& notes,
                                              const Catalogue& catalogue = shipped());
 /// An error unless rows have a strategy of this name; an empty one stands for any.
 Status check_strategy(const std::vector<Row>& rows, const std::string& name);
-/// The strategies of one sweep against one of them; with an empty name against the first one of each scenario.
+/// The strategies of one sweep against one of them; with an empty name against the first one of each scenario. A
+/// scenario without the metric has no answers; it is an error if no scenario has it.
 Expected<std::vector<Answer>> compare_strategies(const std::vector<Row>& rows, const std::string& against,
                                                  const std::string& metric, const Catalogue& catalogue = shipped());
 

@@ -53,6 +53,12 @@ struct PlotLines {
   double least = 0, most = 0;
 };
 
+/// A plot has one scale.
+Error different_figures(const std::string& one, const std::string& other) {
+  return input_error("the scenarios have different figures, " + one + " and " + other +
+                     "; expected --scenario with one of them, or --metric with the figure to be drawn");
+}
+
 void name_lines(std::vector<PlotLine>& lines, std::size_t scenarios) {
   for (PlotLine& line : lines) line.name = (scenarios > 1 ? line.scenario + ", " : "") + line.strategy;
 }
@@ -67,8 +73,7 @@ Expected<PlotLines> lines_of(const std::vector<Row>& rows, const std::string& me
   bool any = false;
   for (const Row& row : rows) {
     if (metric.empty() && !row.compared.empty() && row.compared != shown->name)
-      return input_error("the scenarios have different figures, " + shown->name + " and " + row.compared +
-                         "; expected --metric with one that all have");
+      return different_figures(shown->name, row.compared);
     const auto [place, is_new] = places.try_emplace({row.cell.scenario, row.cell.strategy}, out.lines.size());
     if (is_new) {
       out.lines.push_back({row.cell.scenario, row.cell.strategy, {}, {}});
@@ -99,8 +104,7 @@ Expected<AnswerLines> lines_of(const std::vector<Answer>& answers, Values&& valu
   std::set<std::string> scenarios, references;
   for (const Answer& one : answers) {
     if (one.metric.name != answers.front().metric.name)
-      return input_error("the scenarios have different figures, " + answers.front().metric.name + " and " +
-                         one.metric.name + "; expected --metric with one that all have");
+      return different_figures(answers.front().metric.name, one.metric.name);
     scenarios.insert(one.scenario);
     references.insert(one.asked);
     out.lines.push_back({one.scenario, one.strategy, {}, values(one)});

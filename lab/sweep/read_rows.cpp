@@ -219,4 +219,28 @@ Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string
   return out;
 }
 
+Expected<std::map<std::string, MetricOfRows>> metrics_of_scenarios(const std::vector<Row>& rows,
+                                                                   const std::string& name,
+                                                                   const Catalogue& catalogue) {
+  if (const auto any = metric_of(rows, name, catalogue); !any && !name.empty()) return any.error();
+  std::map<std::string, MetricOfRows> out;
+  std::set<std::string> scenarios;
+  for (const Row& row : rows)
+    if (scenarios.insert(row.cell.scenario).second)
+      if (const auto found = metric_of(rows, name, catalogue, &row.cell.scenario)) out[row.cell.scenario] = *found;
+  if (out.empty()) return input_error("no row has a figure that could be compared");
+  return out;
+}
+
+Expected<std::vector<Row>> rows_of_scenario(std::vector<Row> rows, const std::string& name) {
+  if (name.empty()) return rows;
+  std::vector<std::string> names;
+  for (const Row& row : rows)
+    if (std::ranges::find(names, row.cell.scenario) == names.end()) names.push_back(row.cell.scenario);
+  std::erase_if(rows, [&name](const Row& row) { return row.cell.scenario != name; });
+  if (rows.empty())
+    return input_error("there is no scenario '" + name + "'; there are " + some_of_and_nearest(name, names, 8));
+  return rows;
+}
+
 }  // namespace cxlab::lab

@@ -2,6 +2,7 @@
 // Rows of a sweep that was played before, for comparisons.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,11 @@ struct MetricOfRows {
 /// value of it. With `scenario` only the rows of that one count.
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name,
                                  const Catalogue& catalogue = shipped(), const std::string* scenario = nullptr);
+/// The same of each scenario that has it. Fails if none has.
+Expected<std::map<std::string, MetricOfRows>> metrics_of_scenarios(const std::vector<Row>& rows,
+                                                                   const std::string& name,
+                                                                   const Catalogue& catalogue = shipped());
+/// The rows of that scenario; with an empty name all. Fails if no row is of it.
+Expected<std::vector<Row>> rows_of_scenario(std::vector<Row> rows, const std::string& name);
 
 }  // namespace cxlab::lab

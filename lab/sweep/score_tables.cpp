@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "cx/base/number_text.h"
 #include "lab/statistics/sequential.h"
@@ -51,19 +52,18 @@ struct Scores {
 
 Expected<std::vector<Scores>> scores_of(const std::vector<Row>& rows, const std::string& metric,
                                         const Catalogue& catalogue) {
-  std::map<std::string, MetricOfRows> metrics;
-  for (const Row& row : rows) {
-    const std::string& scenario = row.cell.scenario;
-    if (metrics.contains(scenario)) continue;
-    const auto found = metric_of(rows, metric, catalogue, &scenario);
-    if (!found) return input_error(scenario + ": " + found.error().message);
-    metrics[scenario] = *found;
-  }
+  const auto metrics = metrics_of_scenarios(rows, metric, catalogue);
+  if (!metrics) return metrics.error();
+  // A scenario without the figure has lines without values.
+  const MetricOfRows lacking = metric.empty() ? MetricOfRows() : metrics->begin()->second;
   std::vector<Scores> out;
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const Row& row : rows) {
     const auto [place, is_new] = places.try_emplace({row.cell.scenario, row.cell.strategy}, out.size());
-    if (is_new) out.push_back({row.cell.scenario, row.cell.strategy, metrics.at(row.cell.scenario), 0, {}});
+    if (is_new) {
+      const auto found = metrics->find(row.cell.scenario);
+      out.push_back({row.cell.scenario, row.cell.strategy, found == metrics->end() ? lacking : found->second, 0, {}});
+    }
     Scores& one = out[place->second];
     ++one.episodes;
     if (const auto value = row.counts() ? row.figure(one.metric.name) : std::nullopt) one.values.push_back(*value);
@@ -82,10 +82,18 @@ std::string take_common(Table& table, std::string_view key) {
   return std::get<std::string>(value);
 }
 
-/// "differences, points in game"
-void set_title(Table& table, const std::string& what) {
-  const std::string metric = take_common(table, "metric"), scenario = take_common(table, "scenario");
-  table.title = what + (metric.empty() ? "" : ", " + metric) + (scenario.empty() ? "" : " in " + scenario);
+/// The figures of the games of one strategy in one scenario.
+std::vector<double> values_of(const std::vector<Row>& rows, const Scores& of, std::string_view metric) {
+  std::vector<double> out;
+  for (const Row& row : rows)
+    if (row.cell.scenario == of.scenario && row.cell.strategy == of.strategy && row.counts())
+      if (const auto value = row.figure(metric)) out.push_back(*value);
+  return out;
+}
+
+/// Whether rows have a column of that metric, with figures or without: tables have the same columns then.
+bool has_column(const Row& row, std::string_view metric) {
+  return std::ranges::find(row.figures, metric, &Figure::metric) != row.figures.end();
 }
 
 std::string done_text(const Scores& scores) {
@@ -94,11 +102,17 @@ std::string done_text(const Scores& scores) {
 
 }  // namespace
 
+Table titled(Table table) {
+  const std::string metric = take_common(table, "metric"), scenario = take_common(table, "scenario");
+  table.title += (metric.empty() ? "" : ", " + metric) + (scenario.empty() ? "" : " in " + scenario);
+  return table;
+}
+
 Expected<Table> score_table(const std::vector<Row>& rows, const std::string& metric, const Catalogue& catalogue) {
   const auto scores = scores_of(rows, metric, catalogue);
   if (!scores) return scores.error();
   Table table{"scores",
-              "",
+              "scores",
               {{"scenario", "scenario"},
                {"strategy", "strategy"},
                {"metric", "metric"},
@@ -129,23 +143,20 @@ Expected<Table> score_table(const std::vector<Row>& rows, const std::string& met
     row.push_back(values.empty() ? TableCell() : number_cell(*most, digits));
     table.rows.push_back(std::move(row));
   }
-  set_title(table, "scores");
   return table;
 }
 
 namespace {
 
 /// The metrics with a title of the worlds of these rows, without those that are compared; each once.
-std::vector<std::string> further_metrics(const std::vector<Row>& rows, const Catalogue& catalogue) {
-  std::vector<std::string> out;
+std::vector<const Metric*> further_metrics(const std::vector<Row>& rows, const Catalogue& catalogue) {
+  std::vector<const Metric*> out;
   for (const Row& row : rows)
     if (const WorldKind* world = catalogue.find_world(row.world))
-      for (const Metric* metric : metrics_of(*world)) {
-        const std::string name(metric->name);
-        if (!metric->title.empty() && name != row.compared && row.figure(name) &&
-            std::ranges::find(out, name) == out.end())
-          out.push_back(name);
-      }
+      for (const Metric* metric : metrics_of(*world))
+        if (!metric->title.empty() && metric->name != row.compared && has_column(row, metric->name) &&
+            std::ranges::find(out, metric->name, &Metric::name) == out.end())
+          out.push_back(metric);
   return out;
 }
 
@@ -157,7 +168,7 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
   const auto answers = compare_strategies(rows, against, "", catalogue);
   if (!answers) return answers.error();
   Table table{"overview",
-              "",
+              "strategies",
               {{"scenario", "scenario"},
                {"strategy", "strategy"},
                {"metric", "metric"},
@@ -166,25 +177,12 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
                {"mean_95", "95 %", Kind::kNumber},
                {"min", "least", Kind::kNumber}},
               {}};
-  const std::vector<std::string> further = further_metrics(rows, catalogue);
-  std::map<std::string, std::vector<Scores>> of_metric;
-  for (const std::string& name : further) {
-    const auto shown = metric_of(rows, name, catalogue);
-    if (!shown) return shown.error();
-    table.columns.push_back({name, shown->title, Kind::kNumber});
-    for (Scores one : *scores) {
-      one.metric = *shown;
-      one.values.clear();
-      for (const Row& row : rows)
-        if (row.cell.scenario == one.scenario && row.cell.strategy == one.strategy && row.counts())
-          if (const auto value = row.figure(name)) one.values.push_back(*value);
-      of_metric[name].push_back(std::move(one));
-    }
-  }
+  const std::vector<const Metric*> further = further_metrics(rows, catalogue);
+  for (const Metric* metric : further)
+    table.columns.push_back({std::string(metric->name), std::string(metric->title), Kind::kNumber});
   table.columns.push_back({"difference", "difference", Kind::kNumber});
   table.columns.push_back({"difference_95", "95 %", Kind::kNumber});
-  for (std::size_t i = 0; i < scores->size(); ++i) {
-    const Scores& one = (*scores)[i];
+  for (const Scores& one : *scores) {
     const int digits = one.metric.digits;
     TableCell games = count_cell(one.values.size());
     games.shown = done_text(one);
@@ -195,10 +193,8 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
                                number_cell(statistics::mean(one.values), digits),
                                interval(statistics::mean_interval_95(one.values), digits),
                                one.values.empty() ? TableCell() : number_cell(std::ranges::min(one.values), digits)};
-    for (const std::string& name : further) {
-      const Scores& other = of_metric.at(name)[i];
-      row.push_back(number_cell(statistics::mean(other.values), other.metric.digits));
-    }
+    for (const Metric* metric : further)
+      row.push_back(number_cell(statistics::mean(values_of(rows, one, metric->name)), metric->digits));
     const auto difference = std::ranges::find_if(*answers, [&one](const Answer& answer) {
       return answer.scenario == one.scenario && answer.strategy == one.strategy;
     });
@@ -210,7 +206,6 @@ Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& 
     }
     table.rows.push_back(std::move(row));
   }
-  set_title(table, "strategies");
   return table;
 }
 
@@ -233,54 +228,76 @@ std::vector<double> thresholds_between(double least, double most) {
 Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& metric, const Catalogue& catalogue) {
   const auto scores = scores_of(rows, metric, catalogue);
   if (!scores) return scores.error();
-  std::vector<double> all;
-  for (const Scores& one : *scores) all.insert(all.end(), one.values.begin(), one.values.end());
-  if (all.empty()) return input_error("no game was completed");
-  const auto [least, most] = std::ranges::minmax_element(all);
-  const std::vector<double> thresholds = thresholds_between(*least, *most);
-  const bool more = scores->front().metric.more_is_better;
-  Table table{"profile", "", {{"scenario", "scenario"}, {"strategy", "strategy"}, {"metric", "metric"}}, {}};
-  for (const double threshold : thresholds) {
-    const std::string text = general_text(threshold, 6);
-    table.columns.push_back({(more ? "at_least_" : "at_most_") + text, (more ? ">= " : "<= ") + text, Kind::kShare});
+  struct OfMetric {
+    std::string name;
+    std::vector<double> values{}, thresholds{};
+  };
+  std::vector<OfMetric> metrics;
+  const auto of_metric = [&metrics](const Scores& one) {
+    return std::ranges::find(metrics, one.metric.name, &OfMetric::name);
+  };
+  for (const Scores& one : *scores) {
+    auto found = of_metric(one);
+    if (found == metrics.end()) found = metrics.insert(metrics.end(), {one.metric.name});
+    found->values.insert(found->values.end(), one.values.begin(), one.values.end());
   }
+  if (std::ranges::all_of(metrics, [](const OfMetric& one) { return one.values.empty(); }))
+    return input_error("no game was completed");
+  for (OfMetric& one : metrics)
+    if (!one.values.empty())
+      one.thresholds = thresholds_between(std::ranges::min(one.values), std::ranges::max(one.values));
+  Table table{"profile",
+              "share of games that reach a figure",
+              {{"scenario", "scenario"}, {"strategy", "strategy"}, {"metric", "metric"}},
+              {}};
+  const auto key_of = [](const Scores& one, const std::string& threshold) {
+    return (one.metric.more_is_better ? "at_least_" : "at_most_") + threshold;
+  };
+  const auto column_of = [&table](const std::string& key) {
+    return static_cast<std::size_t>(std::ranges::find(table.columns, key, &Column::key) - table.columns.begin());
+  };
+  for (const Scores& one : *scores)
+    for (const double threshold : of_metric(one)->thresholds) {
+      const std::string text = general_text(threshold, 6), key = key_of(one, text);
+      if (column_of(key) == table.columns.size())
+        table.columns.push_back({key, (one.metric.more_is_better ? ">= " : "<= ") + text, Kind::kShare});
+    }
   for (const Scores& one : *scores) {
     std::vector<TableCell> row{one.scenario, one.strategy, one.metric.title};
-    const std::vector<double> shares = statistics::profile(one.values, thresholds, more);
-    for (const double share : shares) {
-      TableCell cell;
-      if (!one.values.empty()) {
-        cell = TableCell(share);
-        cell.shown = fixed_text(100 * share, 0) + " %";
-      }
-      row.push_back(std::move(cell));
+    row.resize(table.columns.size());
+    const std::vector<double>& thresholds = of_metric(one)->thresholds;
+    const std::vector<double> shares = statistics::profile(one.values, thresholds, one.metric.more_is_better);
+    for (std::size_t i = 0; i < thresholds.size() && !one.values.empty(); ++i) {
+      TableCell& cell = row[column_of(key_of(one, general_text(thresholds[i], 6)))];
+      cell = TableCell(shares[i]);
+      cell.shown = fixed_text(100 * shares[i], 0) + " %";
     }
     table.rows.push_back(std::move(row));
   }
-  set_title(table, "share of games that reach a figure");
   return table;
 }
 
 Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, const std::string& metric,
-                                              const Catalogue& catalogue) {
+                                              const Catalogue& catalogue, const std::string* scenario) {
   std::vector<const Metric*> parts, out;
   std::vector<std::string> names, whole;
+  std::set<const WorldKind*> worlds;
   for (const Row& row : rows) {
+    if (scenario && row.cell.scenario != *scenario) continue;
     const WorldKind* const world = catalogue.find_world(row.world);
-    if (!world) continue;
+    if (!world || !worlds.insert(world).second) continue;
     for (const Metric& one : world->metrics) {
       if (one.part_of == metric) names.emplace_back(parts.emplace_back(&one)->name);
       if (std::string of(one.part_of); !of.empty() && std::ranges::find(whole, of) == whole.end())
         whole.push_back(std::move(of));
     }
-    break;
   }
   if (parts.empty())
     return input_error(metric + " has no parts" +
                        (whole.empty() ? ", nor has another metric of this world"
                                       : "; expected a metric that has some: " + some_of(whole)));
   std::ranges::copy_if(parts, std::back_inserter(out), [&rows](const Metric* part) {
-    return std::ranges::any_of(rows, [part](const Row& row) { return row.figure(part->name).has_value(); });
+    return std::ranges::any_of(rows, [part](const Row& row) { return has_column(row, part->name); });
   });
   if (out.empty())
     return input_error("no row has the parts of " + metric + "; expected some of the columns " + some_of(names, 8));
@@ -290,23 +307,35 @@ Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, cons
 Expected<Table> part_table(const std::vector<Row>& rows, const std::string& metric, const Catalogue& catalogue) {
   const auto whole = scores_of(rows, metric, catalogue);
   if (!whole) return whole.error();
-  Table table{"parts", "", {{"scenario", "scenario"}, {"strategy", "strategy"}, {"metric", "metric"}}, {}};
+  Table table{"parts", "means by kind", {{"scenario", "scenario"}, {"strategy", "strategy"}, {"metric", "metric"}}, {}};
+  table.columns.push_back({"mean", "mean", Kind::kNumber});
+  std::map<std::string, std::vector<const Metric*>> of_scenario;  // scenarios whose figure has parts
+  std::vector<const Metric*> all;
+  Status none;
+  for (const Scores& one : *whole) {
+    if (of_scenario.contains(one.scenario)) continue;
+    auto parts = parts_of(rows, one.metric.name, catalogue, &one.scenario);
+    if (!parts) {
+      if (none) none = parts.error();
+      continue;
+    }
+    for (const Metric* part : *parts)
+      if (std::ranges::find(all, part) == all.end()) all.push_back(part);
+    of_scenario[one.scenario] = *std::move(parts);
+  }
+  if (of_scenario.empty() && !none) return none.error();
+  for (const Metric* part : all)
+    table.columns.push_back({std::string(part->name), std::string(part->what), Kind::kNumber});
   for (const Scores& one : *whole) {
     std::vector<TableCell> row{one.scenario, one.strategy, one.metric.title};
     row.push_back(number_cell(statistics::mean(one.values), one.metric.digits));
+    const std::vector<const Metric*>& parts = of_scenario[one.scenario];
+    for (const Metric* part : all)
+      row.push_back(std::ranges::find(parts, part) == parts.end()
+                        ? TableCell()
+                        : number_cell(statistics::mean(values_of(rows, one, part->name)), part->digits));
     table.rows.push_back(std::move(row));
   }
-  table.columns.push_back({"mean", "mean", Kind::kNumber});
-  const auto parts = parts_of(rows, whole->front().metric.name, catalogue);
-  if (!parts) return parts.error();
-  for (const Metric* part : *parts) {
-    const auto scores = scores_of(rows, std::string(part->name), catalogue);
-    if (!scores) continue;  // no game has any
-    table.columns.push_back({std::string(part->name), std::string(part->what), Kind::kNumber});
-    for (std::size_t i = 0; i < scores->size(); ++i)
-      table.rows[i].push_back(number_cell(statistics::mean((*scores)[i].values), part->digits));
-  }
-  set_title(table, "means by kind");
   return table;
 }
 
@@ -322,7 +351,7 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
   const auto answers = compare_strategies(rows, against, metric, catalogue);
   if (!answers) return answers.error();
   Table table{"shares",
-              "",
+              "share in the same game",
               {{"scenario", "scenario"},
                {"strategy", "strategy"},
                {"against", "of"},
@@ -354,13 +383,12 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
     row.push_back(shares.empty() ? TableCell() : percent(std::ranges::max(shares)));
     table.rows.push_back(std::move(row));
   }
-  set_title(table, "share in the same game");
   return table;
 }
 
 Table difference_table(const std::vector<Answer>& answers) {
   Table table{"differences",
-              "",
+              "differences",
               {{"scenario", "scenario"},
                {"strategy", "strategy"},
                {"against", "against"},
@@ -420,13 +448,12 @@ Table difference_table(const std::vector<Answer>& answers) {
                           count_cell(signs.above), count_cell(signs.equal), count_cell(signs.below), probability(own_p),
                           probability(one.p), TableCell(to_string(one.judgement)), more_games});
   }
-  set_title(table, "differences");
   return table;
 }
 
 Table requirement_table(const std::vector<Answer>& answers) {
   Table table{"requirements",
-              "",
+              "requirements",
               {{"scenario", "scenario"},
                {"strategy", "strategy"},
                {"requirement", "requirement"},
@@ -444,7 +471,6 @@ Table requirement_table(const std::vector<Answer>& answers) {
                           number_cell(statistics::mean(one.values), one.metric.digits, one.is_difference),
                           interval(statistics::mean_interval_95(one.values), one.metric.digits),
                           count_cell(one.values.size()), probability(one.p)});
-  set_title(table, "requirements");
   return table;
 }
 

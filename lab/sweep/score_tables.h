@@ -11,6 +11,11 @@
 
 namespace cxlab::lab {
 
+/// Tables have the same columns whatever the rows hold. A scenario without the metric has lines without figures in
+/// tables of scores, and no lines in tables of differences and shares. It is an error if no scenario has the metric.
+
+/// The table as people read it: a scenario or metric that all lines share is in the title and not in the columns.
+Table titled(Table table);
 /// A line for each strategy and scenario: mean, median and interquartile mean of a metric with their 95 % intervals,
 /// the least and the most. An empty metric is the one that the world compares.
 Expected<Table> score_table(const std::vector<Row>& rows, const std::string& metric,
@@ -20,7 +25,7 @@ Expected<Table> score_table(const std::vector<Row>& rows, const std::string& met
 /// `against`.
 Expected<Table> overview_table(const std::vector<Row>& rows, const std::string& against,
                                const Catalogue& catalogue = shipped());
-/// A line for each strategy and scenario: the share of games that reach each of some thresholds.
+/// A line for each strategy and scenario: the share of games that reach each of some thresholds of its metric.
 Expected<Table> profile_table(const std::vector<Row>& rows, const std::string& metric,
                               const Catalogue& catalogue = shipped());
 /// A line for each strategy and scenario: the means of the metrics that are parts of this one (`parts_of`).
@@ -38,10 +43,11 @@ Expected<Table> share_table(const std::vector<Row>& rows, const std::string& aga
 Table difference_table(const std::vector<Answer>& answers);
 /// A line for each answer to a requirement.
 Table requirement_table(const std::vector<Answer>& answers);
-/// The metrics that are parts of the one of that name in the world of the rows (Metric::part_of), as far as rows have
-/// figures of them. It is an error if there are none.
+/// The metrics that are parts of the one of that name in the worlds of the rows (Metric::part_of), as far as rows have
+/// columns of them. It is an error if there are none. With `scenario` only the rows of that one count.
 Expected<std::vector<const Metric*>> parts_of(const std::vector<Row>& rows, const std::string& metric,
-                                              const Catalogue& catalogue = shipped());
+                                              const Catalogue& catalogue = shipped(),
+                                              const std::string* scenario = nullptr);
 /// What the tables do not show: games that were not completed, and questions that have too few games for an answer.
 /// No sentence comes twice.
 std::vector<std::string> remarks_on(const std::vector<Answer>& answers);

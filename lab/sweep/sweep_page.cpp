@@ -187,20 +187,19 @@ std::vector<Answer> answers_in(const std::vector<Answer>& answers, const std::st
   return out;
 }
 
-Expected<Json> json_of_scenario(const OfScenario& scenario, const std::vector<Answer>& answers,
-                                const SweepRecord& sweep, const SweepPageOptions& options, const Catalogue& catalogue) {
+Json json_of_scenario(const OfScenario& scenario, const std::vector<Answer>& answers, const SweepRecord& sweep,
+                      const SweepPageOptions& options, const Catalogue& catalogue) {
   Json out{{"name", scenario.name}, {"metric", ""}, {"parts", Json::array()}, {"games", Json::array()}};
   std::vector<Row> rows;
   for (const IndexedRow* one : scenario.rows) rows.push_back(one->row);
   const bool any = std::ranges::any_of(rows, [](const Row& row) { return row.counts(); });
   const auto metric = metric_of(rows, options.metric, catalogue);
-  if (!metric && !options.metric.empty() && any) return metric.error();
   if (!metric || !any) return out;
   out["metric"] = metric->title;
   const std::string prefix = metric->name + '-';
   const auto add_part = [&out](const std::string& key, const Expected<Table>& table, Json plots) {
     Json one{{"key", key}, {"plots", std::move(plots)}};
-    if (table && !table->rows.empty()) one["table"] = json_of_table(*table);
+    if (table && !table->rows.empty()) one["table"] = json_of_table(titled(*table));
     if (one.contains("table") || !one["plots"].empty()) out["parts"].push_back(std::move(one));
   };
   Json plots = Json::array();
@@ -292,7 +291,7 @@ Status keep_requirements(const fs::path& folder, const std::vector<Answer>& answ
   }
   const Table table = requirement_table(answers);
   const Json json{
-      {"requirements", table_json(table)}, {"remarks", remarks_on(answers)}, {"shown", json_of_table(table)}};
+      {"requirements", table_json(table)}, {"remarks", remarks_on(answers)}, {"shown", json_of_table(titled(table))}};
   return replace_file(file, json_text(json, 2) + '\n');
 }
 
@@ -300,15 +299,14 @@ fs::path folder_of_game(const fs::path& sweep, const IndexedRow& row) {
   return sweep / "games" / fs::path(row.file).stem();
 }
 
-Expected<std::vector<const IndexedRow*>> shown_games(const SweepRecord& sweep, const std::string& metric,
-                                                     const Catalogue& catalogue) {
+std::vector<const IndexedRow*> shown_games(const SweepRecord& sweep, const std::string& metric,
+                                           const Catalogue& catalogue) {
   std::vector<const IndexedRow*> out;
   for (const OfScenario& scenario : by_scenario(sweep.rows)) {
     std::vector<Row> rows;
     for (const IndexedRow* one : scenario.rows) rows.push_back(one->row);
-    const auto found = metric_of(rows, metric, catalogue);
-    if (!found) return found.error();
-    for (const ShownGame& shown : ends_of(scenario.rows, *found)) out.push_back(shown.game);
+    if (const auto found = metric_of(rows, metric, catalogue))
+      for (const ShownGame& shown : ends_of(scenario.rows, *found)) out.push_back(shown.game);
   }
   std::ranges::sort(out, {}, [](const IndexedRow* one) { return one->row.cell.number; });
   return out;
@@ -326,12 +324,9 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
   auto answers = Expected<std::vector<Answer>>(std::vector<Answer>());
   if (any) answers = compare_strategies(rows, options.against, options.metric, catalogue);
   if (!answers && (!options.against.empty() || !options.metric.empty())) return answers.error();
-  for (const OfScenario& scenario : by_scenario(sweep.rows)) {
-    auto one = json_of_scenario(scenario, answers ? answers_in(*answers, scenario.name) : std::vector<Answer>(), sweep,
-                                options, catalogue);
-    if (!one) return one.error();
-    data["scenarios"].push_back(*std::move(one));
-  }
+  for (const OfScenario& scenario : by_scenario(sweep.rows))
+    data["scenarios"].push_back(json_of_scenario(
+        scenario, answers ? answers_in(*answers, scenario.name) : std::vector<Answer>(), sweep, options, catalogue));
   data["remarks"] = answers ? remarks_on(*answers) : std::vector<std::string>();
   const auto failures = reasons_of(sweep.rows, [](const Row& row) {
     if (row.counts()) return std::vector<std::string>();
@@ -368,7 +363,7 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
                           {"answer", code == 0                ? "better"
                                      : code == kUndecidedExit ? "undecided"
                                                               : "worse"},
-                          {"table", json_of_table(difference_table(*compared))},
+                          {"table", json_of_table(titled(difference_table(*compared)))},
                           {"plots", std::move(plots)},
                           {"notes", notes}};
   }

@@ -41,7 +41,7 @@ Expected<std::string> sweep_page(const SweepRecord& sweep, const SweepRecord* be
 /// Where the run of a game that is played again lies: SWEEP/games/NAME.
 std::filesystem::path folder_of_game(const std::filesystem::path& sweep, const IndexedRow& row);
 /// The games that the page shows as the worst and the best of each strategy, each once, in order of cells.
-Expected<std::vector<const IndexedRow*>> shown_games(const SweepRecord& sweep, const std::string& metric,
-                                                     const Catalogue& catalogue = shipped());
+std::vector<const IndexedRow*> shown_games(const SweepRecord& sweep, const std::string& metric,
+                                           const Catalogue& catalogue = shipped());
 
 }  // namespace cxlab::lab

@@ -133,6 +133,68 @@ class SweepStatistics(Lab):
         twice = [self.cxlab("bench", "show", "s").stdout for _ in range(2)]
         self.assertEqual(*twice)
 
+    def test_tables_for_programs_have_the_same_columns_whatever_the_rows_are(self):
+        columns = COLUMNS.replace("late_s", "deliveries,points_ring")
+        self.write("few.csv", columns + "game,first,,1,completed,0,30,,,h\n")
+        self.write("many.csv", columns + "".join(f"{scenario},{name},,{seed},completed,0,{30 + seed},2,10,h\n" for scenario in ("game", "other") for name in ("first", "second") for seed in range(8)))
+        for table in ("scores", "differences", "overview", "parts", "shares", "profile"):
+            csvs = [self.cxlab("bench", "show", name, "--table", table, "--format", "csv").stdout for name in ("few.csv", "many.csv")]
+            headers = [next(csv.reader(io.StringIO(text))) for text in csvs]
+            self.assertEqual([header[:3] for header in headers], [["scenario", "strategy", "against" if table in ("differences", "shares") else "metric"]] * 2)
+            if table != "profile":
+                self.assertEqual(*headers, table)
+            for header, text in zip(headers, csvs):
+                self.assertEqual({len(line) for line in csv.reader(io.StringIO(text))}, {len(header)}, table)
+            few, many = (json.loads(self.cxlab("bench", "show", name, "--table", table, "--json").stdout)[table] for name in ("few.csv", "many.csv"))
+            for row in few:
+                self.assertEqual(list(row)[:3], list(many[0])[:3])
+                if table != "profile":
+                    self.assertEqual(list(row), list(many[0]))
+        header, line = self.cxlab("bench", "show", "few.csv", "--table", "scores", "--format", "csv").stdout.splitlines()
+        self.assertEqual(header, "scenario,strategy,metric,games,mean,mean_95_low,mean_95_high,median,median_95_low,median_95_high,iqm,iqm_95_low,iqm_95_high,min,max")
+        self.assertEqual(line, "game,first,points,1,30,,,30,,,30,,,30,30")
+
+    def test_scenarios_may_have_different_figures(self):
+        rows = [f"figures,{name},,{seed},completed,0,,,{seed % 3},{walls},h\n" for name, walls in (("first", 4), ("second", 2)) for seed in range(8)]
+        rows += [f"game,{name},,{seed},completed,0,{points},{points},,,h\n" for name, points in (("first", 30), ("second", 50)) for seed in range(8)]
+        self.write("s/rows.csv", COLUMNS.replace("late_s", "points_ring,touches,walls") + "".join(rows))
+        show = lambda table, *arguments: json.loads(self.cxlab("bench", "show", "s", "--table", table, "--json", *arguments).stdout)[table]
+        scenarios = ["figures", "figures", "game", "game"]
+        self.assertEqual([(row["scenario"], row["metric"], row["games"], row["mean"]) for row in show("scores")],
+                         [("figures", "walls", 8, 4), ("figures", "walls", 8, 2), ("game", "points", 8, 30), ("game", "points", 8, 50)])
+        self.assertEqual([(row["games"], row["mean"], row["metric"]) for row in show("scores", "--metric", "points")], [(0, None, "points")] * 2 + [(8, 30, "points"), (8, 50, "points")])
+        for arguments in ((), ("--metric", "points")):
+            parts = show("parts", *arguments)
+            self.assertEqual([(row["scenario"], row["points_ring"]) for row in parts], list(zip(scenarios, [None, None, 30, 50])))
+        self.assertEqual([(row["scenario"], row["difference"], row["answer"]) for row in show("differences")], [("figures", -2, "better"), ("game", 20, "better")])
+        (only,) = show("differences", "--metric", "points")
+        self.assertEqual((only["scenario"], only["difference"], only["p_holm"]), ("game", 20, only["p"]))
+        self.assertEqual([row["scenario"] for row in show("shares", "--metric", "points")], ["game"])
+        self.assertEqual([(row["at_most_2"], row["at_most_4"], row["at_least_30"], row["at_least_50"]) for row in show("profile")],
+                         [(0, 1, None, None), (1, 1, None, None), (None, None, 1, 0), (None, None, 1, 1)])
+        self.assertIn("no row has a metric 'point'", self.cxlab("bench", "compare", "s", "s", "--metric", "point", code=3).stderr)
+        self.assertIn("figures, first: no row has a metric 'points'", self.cxlab("bench", "compare", "s", "s", "--metric", "points", code=6).stdout)
+        # One scenario at a time.
+        self.assertEqual([row["mean"] for row in show("scores", "--scenario", "figures")], [4, 2])
+        self.assertTrue(self.cxlab("bench", "show", "s", "--scenario", "game").stdout.startswith("scores, points in game:\n"))
+        for arguments in (("show", "s"), ("plot", "s", "out.svg")):
+            self.assertIn("there is no scenario 'gane'; there are figures, game; did you mean 'game'?", self.cxlab("bench", *arguments, "--scenario", "gane", code=3).stderr)
+        for kind in ("scores", "profile", "differences", "shares"):
+            self.assertIn("the scenarios have different figures, walls and points; expected --scenario with one of them, or --metric", self.cxlab("bench", "plot", "s", "out.svg", "--kind", kind, code=3).stderr)
+        for kind in ("scores", "profile", "differences", "shares", "parts"):
+            self.cxlab("bench", "plot", "s", "out.svg", "--kind", kind, "--scenario", "game")
+            one = (self.folder / "out.svg").read_text()
+            self.assertNotIn("figures", one)
+            self.cxlab("bench", "plot", "s", "out.svg", "--kind", kind, "--metric", "points")
+            marks = lambda text: sum(text.count(mark) for mark in ('class="game"', 'class="better"', "<path", '<rect class="series'))
+            self.assertGreater(marks(one), 0, kind)
+            self.assertEqual(marks((self.folder / "out.svg").read_text()), marks(one), kind)
+        # The page has a part for each scenario.
+        self.cxlab("bench", "page", "s", "--metric", "points")
+        page = (self.folder / "s/index.html").read_text()
+        self.assertEqual(page.count("No completed game has a figure that could be compared."), 1)
+        self.assertIn("no row has a metric 'point'", self.cxlab("bench", "page", "s", "--metric", "point", code=3).stderr)
+
     def test_an_overview_has_several_figures(self):
         lines = [f"game,{name},,{seed},completed,0,{points + seed},{0.5 * seed},h\n" for name, points in (("first", 600), ("second", 500)) for seed in range(12)]
         self.write("s/rows.csv", (COLUMNS + "".join(lines)).replace("late_s", "deliveries", 1))

@@ -254,7 +254,8 @@ TEST(Plots, APartThatNoGameHasIsLeftOutAndNoOther) {
     ASSERT_TRUE(table) << table.error().text();
     std::vector<std::string> columns;
     for (const Column& column : table->columns) columns.push_back(column.key);
-    EXPECT_THAT(columns, ElementsAre("strategy", "mean", lacking == std::string("red") ? "rotten" : "red"));
+    EXPECT_THAT(columns, ElementsAre("scenario", "strategy", "metric", "mean",
+                                     lacking == std::string("red") ? "rotten" : "red"));
     for (const auto& line : table->rows) EXPECT_EQ(line.size(), columns.size());
   }
 }
