@@ -29,10 +29,14 @@ int profile(const ProfileOptions& options) {
                                      question.environment, !options.trace.empty(), console.host());
   if (const int code = interrupted("the run was not replayed up to that time")) return code;
   if (!found) return fail(lab::about_option(found.error(), "--at"));
-  if (question.json)
+  if (question.json) {
     std::printf("%s\n", json_text(lab::json_of(*found), 2).c_str());
-  else
+  } else {
+    if (found->cut_off)
+      std::printf("up to the tick at %s%s:\n", seconds_text(from_seconds(found->at_s)).c_str(),
+                  run->cut_off_text("log").c_str());
     std::printf("%s", lab::text_of(*found, static_cast<std::size_t>(options.most)).c_str());
+  }
   if (!options.page.empty()) {
     const auto page = lab::to_page(*found, "Profile of " + question.run);
     if (!page) return fail(page.error());

@@ -11,9 +11,8 @@
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
 #include "lab/child.h"
-#include "lab/confine.h"
 #include "lab/json_fields.h"
-#include "lab/rules_replay.h"
+#include "lab/moment.h"
 #include "lab/sweep/play_again.h"
 #include "scenarios/share.h"
 
@@ -37,31 +36,27 @@ void add_runs_below(const fs::path& folder, std::vector<fs::path>& runs) {
 /// What the process that plays a run says of it.
 Expected<Json> cover(const Run& run, Host host) {
   explain::Coverage coverage;
-  RulesReplay::Options options{.end = run.finished ? run.sim_time : kLongestRun, .counting = Counting::kUse};
-  options.on_environment_end = [&](const cx::Environment& environment) {
+  const auto add = [&coverage](const cx::Environment& environment) {
     coverage.add(explain::coverage_of(environment.engine().counts(), [&environment](const std::string& file) {
       return environment.files().journal_name(file);
     }));
   };
-  auto replay = RulesReplay::load(run, host, options);
-  if (!replay) return replay.error();
-  Wall recorded;
-  recorded.read = {run.folder};
   host.confine = true;
   host.log = nullptr;
-  confine(*replay->episode, host, recorded);
-  Episode& episode = *replay->episode;
-  const bool whole = run.finished && episode.replay_log_status() && run.whole(episode.replay_end());
-  const SimTime end = whole ? run.sim_time : std::min(options.end, episode.replay_end());
-  Status played = episode.start();
-  if (played && run.ticks != 0)
-    if (const auto step = episode.step(end); !step) played = step.error();
+  host.progress = nullptr;
+  auto moment = Moment::open(run, host, {.timelines = false, .counting = Counting::kUse, .on_environment_end = add});
+  if (!moment) return moment.error();
+  const Status played = (*moment)->seek(std::nullopt);
   if (auto error = run.untrusted(played)) return *error;
   std::string note;
-  if (!whole) note = "its log ends at " + std::to_string(to_seconds(end)) + " s";
-  if (!played && run.status != "failed") note = played.error().text();
-  (void)episode.close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
-  replay->episode.reset();
+  if ((*moment)->cut_off()) note = "its log ends at " + seconds_text(to_seconds((*moment)->end()));
+  if (!played) note = played.error().text();
+  if ((*moment)->cut_off()) {  // its agents were not deactivated by then
+    for (const cx::Environment* environment : (*moment)->episode().environments()) add(*environment);
+  } else {
+    (void)(*moment)->episode().close(RunStatus::kStopped, played ? std::nullopt : std::optional<Error>(played.error()));
+    moment->reset();
+  }
   return Json{{"coverage", JsonWriter::json(coverage)}, {"note", note}};
 }
 

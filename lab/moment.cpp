@@ -22,7 +22,8 @@ RulesReplay::Options Moment::replay_options() const {
   return {.end = run_.finished ? run_.sim_time : kLongestRun,
           .log = host_.log,
           .control = options_.control,
-          .counting = options_.counting};
+          .counting = options_.counting,
+          .on_environment_end = options_.on_environment_end};
 }
 
 void Moment::listen() {
@@ -45,10 +46,10 @@ void Moment::add_reach(Wall& wall) {
 
 Status Moment::seek(std::optional<SimTime> t) {
   if (t)
-    if (Status s = run_.reaches(*t); !s) return s;
+    if (Status s = run_.reaches(*t, end()); !s) return s;
   if (t && started_ && *t < this->t())
     if (Status s = rewind(); !s) return s;
-  if (log_ends_early()) cut_off_ = !(t || run_.finished) || t.value_or(run_.sim_time) > replay_.episode->replay_end();
+  cut_off_ = t ? *t > end() : !run_.finished || end() < run_.sim_time;
   const Status played = play(std::min(end(), t.value_or(kNever)));
   if (stopped_) return {};
   if (auto error = run_.untrusted(played)) return *error;
@@ -78,6 +79,7 @@ Status Moment::play(SimTime end) {
     if (Status s = episode().start(); !s) return s;
     timelines_.start_is_over();
   }
+  if (run_.finished && run_.ticks == 0) return {};
   for (SimTime next; !episode().over() && (next = episode().next_tick()) <= end;) {
     if ((stopped_ = host_.stopped())) return {};
     const Status s = episode().tick_at(next);

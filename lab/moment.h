@@ -30,9 +30,10 @@ std::string no_environment(const std::string& name, const std::vector<std::strin
 class Moment {
  public:
   struct Options {
-    bool timelines = true;                   ///< keeps the records of all environments
-    Counting counting = Counting::kNothing;  ///< kUse for `RuleUse::activated`
-    cx::RunControl* control = nullptr;       ///< stops it on the way; may be none
+    bool timelines = true;                                                ///< keeps the records of all environments
+    Counting counting = Counting::kNothing;                               ///< kUse for `RuleUse::activated`
+    cx::RunControl* control = nullptr;                                    ///< stops it on the way; may be none
+    std::function<void(const cx::Environment&)> on_environment_end = {};  ///< `cx::RunSettings::on_environment_end`
   };
   /// Reads the run; nothing is played yet. The run outlives it.
   static Expected<std::unique_ptr<Moment>> open(const Run& run, const Host& host, Options options);
@@ -42,9 +43,9 @@ class Moment {
   Moment& operator=(const Moment&) = delete;
 
   /// Goes to the last tick that is not after `t`; without it to the end of the run, or of what was recorded. A time
-  /// after the end is a usage error; in a run whose log ends earlier it is the end of the log (`cut_off`).
-  /// To go back it plays from the start again: environments and inspectors of before are gone then.
-  /// This process gives up its rights before the first rule runs (lab/confine.h).
+  /// after the end (`Run::reaches`) is a usage error; in a run that ended, but whose log is cut off before that time,
+  /// it is the end of the log (`cut_off`). To go back it plays from the start again: environments and inspectors of
+  /// before are gone then. This process gives up its rights before the first rule runs (lab/confine.h).
   Status seek(std::optional<SimTime> t);
   /// Goes back to the start.
   Status rewind();

@@ -25,6 +25,14 @@ namespace {
 
 constexpr const char* kAfterTheEnd = "after_the_end";
 
+SimTime end_of_log(const fs::path& inputs) {
+  auto log = InputLogReader::open(inputs);
+  if (!log) return {};
+  while (log->next()) {
+  }
+  return std::max(SimTime::zero(), log->reached());
+}
+
 Status read_result(const Json& json, Run& run) {
   run.tier = json.at("tier") == "timed" ? Tier::kTimed : Tier::kPhysics;
   run.status = json.at("status").get<std::string>();
@@ -142,13 +150,13 @@ Expected<std::vector<JournalRecord>> Run::records(const RecordFilter& filter) co
 }
 
 Expected<Run::RecordsUpTo> Run::records_up_to(std::optional<SimTime> t, const RecordFilter& filter) const {
-  if (t)
-    if (Status s = reaches(*t); !s) return s.error();
   auto all = records(filter);
   if (!all) return all.error();
   RecordsUpTo out;
   SimTime last{};
   for (const JournalRecord& record : *all) last = std::max(last, record.t);
+  if (t)
+    if (Status s = reaches(*t, finished ? SimTime{} : last); !s) return s.error();
   const bool whole = has_whole_journal();
   const SimTime end = whole ? sim_time : last;
   out.cut_off = !whole && t.value_or(end) >= end;
@@ -178,8 +186,8 @@ Expected<Run::SceneAt> Run::scene(std::optional<SimTime> t) const {
   auto reader = scenes();
   if (!reader) return reader.error();
   const SimTime last = reader->end(), end = finished ? std::max(sim_time, last) : last;
-  if (t && *t > end)
-    if (Status s = reaches(*t); !s) return s.error();
+  if (t)
+    if (Status s = reaches(*t, last); !s) return s.error();
   SceneAt out;
   out.cut_off = t.value_or(end) > last || (!finished && t.value_or(end) == end);
   if (finished && out.cut_off && !reader->status()) return reader->status().error();
@@ -189,9 +197,15 @@ Expected<Run::SceneAt> Run::scene(std::optional<SimTime> t) const {
   return out;
 }
 
-Status Run::reaches(SimTime t) const {
-  if (!finished || t <= sim_time) return {};
-  return Error{ErrorKind::kUsage, "the run ends at " + seconds_text(to_seconds(sim_time)), {}, 0, kAfterTheEnd};
+Status Run::reaches(SimTime t, SimTime recorded) const {
+  if (t <= recorded) return {};
+  const SimTime end = finished ? sim_time : std::max(recorded, end_of_log(folder / "inputs.bin"));
+  if (t <= end) return {};
+  return Error{ErrorKind::kUsage,
+               "the run ends at " + seconds_text(to_seconds(end)) + (finished ? "" : cut_off_text("log")),
+               {},
+               0,
+               kAfterTheEnd};
 }
 
 std::string Run::cut_off_text(const std::string& recording) const {

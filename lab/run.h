@@ -67,8 +67,9 @@ struct Run {
   };
   /// The same at one time, without it at the end. A time after the end of the run is an error (`about_option`).
   Expected<SceneAt> scene(std::optional<SimTime> t = {}) const;
-  /// An error if the run ended before `t` (`about_option`).
-  Status reaches(SimTime t) const;
+  /// An error if `t` is after the end of the run, or of the log of a run that was killed or is still being played
+  /// (`about_option`). `recorded`: to where another recording goes, if that is further.
+  Status reaches(SimTime t, SimTime recorded = {}) const;
   /// What to say behind a time at which a recording, "log" or "journal", ends before the run does.
   std::string cut_off_text(const std::string& recording) const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.

@@ -629,7 +629,16 @@ class WhileItIsPlayed(Lab):
                 self.assertIn("of the run is cut off (it is still being played, or was killed):", asked)
                 self.assertTrue(json.loads(self.cxlab(question, out, "--json").stdout)["cut_off"])
                 self.assertNotIn("cut off", self.cxlab(question, out, "--at", 1).stdout)
-        self.assertIn("still being played", self.cxlab("why-not", out, "order-begin").stdout)
+        for question in (("why-not", out, "order-begin"), ("profile", out)):
+            self.assertIn("still being played", self.cxlab(*question).stdout.splitlines()[0])
+        for question, *words in (("facts", "machine", "--at"), ("agenda", "--at"), ("rules", "--at"), ("firings", "--to"), ("why", "(machine)", "--at"), ("why-not", "order-begin", "--at"),
+                                 ("profile", "--at"), ("scene", "--at"), ("orders", "--at"), ("export", "--csv", "--to")):
+            with self.subTest(question):
+                late = self.cxlab(question, out, *words, 1e6, expect=2).stderr
+                said = re.search(words[-1] + r": the run ends at ([\d.]+) s, where the log of the run is cut off \(it is still being played, or was killed\)", late)
+                self.assertTrue(said, late)
+                self.assertGreaterEqual(float(said[1]), found["at_s"])
+                self.cxlab(question, out, *words, said[1])
         self.cxlab("attach", out, "-c", "continue")
         self.assertEqual(game.wait(), 0)
         self.assertEqual(json.loads(self.cxlab("facts", out, "machine", "--json").stdout)["at_s"], 60)

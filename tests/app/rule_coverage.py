@@ -6,10 +6,11 @@ import os
 import re
 import shutil
 import subprocess
+import time
 import unittest
 from html.parser import HTMLParser
 
-from lab import CXLAB, SOURCE, Lab
+from lab import CXLAB, SCENARIO, SOURCE, Lab
 
 RULES = """(deffunction twice (?x) (* 2 ?x))
 (deffunction unused () 0)
@@ -220,6 +221,30 @@ class Coverage(Lab):
         covered = self.cxlab("coverage", "runs", "--json")
         self.assertRegex(covered.stderr, r"\Anote: the run failed at 0\.000 s: [^\n]*\n\Z")
         self.assertEqual(next(rule["fired"] for rule in json.loads(covered.stdout)["rules"] if rule["rule"] == "wrong"), 1)
+
+    def test_a_run_that_is_played_or_was_killed_counts_up_to_the_end_of_its_log(self):
+        self.agent(RULES + "(defrule tick (time ?) => (twice 1))\n(defrule end (executive-finalize) => (twice 1))\n(deffacts given (start 2))\n",
+                   SCENARIO.replace("duration_s: 2", "duration_s: 60"))
+        run = subprocess.Popen([*self.command(), "--break", "--out", self.folder / "runs/a"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        while not (self.folder / "runs/a/control.sock").exists():
+            self.assertIsNone(run.poll())
+            time.sleep(0.02)
+        self.cxlab("attach", "runs/a", "-c", "until 5", "-c", "where")
+        for ends in (lambda: None, run.kill, run.wait):
+            ends()
+            covered = self.cxlab("coverage", "runs", "--json", "--lcov", "c.info")
+            rules = json.loads(covered.stdout)["rules"]
+            used = json.loads(self.cxlab("rules", "runs/a", "--json").stdout)
+            self.assertEqual({r["rule"]: (r["fired"], r["activated"]) for r in rules},
+                             {r["rule"]: (r["fired"], r["activated"]) for r in used["environments"][0]["rules"] if "rules.clp" in (r["place"] or "")})
+            counts = {r["rule"]: r["fired"] for r in rules}
+            self.assertGreater(counts["tick"], 10)
+            self.assertEqual((counts["go"], counts["end"]), (1, 0), "its agent was not deactivated")
+            self.assertIn(f"FNDA:{counts['tick']},tick\n", (self.folder / "c.info").read_text())
+            self.assertEqual(covered.stderr.replace("note: the run has not ended", ""), f"note: runs/a: its log ends at {used['at_s']:g} s\n")
+        self.cxlab("coverage", "runs", "--fail-under", "50")
 
     def test_what_is_no_run_is_an_error(self):
         self.folder.joinpath("empty").mkdir()
