@@ -197,7 +197,8 @@ void print_text(const Mutation& mutation, const lab::MutationResult& result, con
   std::printf(", %zu survive", survived);
   if (unreached > 0) std::printf(" (%zu in what no story fires)", unreached);
   if (result.not_loaded > 0)
-    std::printf("; %s did not load and do not count", number_of(result.not_loaded, "change").c_str());
+    std::printf("; %s did not load and %s not count", number_of(result.not_loaded, "change").c_str(),
+                result.not_loaded == 1 ? "does" : "do");
   std::printf("\n");
   if (survived > 0) {
     std::string text = "survivors by change:";

@@ -44,6 +44,12 @@ bool lies_in(const fs::path& file, const fs::path& place) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
+/// The same whatever the stories are chosen by: the path in the package, without a package the name alone.
+std::string name_of_rules(const fs::path& file) {
+  const auto package = nearest_package(file.parent_path());
+  return (package ? file.lexically_relative(*package) : file.filename()).generic_string();
+}
+
 std::string title_of_story(const testing::StorySpec& story) { return story.file + "::" + story.name; }
 
 bool has_constructs(const std::string& text, const std::string& file) {
@@ -251,10 +257,7 @@ Status Mutation::read_files(const std::vector<std::string>& files) {
     if (!is_file(file)) continue;
     auto text = read_file(file);
     if (!text || !has_constructs(*text, file.string())) continue;
-    std::string name = file.string();
-    for (const fs::path& own : subject_.own)
-      if (lies_in(file, own)) name = file.lexically_relative(own).generic_string();
-    texts_.push_back({std::move(name), *std::move(text), false});
+    texts_.push_back({name_of_rules(file), *std::move(text), false});
     paths_.push_back(file);
   }
   // Stories may lie beside what they are about instead of around it.

@@ -107,6 +107,11 @@ class Mutate(unittest.TestCase):
         self.assertGreater(report["not_loaded"], 0)
         self.assertEqual(report["mutants"] + report["not_loaded"], report["possible"])
 
+    def test_one_change_does_not_count(self):
+        """Without its one condition, ?b is not bound."""
+        self.write("(defrule ring ?b <- (bell 1) => (retract ?b) (assert (rung 1)))\n", "- {story: s, rules: ../door.clp, given: [(bell 1)], expect: [{fact: (rung 1), within_s: 1}]}\n")
+        self.assertIn("; 1 change did not load and does not count\n", self.mutate("--all").stdout)
+
     def test_a_sample_is_that_of_its_seed_whatever_the_number_of_processes_is(self):
         one, two = (self.report("--mutants", 6, "--seed", 3, "-j", jobs) for jobs in (1, 3))
         self.assertEqual(one, two)
@@ -166,6 +171,20 @@ class Mutate(unittest.TestCase):
         done = self.mutate("--mutant", not_loaded)
         self.assertEqual(done.returncode, 3)
         self.assertIn("door.clp", done.stderr)
+
+    def test_an_id_is_the_same_whatever_agent_names(self):
+        """Also without a package: for the folder, for a folder or file of stories, and for one story."""
+        for package in (True, False):
+            if not package:
+                (self.folder / "agent/package.xml").unlink()
+            ids = [{(row["line"], row["before"], row["after"]): row["id"] for row in json.loads(cxlab("mutate", agent, "--list", "--json", cwd=self.folder).stdout)}
+                   for agent in ("agent", "agent/stories", "agent/stories/door.story.yaml", "agent/stories/door.story.yaml::a bell opens the door")]
+            for other in ids[1:]:
+                self.assertEqual(other, ids[0])
+            one = ids[0][(7, "(retract ?b)", "")]
+            shown = [cxlab("mutate", agent, "--show", one, cwd=self.folder) for agent in ("agent", "agent/stories")]
+            self.assertEqual([done.stdout.splitlines()[0] for done in shown], ["--- door.clp"] * 2)
+        self.assertEqual(cxlab("mutate", "door.story.yaml", "--show", one, cwd=self.folder / "agent/stories").stdout, shown[0].stdout)
 
     def test_fail_under(self):
         score = 100 * self.report("--all")["score"]
