@@ -214,6 +214,9 @@ int play_once(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, con
     if (plan.setup.coverage) std::fputs(explain::text_of(coverage).c_str(), stdout);
     std::printf("%s\n", counts.text().c_str());
   }
+  if (plan.setup.coverage)
+    for (const std::string& note : lab::notes_on_coverage(stories))
+      std::fprintf(stderr, "note: %s\n", printable(note).c_str());
   if (Status s = write_reports(stories, coverage, options); !s) return fail(s.error());
   if (const int code = counts.exit_code(); code != 0) return code;
   const Status enough = lab::check_share(coverage, options.coverage);

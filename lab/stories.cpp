@@ -129,6 +129,18 @@ explain::Coverage coverage_of(const std::vector<PlayedStory>& stories) {
   return all;
 }
 
+std::vector<std::string> notes_on_coverage(const std::vector<PlayedStory>& stories) {
+  std::vector<std::string> out;
+  for (const PlayedStory& p : stories)
+    if (p.untold > 0)
+      out.push_back(p.spec.file + ": " + p.spec.name + ": what its rules did is not counted" +
+                    (p.seeds_played > 1
+                         ? " for " + std::to_string(p.untold) + " of " + std::to_string(p.seeds_played) + " seeds"
+                         : "") +
+                    ", because its process was ended" + (p.late ? " (--patience)" : ""));
+  return out;
+}
+
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed) {
   Json cases = Json::array();
   int failures = 0, errors = 0;

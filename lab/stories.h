@@ -30,6 +30,7 @@ struct PlayedStory {
   std::set<std::uint64_t> failed_seeds = {};
   double wall_s = 0;               ///< of all its processes
   bool late = false;               ///< a process was ended because it took longer than `StoryPlan::patience_s`
+  std::size_t untold = 0;          ///< processes that ended before they said what its rules did
   std::filesystem::path run = {};  ///< a folder that can be asked why it failed; empty: none was kept
   bool unreadable = false;         ///< it stands for a whole file, whose error is in `result`: there is nothing to play
   bool accepted = false;           ///< what goes otherwise than its golden run is the golden run from now on
@@ -68,6 +69,8 @@ Status accept_golden_runs(std::vector<PlayedStory>& stories, const Host& host = 
 
 /// The coverage of all stories together.
 explain::Coverage coverage_of(const std::vector<PlayedStory>& stories);
+/// What that lacks: the rules of stories whose process has not told what they did.
+std::vector<std::string> notes_on_coverage(const std::vector<PlayedStory>& stories);
 
 /// A JUnit report of the played stories; with `printed`, it includes what their agents printed.
 Expected<std::string> to_junit(const std::vector<PlayedStory>& stories, bool printed = false);

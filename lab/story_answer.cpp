@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <optional>
 #include <set>
 
 #include "cx/base/json.h"
@@ -10,25 +11,9 @@
 
 namespace cxlab::lab {
 
-std::string story_answer(const testing::StoryResult& result) {
-  Json bad;
-  explain::Coverage coverage = result.coverage;
-  if (const auto& error = result.bad)
-    bad = {{"kind", static_cast<int>(error->kind)},
-           {"message", error->message},
-           {"file", error->file},
-           {"line", error->line}};
-  const Json line{{"failures", result.failures},
-                  {"notes", result.notes},
-                  {"sim_time_s", result.sim_time_s},
-                  {"coverage", JsonWriter::json(coverage)},
-                  {"bad", bad},
-                  {"differs", result.differs},
-                  {"printed", result.printed},
-                  {"files", result.files}};
-  return json_text(line);
-}
+namespace {
 
+/// The result that the text is, if it is a whole one.
 std::optional<testing::StoryResult> read_story_answer(const std::string& text) {
   try {
     const Json line = parse_json(text);
@@ -49,19 +34,45 @@ std::optional<testing::StoryResult> read_story_answer(const std::string& text) {
   }
 }
 
-testing::StoryResult answer_left_unsaid(const testing::StorySpec& spec, int code, bool late, double patience_s) {
+/// The result for a process that ended without an answer: only its story fails.
+testing::StoryResult answer_left_unsaid(const testing::StorySpec& spec, const StoryEnd& end) {
   testing::StoryResult result;
   const std::string how =
-      code > 128 ? "a signal (" + std::to_string(code - 128) + ")" : "exit code " + std::to_string(code);
+      end.code > 128 ? "a signal (" + std::to_string(end.code - 128) + ")" : "exit code " + std::to_string(end.code);
   result.failures.push_back(spec.file + ':' + std::to_string(spec.line) +
-                            (late ? ": the story has not ended after " + general_text(patience_s, 6) +
-                                        " s of wall time (--patience) and was ended; the other stories were played"
-                                  : ": the process that played this story ended with " + how +
-                                        " before the story did; the other stories were played"));
+                            (end.late ? ": the story has not ended after " + general_text(end.patience_s, 6) +
+                                            " s of wall time (--patience) and was ended; the other stories were played"
+                                      : ": the process that played this story ended with " + how +
+                                            " before the story did; the other stories were played"));
   return result;
 }
 
-void add_answer(PlayedStory& story, std::uint64_t seed, testing::StoryResult result) {
+}  // namespace
+
+std::string story_answer(const testing::StoryResult& result) {
+  Json bad;
+  explain::Coverage coverage = result.coverage;
+  if (const auto& error = result.bad)
+    bad = {{"kind", static_cast<int>(error->kind)},
+           {"message", error->message},
+           {"file", error->file},
+           {"line", error->line}};
+  const Json line{{"failures", result.failures},
+                  {"notes", result.notes},
+                  {"sim_time_s", result.sim_time_s},
+                  {"coverage", JsonWriter::json(coverage)},
+                  {"bad", bad},
+                  {"differs", result.differs},
+                  {"printed", result.printed},
+                  {"files", result.files}};
+  return json_text(line);
+}
+
+void add_answer(PlayedStory& story, std::uint64_t seed, const StoryEnd& end) {
+  auto told = end.code == 0 && !end.late ? read_story_answer(end.said) : std::nullopt;
+  story.late |= end.late;
+  story.untold += !told;
+  testing::StoryResult result = told ? *std::move(told) : answer_left_unsaid(story.spec, end);
   explain::Coverage coverage = std::move(story.result.coverage);
   std::set<std::string> files(story.result.files.begin(), story.result.files.end());
   coverage.add(result.coverage);

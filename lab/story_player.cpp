@@ -81,14 +81,6 @@ bool hear(Player& player) {
   return n > 0 || (n < 0 && errno == EINTR);
 }
 
-/// The result of a process that has ended.
-testing::StoryResult result_of(Player& player, const testing::StorySpec& spec, double patience_s) {
-  const int code = player.process.wait();
-  if (code == 0 && !player.late)
-    if (auto result = read_story_answer(player.said)) return *std::move(result);
-  return answer_left_unsaid(spec, code, player.late, patience_s);
-}
-
 class Troupe {
  public:
   Troupe(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host)
@@ -171,8 +163,8 @@ class Troupe {
       return end(story);
     }
     if (player.number >= last_) return;  // it was on its way when an earlier one failed
-    story.late |= player.late;
-    add_answer(story, player.job.seed, result_of(player, story.spec, plan_.patience_s));
+    const int code = player.process.wait();
+    add_answer(story, player.job.seed, {std::move(player.said), code, player.late, plan_.patience_s});
     --to_play_[player.job.story];
     if (plan_.stop_at_failure && !story.passed()) stop_after(player.number);
     for (std::size_t i = told_; i < stories_.size() && (last_ == 0 || i <= jobs_[last_ - 1].story); ++i)

@@ -129,15 +129,14 @@ class Stages {
     bool late = false;
     int code = asked ? ended(*stage, begun, late) : kStageGone;
     if (host_.stopped()) return {};
-    auto result = code == 0 ? read_story_answer(stage->said.substr(0, stage->said.find('\n'))) : std::nullopt;
+    std::string said = stage->said.substr(0, stage->said.find('\n'));
     stage->said.clear();
     if (code == kStageGone) {
       code = stage->process.wait();
       stages_.erase(stage);
     }
-    story.late |= late;
     story.wall_s += seconds_since_stage(begun);
-    add_answer(story, seed, result ? *std::move(result) : answer_left_unsaid(story.spec, code, late, plan_.patience_s));
+    add_answer(story, seed, {std::move(said), code, late, plan_.patience_s});
     return {};
   }
 

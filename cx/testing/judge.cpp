@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
@@ -209,30 +210,55 @@ class ImpossiblePatterns {
 
 }  // namespace
 
-Status check_names(const Play& play, bool checked) {
+std::vector<Error> mistakes_in_names(const Play& play, bool checked) {
   const StorySpec& spec = play.spec();
+  const RuleEngine& engine = play.engine();
+  std::vector<Error> mistakes, no_templates;
+  std::set<std::string> asserted;
+  const auto look_at_fact = [&](const std::string& text, int line, const std::string& verb) {
+    const auto fact = explain::Pattern::parse_plain(text, spec.file, line);
+    if (!fact) return;  // it has expressions, or CLIPS objects to it when its time comes
+    asserted.insert(fact->template_name());
+    if (!engine.find_construct("deftemplate", fact->template_name())) return;
+    if (Status s = explain::check_names(*fact, engine); !s)
+      mistakes.push_back(play.at(line, verb + text + ": " + s.error().message));
+  };
+  for (const GivenFact& fact : spec.given) look_at_fact(fact.text, fact.line, "");
+  for (const Step& step : spec.steps)
+    if (step.verb == Step::Verb::kAssert || step.verb == Step::Verb::kRetract)
+      look_at_fact(step.text, step.line, step.verb == Step::Verb::kRetract ? "retract " : "");
   std::unique_ptr<ImpossiblePatterns> impossible;
-  const std::vector<std::string> rules = explain::names_of(play.engine(), "defrule");
+  const std::vector<std::string> rules = explain::names_of(engine, "defrule");
   for (const Expectation& e : spec.expect) {
     if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
       if (checked) continue;
-      auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
-      if (!pattern) return pattern.error();
-      if (!play.engine().has("deftemplate", pattern->template_name())) continue;
-      if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(play.engine());
-      if (const std::string why = impossible->against(e.text); !why.empty())
-        return play.at(e.line, e.text + " can match no fact: " + plain_objection(*pattern, play.engine(), why));
+      const auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
+      if (!pattern) {
+        mistakes.push_back(pattern.error());
+      } else if (const std::string& name = pattern->template_name(); !engine.has("deftemplate", name)) {
+        const std::string guess = did_you_mean(name, explain::names_of(engine, "deftemplate"));
+        if (!guess.empty() && !asserted.contains(name))
+          no_templates.push_back(play.at(e.line, "there is no deftemplate '" + name + '\'' + guess));
+      } else {
+        if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(engine);
+        if (const std::string why = impossible->against(e.text); !why.empty())
+          mistakes.push_back(play.at(e.line, e.text + " can match no fact: " + plain_objection(*pattern, engine, why)));
+      }
     } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
-      if (!play.engine().find_construct("defrule", e.text))
-        return play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules));
+      if (!engine.find_construct("defrule", e.text))
+        mistakes.push_back(play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules)));
     } else if (e.kind == Kind::kGoal) {
       const std::vector<std::string> served = play.stand_ins().names();
       const bool later = std::ranges::count(spec.steps, e.text, [](const Step& s) { return s.stand_in.name; }) > 0;
       if (!later && std::ranges::count(served, e.text) == 0)
-        return play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, served) + " (skills: of the story)");
+        mistakes.push_back(
+            play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, served) + " (skills: of the story)"));
     }
   }
-  return {};
+  // Rules may make a template while they run, so its name alone is no mistake.
+  if (!mistakes.empty()) mistakes.insert(mistakes.end(), no_templates.begin(), no_templates.end());
+  std::ranges::stable_sort(mistakes, {}, &Error::line);
+  return mistakes;
 }
 
 std::vector<std::string> judge(const Play& play) {

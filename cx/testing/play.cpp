@@ -81,10 +81,14 @@ Status Play::prepare() {
 Status Play::end() {
   const Status ended = manager_->deactivate();
   for (const Error& parameter : manager_->unread_parameters()) unread_.push_back(parameter.text());
+  leave();
+  return ended;
+}
+
+void Play::leave() {
   loop_.reset();
   environment_ = nullptr;
   manager_.reset();
-  return ended;
 }
 
 Status Play::go_on_as(const StorySpec& spec) {

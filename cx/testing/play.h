@@ -41,6 +41,8 @@ class Play final : private Server, private cx::LogSink {
   Status begin();
   /// Deactivates the agent and removes it.
   Status end();
+  /// Removes the agent as it is.
+  void leave();
   /// The coverage of the removed agent.
   const explain::Coverage& coverage() const { return coverage_; }
   /// After `begin`: all that is still to come is that of another story of the same agent (`same_agent`).

@@ -31,7 +31,6 @@ Status run(Play& play, StoryResult& result) {
     else
       result.notes.push_back(open);
   result.notes.insert(result.notes.end(), play.unread().begin(), play.unread().end());
-  result.coverage = play.coverage();
   return {};
 }
 
@@ -53,12 +52,18 @@ bool load(Play& play, const StorySetup& setup, StoryResult& result) {
 
 /// The story of an agent that is loaded.
 void play_out(Play& play, const StorySetup& setup, StoryResult& result) {
-  Status played = check_names(play, setup.patterns_known);
-  if (played) played = run(play, result);
-  if (!played) result.bad = played.error();
+  for (const Error& mistake : mistakes_in_names(play, setup.patterns_known))
+    if (result.bad)
+      result.failures.push_back(mistake.text());
+    else
+      result.bad = mistake;
+  if (result.bad) return;
+  if (Status played = run(play, result); !played) result.bad = played.error();
 }
 
-StoryResult told(const Play& play, StoryResult result) {
+StoryResult told(Play& play, StoryResult result) {
+  play.leave();
+  result.coverage = play.coverage();
   result.printed = play.printed();
   result.files = play.files();
   return result;

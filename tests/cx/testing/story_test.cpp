@@ -141,6 +141,39 @@ TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
               AllOf(HasSubstr("t.story.yaml:5: "), HasSubstr("'stat'"), HasSubstr("did you mean 'state'?")));
 }
 
+TEST_F(Stories, AllNamesThatAreWrongAreTold) {
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  given: [(door (stte OPEN)), (bel)]\n"
+      "  steps: [{at: 1, retract: (door (stat OPEN))}, {at: 1, assert: (dor)}]\n"
+      "  expect: [{fires: opne, within_s: 1}, {no_fact: (door (sttae OPEN))}, {fact: (dooor), within_s: 1}, {goal: /r, "
+      "within_s: 1}, {fact: (dor), within_s: 1}, {fact: (xyz), within_s: 1}, {not_fires: slamm}]\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(),
+              HasSubstr("t.story.yaml:3: (door (stte OPEN)): template 'door' has no slot 'stte', did you mean"));
+  EXPECT_THAT(result.failures,
+              ElementsAre(HasSubstr("t.story.yaml:4: retract (door (stat OPEN)): template 'door' has no slot 'stat'"),
+                          HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"),
+                          HasSubstr("t.story.yaml:5: (door (sttae OPEN)) can match no fact: template 'door' has no"),
+                          HasSubstr("t.story.yaml:5: nobody serves /r"),
+                          HasSubstr("t.story.yaml:5: there is no rule 'slamm', did you mean 'slam'?"),
+                          HasSubstr("t.story.yaml:5: there is no deftemplate 'dooor', did you mean 'door'?")));
+  const StoryResult judged = play("fact: (dooor), within_s: 1", kBell);
+  EXPECT_FALSE(judged.bad) << "rules might have made it";
+  EXPECT_THAT(judged.failures, ElementsAre(HasSubstr("expected fact (dooor) by 1 s; there is no deftemplate 'dooor'")));
+}
+
+TEST_F(Stories, WhatWasPlayedOfAStoryThatEndsEarlyIsCovered) {
+  write("door.clp", "(defrule on => (assert (n 0)))\n(defrule loop (n ?n) => (assert (n (+ ?n 1))))\n");
+  auto stories = read("- {story: s, rules: door.clp, expect: [{fires: loop, within_s: 1}]}\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {.interfaces = interfaces_dir(), .coverage = true});
+  EXPECT_THAT(result.failures, ElementsAre(HasSubstr("rules still fire")));
+  ASSERT_EQ(result.coverage.rules.size(), 2u);
+  EXPECT_GT(result.coverage.rules[0].fired + result.coverage.rules[1].fired, 1000);
+}
+
 TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
   write("door.clp",
         "(deftemplate door (slot state (allowed-symbols OPEN CLOSED)) (slot width (type INTEGER)) (slot x (type "
