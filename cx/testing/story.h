@@ -108,9 +108,9 @@ struct StoryResult {
   std::vector<std::string> files;     ///< that were read for it, absolute; of one that is missing its name alone
   /// The story itself, or a file that it names, cannot be used; `failures` has further reasons.
   std::optional<Error> bad;
-  bool differs = false;       ///< of a golden run: the failures are what goes otherwise
-  double sim_time_s = 0;              ///< from when the facts are given
-  explain::Coverage coverage;         ///< of all its environments, with `StorySetup::coverage`
+  bool differs = false;        ///< of a golden run: the failures are what goes otherwise
+  double sim_time_s = 0;       ///< from when the facts are given
+  explain::Coverage coverage;  ///< of all its environments, with `StorySetup::coverage`
   bool passed() const { return failures.empty() && !bad; }
 };
 
