@@ -293,7 +293,7 @@ class Questions(View):
         self.assertNotIn("in progress", page)
         end = of_killed.go("killed", t=1e6)["t"]
         self.assertLess(end, 5)
-        self.assertEqual(of_killed.ask("facts", "killed", t=1)["facts"], self.answer("facts", "killed", "--at", 1)["environments"][0]["facts"])
+        self.assertEqual(of_killed.ask("facts", "killed", t=1)["facts"], self.answer("facts", "killed")["environments"][0]["facts"])
         self.assertGreaterEqual(of_killed.get("/run/killed/data.json")["end"], 0)
 
     def test_a_run_without_an_environment(self):
