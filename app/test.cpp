@@ -172,11 +172,12 @@ Status play(std::vector<PlayedStory>& stories, const lab::StoryPlan& plan, const
             const TestOptions& options) {
   if (Status s = lab::play_stories(stories, plan, host); !s) return s;
   if (options.accept) {
-    if (Status s = lab::accept_golden_runs(stories, host); !s) return s;
+    lab::accept_golden_runs(stories, host);
     for (const PlayedStory& p : stories)
-      if (p.accepted && !options.json)
-        std::printf("accepted  %s: %s: %s is the run of now\n", p.spec.file.c_str(), p.spec.name.c_str(),
-                    p.spec.golden.c_str());
+      if (p.result.differs && !options.json)
+        std::printf(
+            "%s  %s: %s: %s\n", p.accepted ? "accepted" : "kept    ", p.spec.file.c_str(), p.spec.name.c_str(),
+            p.accepted ? (p.spec.golden.string() + " is the run of now").c_str() : p.result.failures.back().c_str());
   }
   lab::FailedStories failed = lab::FailedStories::remembered();
   failed.note(stories);

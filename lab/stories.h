@@ -64,8 +64,9 @@ struct StoryPlan {
 Status play_stories(std::vector<PlayedStory>& stories, const StoryPlan& plan, const Host& host = {});
 
 /// The stories whose golden runs go otherwise have passed, once the runs of now are in the place of these. One that
-/// failed before it could be compared, as at a limit or after its patience, keeps its golden run.
-Status accept_golden_runs(std::vector<PlayedStory>& stories, const Host& host = {});
+/// failed before it could be compared, as at a limit or after its patience, keeps its golden run. So does one whose run
+/// of now fails or cannot be put there; its last failure says why.
+void accept_golden_runs(std::vector<PlayedStory>& stories, const Host& host = {});
 
 /// The coverage of all stories together.
 explain::Coverage coverage_of(const std::vector<PlayedStory>& stories);

@@ -32,9 +32,17 @@ class Records final : public JournalListener {
 
 std::string seconds_of(SimTime t) { return general_text(to_seconds(t), 12); }
 
-std::string type_of(const std::vector<bus::Bus::Info>& all, const std::string& name) {
-  const auto found = std::ranges::find(all, name, &bus::Bus::Info::name);
-  return found == all.end() ? "" : found->type;
+/// Types of what was on the bus at some time of the story, by name.
+using Types = std::map<std::string, std::string>;
+
+void note(const std::vector<bus::Bus::Info>& all, Types& types) {
+  for (const bus::Bus::Info& one : all)
+    if (!one.type.empty()) types.try_emplace(one.name, one.type);
+}
+
+std::string type_of(const Types& types, const std::string& name) {
+  const auto found = types.find(name);
+  return found == types.end() ? "" : found->second;
 }
 
 std::string rule_in(const JournalRecord& record) {
@@ -173,6 +181,7 @@ class Writer {
     dues_.clear();
     moment_->after_tick = [this, due = kNever, &agent = *moment_->episode().agents()[agent_]]() mutable {
       dues_[moment_->t()] = std::exchange(due, agent.next_due());
+      if (notes_types_) note_types();
     };
     return moment_->seek(t);
   }
@@ -196,7 +205,13 @@ class Writer {
     fs::path config = normal(scenario_.resolve(agent.config));
     for (const auto& [name, now] : given_.packages) {
       const auto then = packages.find(name);
-      const fs::path inside = then == packages.end() ? fs::path("..") : config.lexically_relative(then->second);
+      if (then == packages.end()) {
+        std::vector<std::string> names;
+        for (const auto& [known, folder] : packages) names.push_back(known);
+        return usage_error("--package: the run has no package '" + name + "'; it has " +
+                           some_of_and_nearest(name, names));
+      }
+      const fs::path inside = config.lexically_relative(then->second);
       if (*inside.begin() != "..") config = normal(fs::path(now) / inside);
       packages[name] = normal(now);
     }
@@ -230,11 +245,17 @@ class Writer {
     for (const ConstructInfo& c : environment_->engine().constructs())
       if (c.kind == "defrule" && c.line > 0 && fs::path(c.file).is_absolute())
         rules_.insert((c.module == "MAIN" ? "" : c.module + "::") + c.name);
-    if (Status s = moment_->seek(end_); !s) return s;
-    topics_ = moment_->episode().bus().topics();
-    services_ = moment_->episode().bus().services();
-    actions_ = moment_->episode().bus().actions();
-    return {};
+    note_types();
+    notes_types_ = true;
+    return moment_->seek(end_);
+  }
+
+  /// Rules may close what they used before the end of the story.
+  void note_types() {
+    const bus::Bus& bus = moment_->episode().bus();
+    note(bus.topics(), topics_);
+    note(bus.services(), services_);
+    note(bus.actions(), actions_);
   }
 
   void happened(const JournalRecord& record) {
@@ -423,7 +444,8 @@ class Writer {
   MomentFacts facts_;
   std::vector<std::string> steps_, expect_, notes_;
   std::set<std::string> rules_, others_;  // others_: what came and is not in the story
-  std::vector<bus::Bus::Info> topics_, services_, actions_;
+  Types topics_, services_, actions_;
+  bool notes_types_ = false;
   std::map<std::string, std::pair<int, SimTime>> fired_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <ranges>
 #include <set>
 
 #include "cx/explain/names.h"
@@ -111,14 +112,14 @@ std::string judge_rule(const Expectation& e, const Play& play) {
 std::string judge_heard(const Expectation& e, const Play& play, Heard::Kind kind, const std::string& word) {
   int inside = 0;
   const Heard* last = nullptr;
-  for (const Heard& heard : play.stand_ins().heard()) {
+  // From the end: what is expected by a time is mostly the last before it, and to compare all would take long.
+  for (const Heard& heard : play.stand_ins().heard() | std::views::reverse) {
     if (heard.kind != kind || heard.name != e.text) continue;
-    if (within(e, heard.t) && contains(heard.content, e.fields))
-      ++inside;
-    else
-      last = &heard;
+    if (!within(e, heard.t) || !contains(heard.content, e.fields))
+      last = last ? last : &heard;
+    else if (++inside >= e.count)
+      return {};
   }
-  if (inside >= e.count) return {};
   std::string what =
       "expected " + (e.count > 1 ? std::to_string(e.count) + " times a " : std::string("a ")) + word + " for " + e.text;
   if (!e.fields.empty()) what += " with " + e.fields;

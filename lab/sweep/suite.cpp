@@ -212,6 +212,19 @@ void add_strategies(std::vector<Strategy> more, const yaml::Value& place, std::v
       out.push_back(std::move(strategy));
 }
 
+/// What a suite says itself, a strategy cannot set: it would have no effect.
+Status check_own_keys(const Suite& suite) {
+  for (const Strategy& strategy : suite.strategies)
+    for (std::size_t i = 0; i < strategy.overrides.size(); ++i) {
+      const std::string path = strategy.overrides[i].substr(0, strategy.overrides[i].find('='));
+      if (path == "seed" || (path == "tier" && !suite.tier.empty()))
+        return input_error("strategy '" + strategy.name + "' sets " + strategy.overrides[i] + ", but the suite has `" +
+                               (path == "seed" ? "seeds" : "tier") + "`, which wins: remove one of them",
+                           strategy.origins[i]);
+    }
+  return {};
+}
+
 }  // namespace
 
 Expected<Suite> Suite::load(const fs::path& file) {
@@ -280,6 +293,7 @@ Expected<Suite> Suite::load(const fs::path& file) {
   if (suite.scenarios.empty() || suite.strategies.empty() || suite.seeds.empty())
     map.fail("expected at least one scenario, strategy and seed");
   if (Status s = document->status(); !s) return s.error();
+  if (Status s = check_own_keys(suite); !s) return s.error();
   return suite;
 }
 

@@ -99,6 +99,7 @@ TEST_F(SuiteTest, WrongGridsAreErrors) {
   EXPECT_THAT(error("{a.b: [x/y]}"), HasSubstr("without '/'"));
   EXPECT_THAT(error("{a.robots: [2]}"), HasSubstr("found strategy 'robots=2' twice"));
   EXPECT_THAT(error("{a: {x: y}}"), HasSubstr("expected a list"));
+  EXPECT_THAT(error("{seed: [5, 6]}"), HasSubstr("sets seed=5, but the suite has `seeds`, which wins"));
   std::string many = "{";
   for (int i = 0; i < 14; ++i) many += "p" + std::to_string(i) + ": [1, 2], ";
   EXPECT_THAT(error(many + "q: [1]}"), HasSubstr("more than 10000 combinations"));
