@@ -54,6 +54,10 @@ void add_man(CLI::App& app, Action& action);
 
 /// Prints `error: file:line: message` on stderr and gives the exit code of its kind.
 int fail(const Error& error);
+/// Declares the commands of a program, and the last lines of its help.
+using Commands = Status (*)(CLI::App& app, Action& action);
+/// As `run_program` (app/program.h), with these commands.
+int run_commands(int argc, char** argv, const Catalogue& catalogue, Commands declare);
 /// The worlds and nodes that this program knows (app/program.h).
 const Catalogue& catalogue();
 /// The arguments of this process, for the manifest.

@@ -1,4 +1,4 @@
-#include "app/program.h"
+// The frame of a program: signals, faults, the command line, exit codes.
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -17,7 +17,6 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/console.h"
-#include "app/exit_codes.h"
 #include "app/faults.h"
 #include "cx/executive/plugin_library.h"
 #include "lab/versions.h"
@@ -99,7 +98,7 @@ void report_silence_of(const CLI::App& app) {
     if (std::ranges::find(kLong, command->get_name()) != std::end(kLong)) doing("cxlab " + command->get_name());
 }
 
-int run(int argc, char** argv) {
+int run(int argc, char** argv, Commands declare) {
   end_at_signals();
   std::set_terminate(on_terminate);
   sim::on_mujoco_bug([](const char* message) {
@@ -119,43 +118,9 @@ int run(int argc, char** argv) {
       "cxlab: rule-based robot agents (the CLIPS-Executive) in simulated worlds, one process, one clock, one seed."};
   app.name("cxlab");
   app.require_subcommand(1);
-  app.footer(exit_codes_line());
   app.set_version_flag("--version", lab::cxlab_version());
   Action action;
-  add_run(app, action);
-  add_attach(app, action);
-  add_ask(app, action);
-  add_view(app, action);
-  add_replay(app, action);
-  add_rerun(app, action);
-  add_env(app, action);
-  add_render(app, action);
-  add_facts(app, action);
-  add_agenda(app, action);
-  add_globals(app, action);
-  add_firings(app, action);
-  add_why(app, action);
-  add_why_not(app, action);
-  add_rules(app, action);
-  add_scene(app, action);
-  add_diff(app, action);
-  add_check(app, action);
-  add_coverage(app, action);
-  add_profile(app, action);
-  add_export(app, action);
-  add_validate(app, action);
-  add_list(app, action);
-  add_doc(app, action);
-  add_test(app, action);
-  add_mutate(app, action);
-  add_bench(app, action);
-  add_plan(app, action);
-  add_new(app, action);
-  add_doctor(app, action);
-  add_help(app, action);
-  add_completion(app, action);
-  add_man(app, action);
-  if (Status s = add_world_questions(app, action); !s) return fail(s.error());
+  if (Status s = declare(app, action); !s) return fail(s.error());
   if (Status s = check_command(app, argc, argv); !s) return fail(s.error());
   refuse_values_of_flags(app);
   try {
@@ -173,10 +138,10 @@ int run(int argc, char** argv) {
 const std::vector<std::string>& command_line() { return g_command_line; }
 const Catalogue& catalogue() { return *g_catalogue; }
 
-int run_program(int argc, char** argv, const Catalogue& catalogue) {
+int run_commands(int argc, char** argv, const Catalogue& catalogue, Commands declare) {
   g_catalogue = &catalogue;
   try {
-    return run(argc, argv);
+    return run(argc, argv, declare);
   } catch (const std::exception& e) {
     return fail(error_of(e));
   }
