@@ -56,7 +56,7 @@ void add_man(CLI::App& app, Action& action);
 int fail(const Error& error);
 /// Declares the commands of a program, and the last lines of its help.
 using Commands = Status (*)(CLI::App& app, Action& action);
-/// As `run_program` (app/program.h), with these commands.
+/// Carries out the command line; returns the exit code.
 int run_commands(int argc, char** argv, const Catalogue& catalogue, Commands declare);
 /// The worlds and nodes that this program knows (app/program.h).
 const Catalogue& catalogue();

@@ -56,7 +56,7 @@ std::vector<lab::PluginReference> about(const std::vector<lab::PluginReference>&
   return out;
 }
 
-std::vector<std::string> names_of(const std::vector<lab::PluginReference>& reference) {
+std::vector<std::string> plugin_names(const std::vector<lab::PluginReference>& reference) {
   std::vector<std::string> names;
   for (const lab::PluginReference& plugin : reference) {
     names.push_back(plugin.plugin);
@@ -70,7 +70,7 @@ std::vector<std::string> names_of(const std::vector<lab::PluginReference>& refer
 std::vector<std::string> names_that_come_along() {
   std::vector<std::string> names;
   if (const auto packages = lab::find_packages({}))
-    if (const auto reference = lab::read_reference(*packages)) names = names_of(*reference);
+    if (const auto reference = lab::read_reference(*packages)) names = plugin_names(*reference);
   for (std::string& name : names)
     if (name.starts_with("cx::")) name.erase(0, 4);
   if (const auto interfaces = lab::Interfaces::load({}))
@@ -79,7 +79,7 @@ std::vector<std::string> names_that_come_along() {
 }
 
 Error unknown(const std::vector<lab::PluginReference>& reference, const std::string& name) {
-  const std::string near = nearest_word(name, names_of(reference));
+  const std::string near = nearest_word(name, plugin_names(reference));
   return input_error("there is no function, template or plugin '" + name + "'" +
                      (near.empty() ? "; cxlab doc lists all" : ", did you mean '" + near + "'?"));
 }

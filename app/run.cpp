@@ -7,6 +7,7 @@
 #include "app/arguments.h"
 #include "app/command.h"
 #include "app/play.h"
+#include "app/program.h"
 #include "app/suggestions.h"
 #include "cx/base/file.h"
 #include "scenarios/share.h"
@@ -124,6 +125,14 @@ void add_run(CLI::App& app, Action& action) {
       "  cxlab run scenarios/rcll/game.yaml --until 300 --video game.mp4 --video-camera top --video-speed 10");
   declare(*command, *options);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+int run_first_program(int argc, char** argv, const Catalogue& catalogue) {
+  return run_commands(argc, argv, catalogue, [](CLI::App& app, Action& action) -> Status {
+    app.footer("This is the part of cxlab that ./dev run builds first. ./dev cxlab --help builds the rest: other commands and worlds.");
+    add_run(app, action);
+    return {};
+  });
 }
 
 }  // namespace cxlab::app

@@ -19,11 +19,11 @@ set(doc share/doc/cxlab)
 # --- Program and libraries
 # The build folder has the layout of the prefix and the same RPATH. The RPATH that CMake gives a build would end with an empty element,
 # which means the current directory.
-set_target_properties(cxlab PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../${libraries};$ORIGIN/${libraries}")
+set_target_properties(cxlab cxlab_first PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../${libraries};$ORIGIN/${libraries}")
 set_target_properties(cxlab_shared PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN"
   LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${libraries}")
 # DT_RPATH, not DT_RUNPATH: the libraries of Debian beside libcxlab.so need each other, and the latter holds for one step only.
-foreach(target cxlab cxlab_shared)
+foreach(target cxlab cxlab_first cxlab_shared)
   target_link_options(${target} PRIVATE -Wl,--disable-new-dtags)
 endforeach()
 get_target_property(mujoco mujoco::mujoco IMPORTED_LOCATION)

@@ -1,6 +1,7 @@
 """Exit codes, result.json and journal.jsonl of a run. python3 -m unittest contracts"""
 
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -35,11 +36,18 @@ class LastTick(Lab):
 class Game(Lab):
     """The league's game, in the timed tier."""
 
-    def play(self, *arguments, out="out"):
-        done = subprocess.run([CXLAB, "run", SOURCE / "scenarios/rcll/game.yaml", "--tier", "timed", "--quiet", "--out", self.folder / out,
+    def play(self, *arguments, out="out", program=CXLAB):
+        done = subprocess.run([program, "run", SOURCE / "scenarios/rcll/game.yaml", "--tier", "timed", "--quiet", "--out", self.folder / out,
                                *arguments], text=True, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done
+
+    def test_program_that_is_built_first_plays_the_same(self):
+        for program, out in [(CXLAB, "whole"), (os.environ["CXLAB_FIRST"], "first")]:
+            self.play("--journal", "full", out=out, program=program)
+        for name in ("journal.jsonl", "inputs.bin", "logs/agent.log"):
+            self.assertEqual((self.folder / "first" / name).read_bytes(), (self.folder / "whole" / name).read_bytes(), name)
+        self.assertTrue((self.folder / "first/index.html").exists())
 
     def test_result_and_journal(self):
         done = self.play("--json")

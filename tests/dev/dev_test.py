@@ -31,9 +31,10 @@ def dev_on_a_bare_machine(*arguments):
         return dev(*arguments, root=root, PATH=str(programs), CXLAB_DOWNLOADS=str(root / "downloads"))
 
 
-def dev_with_a_compiler(build, *arguments, free=0, **environment):
+def dev_with_a_compiler(build, *arguments, free=0, built="cxlab", **environment):
     """A copy of ./dev on a machine that has all packages, where cmake prints the text of a build and ends with its code.
-    There ctest prints where tests write, and a file system has that many GB free."""
+    There ctest prints where tests write, and a file system has that many GB free. The program `built` is there. The result
+    has `calls`: what cmake built and what the program played, in their order."""
     text, code = build
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
@@ -44,15 +45,17 @@ def dev_with_a_compiler(build, *arguments, free=0, **environment):
         (root / "text").write_text(text)
         programs = root / "bin"
         programs.mkdir()
-        for name, script in {"cmake": f"cat {root}/text; exit {code}", "ctest": 'test -d "$TMPDIR" && echo "$TMPDIR"',
+        for name, script in {"cmake": f'echo "${{@:3}}" >>{root}/calls; cat {root}/text; exit {code}', "ctest": 'test -d "$TMPDIR" && echo "$TMPDIR"',
                              "df": f"echo Avail; echo {free}", "rustc": "exit 0", "cargo": "echo cargo 1.90.0",
                              "dpkg-query": 'for p in "$@"; do echo "installed $p"; done'}.items():
             (programs / name).write_text(f"#!{shutil.which('bash')}\n{script}\n")
             (programs / name).chmod(0o755)
-        program = root / "build/release/cxlab"
-        program.write_text(f"#!{shutil.which('bash')}\necho played \"$@\"\n")
+        program = root / "build/release" / built
+        program.write_text(f"#!{shutil.which('bash')}\necho played \"$@\" | tee -a {root}/calls\n[[ $* != *fail* ]] || exit 2\n")
         program.chmod(0o755)
-        return dev(*arguments, root=root, PATH=f"{programs}:{os.environ['PATH']}", **environment)
+        done = dev(*arguments, root=root, PATH=f"{programs}:{os.environ['PATH']}", **environment)
+        done.calls = (root / "calls").read_text().replace(folder, "").splitlines()
+        return done
 
 
 class Dev(unittest.TestCase):
@@ -69,6 +72,19 @@ class Dev(unittest.TestCase):
     def test_build_that_works_is_silent(self):
         done = dev_with_a_compiler(("[1/2] Building a.o\n[2/2] Linking cxlab\n", 0), "cxlab", "list")
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "played list\n", ""))
+
+    def test_first_run_plays_before_all_is_built(self):
+        done = dev_with_a_compiler(("", 0), "run", "--seed", "7", built="cxlab_first")
+        played = "played run /scenarios/rcll/game.yaml --seed 7"
+        self.assertEqual(done.calls, ["--target cxlab_first", played, "--target cxlab"])
+        self.assertEqual(done.returncode, 0)
+        failed = dev_with_a_compiler(("", 0), "run", "--fail", built="cxlab_first")
+        self.assertEqual((failed.returncode, failed.calls[-1]), (2, "played run /scenarios/rcll/game.yaml --fail"))
+
+    def test_run_of_what_may_need_all_builds_all(self):
+        for arguments in [("a.yaml",), ("--set", "seed=3"), ("--set=seed=3",), ("a.yaml", "--seed", "7")]:
+            self.assertEqual(dev_with_a_compiler(("", 0), "run", *arguments, built="cxlab_first").calls, ["--target cxlab"])
+        self.assertEqual(dev_with_a_compiler(("", 0), "run").calls, ["--target cxlab", "played run /scenarios/rcll/game.yaml"])
 
     def test_verbose_shows_the_lines_of_the_build_and_reaches_the_program(self):
         done = dev_with_a_compiler(("[1/2] Building a.o\n", 0), "run", "a.yaml", "-v")
