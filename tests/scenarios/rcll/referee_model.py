@@ -245,7 +245,13 @@ class Machine:
                 end = t + BELT_IN
             self.work = (what, self.game.really(self, what, t, grid(end)))
         elif end <= t + 1e-9:
-            if self.gives(what):
+            if what == "operate" and self.kind == "SS" and (front := self.blocker()):
+                if (place := self.game.moved(t, self, front)) is None:
+                    return
+                self.slots[place] = self.slots.pop(front)
+                self.first = {place if slot == front else slot for slot in self.first}
+                what = "move"
+            elif self.gives(what):
                 if self.belt["MIDDLE"]:
                     return  # something lies there
                 place = (self.goal["shelf"], self.goal["slot"])
@@ -275,7 +281,7 @@ class Machine:
         return front if self.goal["slot"] % 2 and front in self.slots else None
 
     def gives(self, what):
-        return what == "operate" and (self.kind == "BS" or self.goal["operation"] == "RETRIEVE" and not self.blocker())
+        return what == "operate" and (self.kind == "BS" or self.goal["operation"] == "RETRIEVE")
 
     def fits(self):
         """Whether cap or ring go on the piece, or a cap comes off it."""
@@ -322,11 +328,7 @@ class Machine:
             self.belt["MIDDLE"] = None
             game.deliver(t, self.team, self.goal["order_id"], piece)
         elif self.kind == "SS":
-            if front := self.blocker():
-                if (place := game.moved(t, self, front)) is None:
-                    return
-                self.slots[place] = self.slots.pop(front)
-                self.first = {place if slot == front else slot for slot in self.first}
+            if self.work[0] == "move done":
                 return self.step(t, "PROCESSING", "operate", STORE)
             if operation == "STORE":
                 self.slots[self.goal["shelf"], self.goal["slot"]] = game.parts[piece]
