@@ -172,6 +172,11 @@ bool is_surely_positive(const GroundTask& task, const GroundExpression& bound, c
 }
 
 void merge_instants(GroundTask& task) {
+  const auto may_take_no_time = [](const GroundAction& action) {
+    const DurationRange range = constant_durations(action);
+    return action.durative && (range.most <= 0 || range.least < kValidSeparation);
+  };
+  if (std::ranges::none_of(task.actions, may_take_no_time)) return;
   const Bases bases = bases_of_facts(task);
   ById<GroundAction> kept;
   for (GroundAction& action : task.actions) {
