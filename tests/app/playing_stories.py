@@ -13,7 +13,7 @@ import time
 import unittest
 import xml.etree.ElementTree
 
-from lab import CONFIG, CXLAB, SCENARIO, SOURCE
+from lab import CONFIG, CXLAB, SCENARIO, SOURCE, stopped_run
 
 DOOR = """(defrule open (bell) => (printout t "it opens" crlf) (assert (door OPEN)))
 (defrule slam (wind) => (assert (door SHUT)))
@@ -712,12 +712,7 @@ class FromAMoment(Stories):
 
     def test_a_log_that_ends_before_the_moment_says_where(self):
         self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)
-        run = subprocess.Popen([CXLAB, "run", "mine/scenario.yaml", "--break", "--out", "run", "--quiet"], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(run.wait)
-        self.addCleanup(run.kill)
-        while not (self.folder / "run/control.sock").exists():
-            self.assertIsNone(run.poll())
-            time.sleep(0.02)
+        run = stopped_run(self, "mine/scenario.yaml", out="run", cwd=self.folder)
         self.cxlab("attach", "run", "-c", "until 5", "-c", "where")
         run.kill()
         run.wait()

@@ -8,12 +8,11 @@ import re
 import shutil
 import subprocess
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
-CXLAB = os.environ["CXLAB"]
-SOURCE = Path(os.environ["CXLAB_SOURCE_DIR"])
+from lab import CXLAB, SOURCE, stopped_run
+
 GAME = SOURCE / "scenarios/rcll/game.yaml"
 
 AGENT = """(deftemplate job (slot id) (slot state (default OPEN)) (slot worker (default NONE)))
@@ -610,13 +609,7 @@ class Layout(unittest.TestCase):
 class WhileItIsPlayed(Lab):
     def test_questions_on_the_folder_of_a_run_that_is_still_being_played(self):
         out = self.folder / "game"
-        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(game.wait)
-        self.addCleanup(game.kill)
-        while not (out / "control.sock").exists():
-            self.assertIsNone(game.poll())
-            time.sleep(0.02)
+        game = stopped_run(self, GAME, "--tier", "timed", "--until", "60", out=out)
         # The log reaches its file in pieces: what is there is answered.
         self.cxlab("attach", out, "-c", "until 30", "-c", "where")
         found = json.loads(self.cxlab("facts", out, "machine", "--json").stdout)
@@ -648,12 +641,7 @@ class WhileItIsPlayed(Lab):
         chance = random.Random(35)
         times = sorted({chance.randrange(1, 590) / 10 for _ in range(25)})
         questions = [c for t in times for c in (f"until {t}", "where", "facts", "agenda", "globals", "firings robot-take-job", "why refbox-game-state")]
-        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(game.kill)
-        while not (out / "control.sock").exists():
-            self.assertIsNone(game.poll())
-            time.sleep(0.02)
+        game = stopped_run(self, GAME, "--tier", "timed", "--until", "60", out=out)
         ask = lambda commands: self.cxlab("attach", out, "--quiet", *(word for c in commands for word in ("-c", c))).stdout
         live = ask(questions + ["continue"])
         self.assertEqual(game.wait(), 0)
@@ -664,12 +652,7 @@ class WhileItIsPlayed(Lab):
 
     def test_the_scene_is_the_same_live_recorded_and_by_itself(self):
         out = self.folder / "game"
-        game = subprocess.Popen([CXLAB, "run", GAME, "--tier", "timed", "--break", "--until", "60", "--quiet", "--out", out],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(game.kill)
-        while not (out / "control.sock").exists():
-            self.assertIsNone(game.poll())
-            time.sleep(0.02)
+        game = stopped_run(self, GAME, "--tier", "timed", "--until", "60", out=out)
 
         def rows(text):
             """Place and the other columns by name."""

@@ -6,11 +6,10 @@ import os
 import re
 import shutil
 import subprocess
-import time
 import unittest
 from html.parser import HTMLParser
 
-from lab import CXLAB, SCENARIO, SOURCE, Lab
+from lab import CXLAB, SCENARIO, SOURCE, Lab, stopped_run
 
 RULES = """(deffunction twice (?x) (* 2 ?x))
 (deffunction unused () 0)
@@ -225,12 +224,7 @@ class Coverage(Lab):
     def test_a_run_that_is_played_or_was_killed_counts_up_to_the_end_of_its_log(self):
         self.agent(RULES + "(defrule tick (time ?) => (twice 1))\n(defrule end (executive-finalize) => (twice 1))\n(deffacts given (start 2))\n",
                    SCENARIO.replace("duration_s: 2", "duration_s: 60"))
-        run = subprocess.Popen([*self.command(), "--break", "--out", self.folder / "runs/a"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(run.wait)
-        self.addCleanup(run.kill)
-        while not (self.folder / "runs/a/control.sock").exists():
-            self.assertIsNone(run.poll())
-            time.sleep(0.02)
+        run = stopped_run(self, "scenario.yaml", out="runs/a", cwd=self.folder)
         self.cxlab("attach", "runs/a", "-c", "until 5", "-c", "where")
         for ends in (lambda: None, run.kill, run.wait):
             ends()

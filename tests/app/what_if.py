@@ -4,7 +4,7 @@ import json
 import shutil
 import subprocess
 
-from lab import CXLAB, SOURCE, Lab
+from lab import CXLAB, SOURCE, Lab, stopped_run
 
 GAME = SOURCE / "scenarios/rcll/game.yaml"
 RULES = """(deftemplate order (slot id (type INTEGER)) (slot state (default new)))
@@ -158,14 +158,7 @@ class WhatIf(Lab):
 
     def test_a_run_with_a_person_is_refused(self):
         self.agent(RULES)
-        run = subprocess.Popen([CXLAB, "run", "scenario.yaml", "--quiet", "--break", "--out", "run"], cwd=self.folder, stderr=subprocess.DEVNULL,
-                               stdout=subprocess.DEVNULL)
-        self.addCleanup(run.wait)
-        self.addCleanup(run.kill)
-        for _ in range(200):
-            if (self.folder / "run/control.sock").exists():
-                break
-            subprocess.run(["sleep", "0.05"], check=True)
+        run = stopped_run(self, "scenario.yaml", out="run", cwd=self.folder)
         self.cxlab("attach", "run", "--quiet", "-c", "assert (ready)", "-c", "continue")
         self.assertEqual(run.wait(30), 0)
         self.write("repair.clp", "(defrule a =>)\n")

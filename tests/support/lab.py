@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
 CXLAB = os.environ["CXLAB"]
@@ -32,6 +33,18 @@ GAME = """schema: 1
 world: {kind: rcll, production_s: 20, overtime_s: 0}
 tier: timed
 """
+
+
+def stopped_run(test, *arguments, out, cwd="."):
+    """A run in the background, played with these arguments, that waits for commands before its first tick. It is killed when the test ends."""
+    run = subprocess.Popen([CXLAB, "run", *map(str, arguments), "--break", "--out", out, "--quiet"], cwd=cwd, env=getattr(test, "environment", None),
+                           stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    test.addCleanup(run.wait)
+    test.addCleanup(run.kill)
+    while not (pathlib.Path(cwd) / out / "control.sock").exists():
+        test.assertIsNone(run.poll())
+        time.sleep(0.02)
+    return run
 
 
 class Lab(unittest.TestCase):
