@@ -200,12 +200,16 @@ Expected<Run::SceneAt> Run::scene(std::optional<SimTime> t) const {
 Status Run::reaches(SimTime t, SimTime recorded) const {
   if (t <= recorded) return {};
   const SimTime end = finished ? sim_time : std::max(recorded, end_of_log(folder / "inputs.bin"));
-  if (t <= end) return {};
-  return Error{ErrorKind::kUsage,
-               "the run ends at " + seconds_text(to_seconds(end)) + (finished ? "" : cut_off_text("log")),
-               {},
-               0,
-               kAfterTheEnd};
+  return t <= end ? Status() : ends_at(end);
+}
+
+Error Run::ends_at(SimTime end) const {
+  const bool is_cut_off = !finished || end < sim_time;
+  return {ErrorKind::kUsage,
+          "the run ends at " + seconds_text(to_seconds(end)) + (is_cut_off ? cut_off_text("log") : ""),
+          {},
+          0,
+          kAfterTheEnd};
 }
 
 std::string Run::cut_off_text(const std::string& recording) const {

@@ -70,6 +70,8 @@ struct Run {
   /// An error if `t` is after the end of the run, or of the log of a run that was killed or is still being played
   /// (`about_option`). `recorded`: to where another recording goes, if that is further.
   Status reaches(SimTime t, SimTime recorded = {}) const;
+  /// That error, for what ends there.
+  Error ends_at(SimTime end) const;
   /// What to say behind a time at which a recording, "log" or "journal", ends before the run does.
   std::string cut_off_text(const std::string& recording) const;
   /// Whether a log that reaches that far is the whole of it: one may be cut off between two of its chunks.

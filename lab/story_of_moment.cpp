@@ -133,8 +133,7 @@ class Writer {
     if (!moment) return moment.error();
     moment_ = *std::move(moment);
     if (Status s = seek(given_.at); !s) return about_option(s.error(), "--at");
-    if (moment_->cut_off())
-      return usage_error("--at: the run ends at " + seconds_of(moment_->end()) + " s" + run_.cut_off_text("log"));
+    if (moment_->cut_off()) return about_option(run_.ends_at(moment_->end()), "--at");
     at_ = moment_->t();
     SimTime beat = kNever, before = kNever;
     for (const JournalRecord& record : records_.all)

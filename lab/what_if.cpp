@@ -146,8 +146,7 @@ Error placed(Error error, const std::string& option, const cx::Environment& envi
 
 Status prepare(WhatIf& what_if, const Run& run, const Scenario& scenario) {
   if (run.finished && run.ticks == 0) return usage_error("--at: the run ended before its first tick");
-  if (run.finished && from_seconds(what_if.at) > run.sim_time)
-    return usage_error("--at: the run ends at " + seconds_text(to_seconds(run.sim_time)));
+  if (Status s = run.reaches(from_seconds(what_if.at)); !s) return about_option(s.error(), "--at");
   if (!what_if.file.empty()) {
     if (!is_file(what_if.file))
       return input_error(path_exists(what_if.file) ? "is no file; expected one with rules" : "there is no such file",

@@ -111,6 +111,8 @@ class WhatIf(Lab):
         answer = self.what_if("--at", 1, "--then", "repair.clp")
         self.assertTrue(answer["same_before"])
         self.assertEqual(answer["changes"][0]["what"], f"repair.clp replaces defrule finish ({self.folder}/rules/rules.clp:5)")
+        said = self.cxlab("rerun", "run", "--at", 5, "--then", "repair.clp", "--out", "late", expect=2).stderr
+        self.assertIn("--at: the run ends at 2 s, where the log of the run is cut off", said)
 
     def test_a_changed_file_is_a_difference_before(self):
         self.small_run()

@@ -19,6 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::StartsWith;
 
 /// Orders stay new: the rule that finishes them waits for a fact that nobody asserts.
 constexpr const char* kBroken = R"((deftemplate order (slot id (type INTEGER)) (slot state (default new)))
@@ -224,7 +225,8 @@ TEST_F(WhatIfTest, TheEnvironmentsOfARunThatWasKilledAreNotKnownBefore) {
   killed.stream_hashes.clear();
   EXPECT_TRUE(prepare(change, killed, scenario));
   change.at = 100;
-  EXPECT_TRUE(prepare(change, killed, scenario)) << "nor its end";
+  EXPECT_THAT(prepare(change, killed, scenario).error().text(),
+              AllOf(StartsWith("--at: the run ends at "), HasSubstr("where the log of the run is cut off")));
 }
 
 TEST_F(WhatIfTest, WhatIsWrongIsFoundBeforeAnythingIsPlayed) {
