@@ -140,7 +140,7 @@ std::vector<std::string> notes_on_coverage(const std::vector<PlayedStory>& stori
                     (p.seeds_played > 1
                          ? " for " + std::to_string(p.untold) + " of " + std::to_string(p.seeds_played) + " seeds"
                          : "") +
-                    ", because its process was ended" + (p.late ? " (--patience)" : ""));
+                    (p.late ? ", because it took longer than --patience" : ", because its process was ended"));
   return out;
 }
 

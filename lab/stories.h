@@ -29,7 +29,7 @@ struct PlayedStory {
   std::size_t seeds_played = 0;
   std::set<std::uint64_t> failed_seeds = {};
   double wall_s = 0;               ///< of all its processes
-  bool late = false;               ///< a process was ended because it took longer than `StoryPlan::patience_s`
+  bool late = false;               ///< a process took longer than `StoryPlan::patience_s`
   std::size_t untold = 0;          ///< processes that ended before they said what its rules did
   std::filesystem::path run = {};  ///< a folder that can be asked why it failed; empty: none was kept
   bool unreadable = false;         ///< it stands for a whole file, whose error is in `result`: there is nothing to play

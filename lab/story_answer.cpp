@@ -41,7 +41,7 @@ testing::StoryResult answer_left_unsaid(const testing::StorySpec& spec, const St
       end.code > 128 ? "a signal (" + std::to_string(end.code - 128) + ")" : "exit code " + std::to_string(end.code);
   result.failures.push_back(spec.file + ':' + std::to_string(spec.line) +
                             (end.late ? ": the story has not ended after " + general_text(end.patience_s, 6) +
-                                            " s of wall time (--patience) and was ended; the other stories were played"
+                                            " s of wall time (--patience); the other stories were played"
                                       : ": the process that played this story ended with " + how +
                                             " before the story did; the other stories were played"));
   return result;

@@ -16,7 +16,7 @@ std::string story_answer(const testing::StoryResult& result);
 struct StoryEnd {
   std::string said;
   int code = 0;
-  bool late = false;  ///< it was ended because it took longer than this:
+  bool late = false;  ///< it took longer than this, so that its answer does not count:
   double patience_s = 0;
 };
 /// Adds how a story went with one more seed: a process that has not said so failed. What remains is the result of the

@@ -45,7 +45,7 @@ struct Player {
   Process process;
   Clock::time_point begun = Clock::now();
   std::string said = {};
-  bool late = false;  ///< it was ended
+  bool late = false;  ///< it took longer than the patience
 };
 
 Expected<Player> start_player(std::size_t number, Job job, testing::StorySpec spec, const testing::StorySetup& setup) {
@@ -135,7 +135,7 @@ class Troupe {
     auto end = ends.begin();
     for (auto player = players_.begin(); player != players_.end();) {
       const bool ready = (end++)->revents != 0;
-      if (!ready && !player->late && seconds_since(player->begun) > plan_.patience_s) {
+      if (!player->late && seconds_since(player->begun) > plan_.patience_s) {  // also if it has ended meanwhile
         player->late = true;
         player->process.kill();
       }

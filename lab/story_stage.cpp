@@ -126,17 +126,17 @@ class Stages {
       stage = std::prev(stages_.end());
     }
     const bool asked = stage->process.write(std::to_string(i) + ' ' + std::to_string(seed) + '\n').ok();
-    bool late = false;
-    int code = asked ? ended(*stage, begun, late) : kStageGone;
+    int code = asked ? ended(*stage, begun) : kStageGone;
     if (host_.stopped()) return {};
+    const double wall_s = seconds_since_stage(begun);
     std::string said = stage->said.substr(0, stage->said.find('\n'));
     stage->said.clear();
     if (code == kStageGone) {
       code = stage->process.wait();
       stages_.erase(stage);
     }
-    story.wall_s += seconds_since_stage(begun);
-    add_answer(story, seed, {std::move(said), code, late, plan_.patience_s});
+    story.wall_s += wall_s;
+    add_answer(story, seed, {std::move(said), code, wall_s > plan_.patience_s, plan_.patience_s});
     return {};
   }
 
@@ -155,7 +155,7 @@ class Stages {
   static constexpr int kStageGone = -1;
 
   /// The code with which the copy has ended; `kStageGone` if its stage has, too, or was ended because it is late.
-  int ended(StageProcess& stage, StageClock::time_point begun, bool& late) {
+  int ended(StageProcess& stage, StageClock::time_point begun) {
     constexpr int kLookAtHost = 100;  // ms
     while (!host_.stopped()) {
       const std::size_t mark = stage.said.rfind("\n=");
@@ -165,7 +165,6 @@ class Stages {
       (void)poll(&end, 1, kLookAtHost);
       if (end.revents == 0) {
         if (seconds_since_stage(begun) <= plan_.patience_s) continue;
-        late = true;
         stage.process.kill();
         return kStageGone;
       }

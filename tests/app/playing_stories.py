@@ -286,15 +286,24 @@ class Failing(Stories):
         done = self.cxlab("test", "--steps", 0, "--patience", 2, "-j", 2, "--coverage", "c.info")
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("2 passed, 2 failed", done.stdout)
-        self.assertIn("note: long.story.yaml: long: what its rules did is not counted, because its process was ended (--patience)\n", done.stderr)
+        self.assertIn("note: long.story.yaml: long: what its rules did is not counted, because it took longer than --patience\n", done.stderr)
         self.assertNotIn("note: zdoor", done.stderr)
         self.assertNotIn("long.clp", (self.folder / "c.info").read_text())
-        self.assertIn("the story has not ended after 2 s of wall time (--patience) and was ended; the other stories were played", done.stdout)
+        self.assertIn("the story has not ended after 2 s of wall time (--patience); the other stories were played", done.stdout)
         self.assertRegex(done.stdout, r"(?m)^FAILED  long.story.yaml: long \(\d+ ms\)$", "nobody knows how far it came")
         done = self.cxlab("test", "loop.story.yaml", "zdoor.story.yaml", "--keep-runs", "runs")
         self.assertIn("2 passed, 1 failed", done.stdout)
         self.assertRegex(done.stdout, "loop.clp:2: environment 'main': rules still fire after 100000 firings.* a story allows no more\n")
         self.assertIn("(start)", self.ask("facts", "runs/loop-loop", "start"))
+
+    def test_a_story_that_took_longer_than_the_patience_fails_however_short(self):
+        self.write("door.clp", DOOR)
+        self.write("door.story.yaml", self.story("door", "(bell)", "fires: open, within_s: 1"))
+        for more in ((), ("--load-once",)):
+            self.ask("test", *more)
+            done = self.cxlab("test", "--patience", "0.0001", *more)
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            self.assertIn("the story has not ended after 0.0001 s of wall time (--patience); the other stories were played", done.stdout)
 
     def test_a_golden_run_says_what_goes_otherwise(self):
         self.write("agent.yaml", CONFIG)
