@@ -82,7 +82,7 @@ Expected<std::string> Files::share_directory(std::string_view package) const {
   return input_error("package '" + name + "' not found" +
                      (near.empty()
                           ? "; say where it is: packages: {" + name + ": DIR} in the scenario or story, or --package " +
-                                name + "=DIR of cxlab env and test"
+                                name + "=DIR of cxlab env, check, test and mutate"
                           : near));
 }
 

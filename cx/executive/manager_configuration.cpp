@@ -128,7 +128,7 @@ Expected<const PluginType*> EnvironmentManager::type_of(const std::string& insta
     if (type.starts_with(t.name.substr(0, t.name.find('<'))))
       remedy =
           " (a package of your own is named by packages: {NAME: DIR} in the scenario or story, or by "
-          "--package NAME=DIR of cxlab env and test)";
+          "--package NAME=DIR of cxlab env, check, test and mutate)";
   }
   return parameters_.error_at(instance + ".plugin",
                               "unknown plugin type '" + type + "'" + did_you_mean(type, known) + remedy);

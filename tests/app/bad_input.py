@@ -198,8 +198,10 @@ class Scenarios(Lab):
 
     def test_a_package_that_nobody_named_is_reported_with_its_option(self):
         self.agent("")
-        remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: packages: {rules: DIR} in the scenario or story, or --package rules=DIR of cxlab env and test"
+        remedy = "Cannot resolve file rules.clp: package 'rules' not found; say where it is: packages: {rules: DIR} in the scenario or story, or --package rules=DIR of cxlab env, check, test and mutate"
         self.scenario_fails(SCENARIO.replace("packages: {rules: rules}\n", ""), "agent.yaml:7: " + remedy)
+        for command in ("env", "check", "test", "mutate"):
+            self.assertIn("--package TEXT", subprocess.run([CXLAB, command, "--help"], text=True, stdout=subprocess.PIPE).stdout)
 
     def test_a_configuration_of_another_copy_of_its_package_is_a_warning(self):
         shutil.copytree(SOURCE / "scenarios/rcll/agent", self.folder / "copy")

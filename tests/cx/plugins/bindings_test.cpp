@@ -270,7 +270,7 @@ TEST_F(Bindings, AnUnknownClassGivesTheNearest) {
   EXPECT_THAT(s.error().message,
               HasSubstr("unknown plugin type 'cx::CXStdMsgsStrinPlugin', did you mean 'cx::CXStdMsgsStringPlugin'?"
                         " (a package of your own is named by packages: {NAME: DIR} in the scenario or "
-                        "story, or by --package NAME=DIR of cxlab env and test)"));
+                        "story, or by --package NAME=DIR of cxlab env, check, test and mutate)"));
   EXPECT_GT(s.error().line, 0);
 }
 
