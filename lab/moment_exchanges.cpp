@@ -109,11 +109,14 @@ void MomentExchanges::accepted(const JournalRecord& record) {
 
 /// "action-ready /robot1/pick": rules asked whether it is served.
 void MomentExchanges::looked(const JournalRecord& record) {
-  if (record.data.text("what") != "look" || record.data.text("value") != "TRUE") return;
   const std::string text(record.data.text("name"));
-  const std::size_t blank = text.find(' ');
-  if (text.starts_with("action-ready ")) actions_[whole_name(text.substr(blank + 1))];
-  if (text.starts_with("service-ready ")) services_[whole_name(text.substr(blank + 1))];
+  const bool is_of_action = text.starts_with("action-ready ");
+  if (record.data.text("what") != "look" || (!is_of_action && !text.starts_with("service-ready "))) return;
+  const std::string name = whole_name(text.substr(text.find(' ') + 1));
+  if (record.data.text("value") == "TRUE")
+    (is_of_action ? actions_ : services_)[name];
+  else if (record.t > moment_)
+    without_server_.try_emplace(name, record.t);
 }
 
 bool MomentExchanges::any_under_way(const List& list) const {

@@ -51,6 +51,8 @@ class MomentExchanges {
   bool any_under_way(const List& list) const;
   /// The number of the next request to that service at the moment.
   std::int64_t next_request(const std::string& service) const;
+  /// Actions and services that rules found without a server after the moment, and when first.
+  const std::map<std::string, SimTime>& without_server() const { return without_server_; }
   /// The fact with `?` in the place of ids of goals, which are others in a story.
   std::string without_ids(std::string fact) const;
 
@@ -71,7 +73,8 @@ class MomentExchanges {
   std::map<std::pair<std::string, std::uint64_t>, Logged> logged_;  // by the record of the post
   ByName actions_, services_;
   std::map<std::string, std::int64_t> next_;  // number of a request
-  Exchange* accepted_ = nullptr;              // its handle is in the fact that comes next
+  std::map<std::string, SimTime> without_server_;
+  Exchange* accepted_ = nullptr;  // its handle is in the fact that comes next
 };
 
 }  // namespace cxlab::lab

@@ -93,6 +93,10 @@ class Writer {
     std::vector<std::string> notes = facts_.lost();
     notes.insert(notes.end(), notes_.begin(), notes_.end());
     for (const std::string& other : others_) notes.push_back("not in the story: " + other);
+    for (const auto& [name, t] : exchanges_.without_server())
+      if (has_stand_in(name))
+        notes.push_back(name + " is served from the start of the story, and nobody served it in the run at " +
+                        seconds_of(t) + " s");
     return WrittenStory{text(), std::move(notes), static_cast<int>(expect_.size())};
   }
 
@@ -371,6 +375,11 @@ class Writer {
     const bool later = has_goal_under_way();
     return "  begins_s: " + seconds_of(later ? begins_before_ : begins_) + "\n  moment: true\n" +
            (later ? "  given_at_s: " + seconds_of(at_) + '\n' : "");
+  }
+
+  bool has_stand_in(const std::string& name) const {
+    return (exchanges_.actions().contains(name) && !type_of(actions_, name).empty()) ||
+           (exchanges_.services().contains(name) && !type_of(services_, name).empty());
   }
 
   std::string skills() const {

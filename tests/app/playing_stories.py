@@ -718,6 +718,27 @@ class FromAMoment(Stories):
         self.assertNotIn("do not happen", done.stderr)
         self.assertIn("  tick_s: 0.016\n  begins_s: 6\n", (self.folder / "again.story.yaml").read_text())
 
+    def test_a_service_that_comes_after_the_moment_is_a_loss(self):
+        self.write("client.yaml", CONFIG.replace("rules.clp", "client.clp"))
+        self.write("server.yaml", CONFIG.replace("rules.clp", "server.clp"))
+        self.write("rules/client.clp", """(deffacts start (begin) (next 1.0))
+(defrule open ?b <- (begin) => (retract ?b) (ros-msgs-create-client "/may_i" "std_srvs/srv/SetBool") (ros-msgs-create-client "/nobody" "std_srvs/srv/SetBool"))
+(defrule ask ?n <- (next ?at) (time ?t&:(>= ?t ?at)) => (retract ?n) (assert (next (+ ?at 1.0))) (bind ?m (ros-msgs-create-request "std_srvs/srv/SetBool"))
+  (ros-msgs-async-send-request ?m "/nobody") (assert (asked ?at (if (ros-msgs-async-send-request ?m "/may_i") then YES else NO))) (ros-msgs-destroy-message ?m))
+(defrule answered ?r <- (ros-msgs-response (msg-ptr ?m)) => (retract ?r) (ros-msgs-destroy-message ?m))
+""")
+        self.write("rules/server.clp", """(deffacts start (begin))
+(deffunction /may_i-service-callback (?service ?request ?response) (ros-msgs-set-field ?response "success" TRUE))
+(defrule serve ?b <- (begin) (time ?t&:(>= ?t 3.5)) => (retract ?b) (ros-msgs-create-service "/may_i" "std_srvs/srv/SetBool"))
+""")
+        self.write("scenario.yaml", SCENARIO.replace("duration_s: 2", "duration_s: 8").replace("  - config: agent.yaml", "  - config: client.yaml\n  - {config: server.yaml, namespace: /server}"))
+        self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet").returncode, 0)
+        lost = "note: /may_i is served from the start of the story, and nobody served it in the run at 3 s\n"
+        for at, notes in ((2.2, 1), (4.2, 0)):
+            done = self.cxlab("new", "story", "run", "--at", at, "--for", 4, "--out", "m.story.yaml", "--force")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual((done.stderr.count(lost), done.stderr.count(" is served from the start")), (notes, notes), done.stderr)
+
     def test_a_log_that_ends_before_the_moment_says_where(self):
         self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)
         run = stopped_run(self, "mine/scenario.yaml", out="run", cwd=self.folder)
