@@ -403,7 +403,7 @@ void add_test(CLI::App& app, Action& action) {
                    "Keeps the run of each story that fails in a folder below DIR, for why-not, attach, ...")
       ->type_name("DIR");
   seed_number(command->add_option("--seed", options->seed, "Plays the stories with this seed alone"));
-  command->add_option("--junit", options->junit, "Writes a JUnit report");
+  command->add_option("--junit", options->junit, "Writes a JUnit report, and makes its folder if it is missing");
   command->add_option(
       "--coverage", options->coverage.lcov,
       "Reports which rules fired, how far conditions got, and what was called; writes the counts as lcov");

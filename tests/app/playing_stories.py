@@ -85,9 +85,9 @@ class Choosing(Stories):
             self.assertEqual(done.returncode, 1)
             self.assertEqual(done.stdout.splitlines()[-1], "1 passed, 1 failed, 2 not played")
             self.assertNotIn("wind", done.stdout)
-        report = json.loads(self.cxlab("test", "-x", "--json", "--junit", "j.xml").stdout)
+        report = json.loads(self.cxlab("test", "-x", "--json", "--junit", "new/reports/j.xml").stdout)
         self.assertEqual((len(report["stories"]), report["not_played"]), (2, 2))
-        self.assertEqual(xml.etree.ElementTree.parse(self.folder / "j.xml").getroot().get("tests"), "2")
+        self.assertEqual(xml.etree.ElementTree.parse(self.folder / "new/reports/j.xml").getroot().get("tests"), "2")
 
     def test_those_that_failed_are_played_again(self):
         both = {"a bell shuts": False, self.odd: False}
