@@ -49,12 +49,12 @@ bool all_count(const std::vector<lab::Row>& rows) {
 
 /// Writes the page of the sweep. The table is the answer, so a page that cannot be made is only reported.
 void write_page(const BenchOptions& options, const lab::Host& host, const std::vector<lab::Answer>& requirements = {}) {
-  if (Status s = lab::keep_requirements(options.folder(), requirements); !s) host.note(s.error().text());
+  if (Status s = lab::keep_requirements(options.folder(), requirements); !s) host.warn(s.error().text());
   const fs::path file = options.folder() / "index.html";
   const auto sweep = lab::read_sweep(options.folder(), catalogue());
   const auto page = sweep ? lab::sweep_page(*sweep, nullptr, {.file = file}, catalogue()) : sweep.error();
   const Status written = page ? replace_file(file, *page) : page.error();
-  if (!written) host.note("no page is written: " + written.error().text());
+  if (!written) host.warn("no page is written: " + written.error().text());
 }
 
 /// What requirement does not hold, the games that show it most, and the command that plays one of them again: the worst

@@ -475,7 +475,10 @@ void Console::game_ended(std::string_view line, const lab::GamesProgress& games,
 }
 
 void Console::note(std::string_view text) {
-  if (quiet_) return;
+  if (!quiet_) warn(text);
+}
+
+void Console::warn(std::string_view text) {
   has_said();
   clear();
   std::fprintf(stderr, "%s\n", printable(text).c_str());

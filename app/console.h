@@ -41,6 +41,7 @@ class Console final : public lab::ProgressSink, public cx::LogSink {
   /// A line for each game of a sweep, not only for those that are remarkable and now and then.
   void show_all_games() { all_games_ = true; }
   void note(std::string_view text) override;
+  void warn(std::string_view text) override;
   void line(const cx::LogLine& line) override;
   /// Takes the line of progress away, so that other output can be printed.
   void clear();

@@ -32,6 +32,8 @@ class ProgressSink {
   virtual void game_ended(std::string_view line, const GamesProgress&, [[maybe_unused]] bool remarkable) { note(line); }
   /// One line for a person: the folder of the run, files that were taken from copies.
   virtual void note(std::string_view text) = 0;
+  /// A note about something that was lost, which is shown also where notes are not.
+  virtual void warn(std::string_view text) { note(text); }
 };
 
 /// All may be none.
@@ -69,6 +71,9 @@ struct Host {
   }
   void note(std::string_view text) const {
     if (progress) progress->note(text);
+  }
+  void warn(std::string_view text) const {
+    if (progress) progress->warn(text);
   }
 };
 

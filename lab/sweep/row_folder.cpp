@@ -192,7 +192,7 @@ Status RowFolder::take_tables_over(const std::vector<Row>& lost, const Suite& su
     return input_error(
         "has " + what + ": it is a table of the suite " + *other + "; expected --out with a folder of this suite's own",
         csv);
-  host.note(csv + " loses " + what + "; rows/*.json keeps them");
+  host.warn(csv + " loses " + what + "; rows/*.json keeps them");
   return {};
 }
 

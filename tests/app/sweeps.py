@@ -154,7 +154,7 @@ class Sweeps(Lab):
         # Without the index nothing shows which rows have another name only.
         (self.home / "r/runs.sqlite").unlink()
         self.write("home/suite.yaml", strategies("renamed: [], set: [duration_s=2]"))
-        self.assertIn("loses 2 rows", self.bench("--out", "r").stderr)
+        self.assertIn("loses 2 rows", self.bench("--out", "r", "--quiet").stderr)
 
     def test_the_program_for_ray_says_what_is_missing(self):
         def play(*arguments, path):
