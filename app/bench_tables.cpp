@@ -40,7 +40,7 @@ struct ShowOptions : TableOptions {
 };
 
 struct CompareOptions : TableOptions {
-  std::string before, now;
+  std::string before, now, scenario;
 };
 
 const std::vector<std::string> kPlots{"scores", "differences", "profile", "parts", "shares"};
@@ -124,9 +124,9 @@ int show(const ShowOptions& options) {
 }
 
 int compare(const CompareOptions& options) {
-  const auto before = lab::read_rows(options.before, catalogue());
+  const auto before = rows_of(options.before, options.scenario);
   if (!before) return fail(before.error());
-  const auto now = lab::read_rows(options.now, catalogue());
+  const auto now = rows_of(options.now, options.scenario);
   if (!now) return fail(now.error());
   std::vector<std::string> notes;
   const auto answers = lab::compare_sweeps(*before, *now, options.metric, notes, catalogue());
@@ -146,7 +146,7 @@ int compare(const CompareOptions& options) {
   for (const std::string& note : notes) std::fprintf(out, "%s\n", printable(note).c_str());
   std::fprintf(out, "answer: %s\n", word);
   if (std::ranges::any_of(*answers, [](const lab::Answer& answer) { return answer.lost > 0; })) {
-    print_errors(options.now, *now);
+    print_errors(options.now, *now, options.scenario);
     if (is_file(fs::path(options.now) / "runs.sqlite"))  // it has the commands
       std::fprintf(stderr, "cxlab bench page %s shows these games with the commands that play them again\n",
                    printable(options.now).c_str());
@@ -297,6 +297,7 @@ void add_bench_tables(CLI::App& bench, Action& action) {
   compare_command->footer("Example:\n  cxlab bench compare runs/before runs/after");
   compare_command->add_option("old", compared->before, "Folder of a sweep, or a file like its rows.csv")->required();
   compare_command->add_option("new", compared->now, "The sweep that is judged")->required();
+  add_scenario_option(*compare_command, compared->scenario);
   add_table_options(*compare_command, *compared);
   compare_command->callback([compared, &action] { action = [compared] { return compare(*compared); }; });
 }

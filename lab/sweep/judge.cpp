@@ -155,19 +155,26 @@ namespace {
 
 /// Every scenario's world has the metrics that requirements name.
 Status check_metric_names(const Suite& suite) {
+  MetricNames names;
   for (const SuiteScenario& one : suite.scenarios) {
     std::vector<Override> overrides;
     for (const std::string& set : suite.strategies.front().overrides) overrides.emplace_back(set, set);
     const auto scenario = Scenario::load(one.file, *suite.catalogue, overrides);
     if (!scenario) return scenario.error();
-    std::vector<std::string> names;
-    for (const Metric* metric : metrics_of(*scenario->world.kind)) names.emplace_back(metric->name);
-    for (const Requirement& requirement : suite.require)
-      if (!requirement.metric.empty() && std::ranges::find(names, requirement.metric) == names.end())
-        return input_error("'" + requirement.text + "': the world of " + one.name + " has no metric '" +
-                               requirement.metric + "'" + did_you_mean(requirement.metric, names) +
-                               "; cxlab list metrics prints them",
-                           requirement.origin);
+    auto& of_world = names.emplace_back(one.name, std::vector<std::string>()).second;
+    for (const Metric* metric : metrics_of(*scenario->world.kind)) of_world.emplace_back(metric->name);
+  }
+  for (const Requirement& requirement : suite.require) {
+    if (requirement.metric.empty()) continue;
+    const std::string& metric = requirement.metric;
+    const auto lacks = [&metric](const auto& one) { return std::ranges::count(one.second, metric) == 0; };
+    const auto one = std::ranges::find_if(names, lacks);
+    if (one == names.end()) continue;
+    const bool some_have = !std::ranges::all_of(names, lacks);
+    return input_error("'" + requirement.text + "': the world of " + one->first + " has no metric '" + metric + "'; " +
+                           metrics_text(metric, names) +
+                           (some_have ? "; scenarios of different worlds need suites of their own for it" : ""),
+                       requirement.origin);
   }
   return {};
 }
@@ -298,8 +305,8 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   const Sorted old_rows(before), new_rows(now);
   std::vector<Asked> asked;
   std::set<Contestant> used;
-  std::optional<Error> without_metric;
   std::size_t most = 0;
+  bool lacks_metric = false;
   for (const Contestant& contestant : new_rows.order) {
     const auto& [scenario, strategy] = contestant;
     const std::vector<std::string> here = new_rows.strategies_in(scenario), there = old_rows.strategies_in(scenario);
@@ -314,7 +321,7 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
     if (!found) found = metric_of(before, metric, catalogue, &other.first);
     if (!found) {
       notes.push_back(scenario + ", " + strategy + ": " + found.error().message);
-      if (!without_metric) without_metric = found.error();
+      lacks_metric = true;
       continue;
     }
     Answer answer;
@@ -340,7 +347,8 @@ Expected<std::vector<Answer>> compare_sweeps(const std::vector<Row>& before, con
   for (const Contestant& contestant : old_rows.order)
     if (!used.contains(contestant))
       notes.push_back(contestant.first + ", " + contestant.second + " is in the old sweep only");
-  if (asked.empty() && without_metric) return *without_metric;
+  if (asked.empty() && lacks_metric)
+    if (const auto any = metric_of(now, metric, catalogue); !any) return any.error();
   if (asked.empty()) {
     std::string why;
     for (const std::string& note : notes) why += "; " + note;

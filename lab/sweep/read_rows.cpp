@@ -189,23 +189,39 @@ Expected<std::vector<Row>> read_rows(const fs::path& sweep, const Catalogue& cat
   return rows;
 }
 
+std::string metrics_text(const std::string& missing, const MetricNames& names) {
+  const auto has_those_of_the_first = [&](const auto& one) { return one.second == names.front().second; };
+  if (std::ranges::all_of(names, has_those_of_the_first))
+    return names.empty() ? "there is none" : "there are " + some_of_and_nearest(missing, names.front().second);
+  std::string out;
+  std::vector<std::string> all;
+  for (const auto& [scenario, of_scenario] : names) {
+    out += (out.empty() ? "" : "; ") + scenario + " has " + some_of(of_scenario);
+    all.insert(all.end(), of_scenario.begin(), of_scenario.end());
+  }
+  return out + did_you_mean(missing, all, "; ");
+}
+
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name, const Catalogue& catalogue,
                                  const std::string* scenario) {
-  std::vector<std::string> names;    // that have a value
+  MetricNames names;                 // that have a value
   std::string wanted = name, first;  // the first that is not of the machine
   for (const Row& row : rows) {
     if (scenario && row.cell.scenario != *scenario) continue;
     if (wanted.empty()) wanted = row.compared;
-    for (const Figure& figure : row.figures)
-      if (figure.value && std::ranges::find(names, figure.metric) == names.end()) {
-        names.emplace_back(figure.metric);
-        if (first.empty() && !figure.of_machine) first = figure.metric;
-      }
+    for (const Figure& figure : row.figures) {
+      if (!figure.value) continue;
+      auto of_scenario = std::ranges::find(names, row.cell.scenario, &MetricNames::value_type::first);
+      if (of_scenario == names.end()) of_scenario = names.insert(names.end(), {row.cell.scenario, {}});
+      if (std::ranges::find(of_scenario->second, figure.metric) == of_scenario->second.end())
+        of_scenario->second.emplace_back(figure.metric);
+      if (first.empty() && !figure.of_machine) first = figure.metric;
+    }
   }
   if (wanted.empty()) wanted = first;
   if (names.empty()) return input_error("no row has a figure that could be compared");
-  if (std::ranges::find(names, wanted) == names.end())
-    return input_error("no row has a metric '" + wanted + "'; there are " + some_of_and_nearest(wanted, names));
+  if (std::ranges::none_of(names, [&](const auto& one) { return std::ranges::count(one.second, wanted) > 0; }))
+    return input_error("no row has a metric '" + wanted + "'; " + metrics_text(wanted, names));
   MetricOfRows out{wanted, wanted};
   for (const Row& row : rows)
     if (const WorldKind* world = catalogue.find_world(row.world))

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cx/base/expected.h"
@@ -25,6 +26,11 @@ struct MetricOfRows {
   bool more_is_better = true;
   int digits = 1;
 };
+/// Names of metrics by scenario.
+using MetricNames = std::vector<std::pair<std::string, std::vector<std::string>>>;
+/// Which metrics there are, for a message about one that is missing: "there are points and skills", or "game has
+/// points; figures has walls" if scenarios have others.
+std::string metrics_text(const std::string& missing, const MetricNames& names);
 /// The metric of that name in these rows; with an empty name the one that their world compares. Fails if no row has a
 /// value of it. With `scenario` only the rows of that one count.
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name,

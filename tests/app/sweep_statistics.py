@@ -172,12 +172,17 @@ class SweepStatistics(Lab):
         self.assertEqual([row["scenario"] for row in show("shares", "--metric", "points")], ["game"])
         self.assertEqual([(row["at_most_2"], row["at_most_4"], row["at_least_30"], row["at_least_50"]) for row in show("profile")],
                          [(0, 1, None, None), (1, 1, None, None), (None, None, 1, 0), (None, None, 1, 1)])
-        self.assertIn("no row has a metric 'point'", self.cxlab("bench", "compare", "s", "s", "--metric", "point", code=3).stderr)
+        each = "no row has a metric 'point'; figures has touches, walls; game has points, points_ring; did you mean 'points'?"
+        for command in (("show", "s"), ("compare", "s", "s")):
+            self.assertIn(each, self.cxlab("bench", *command, "--metric", "point", code=3).stderr)
         self.assertIn("figures, first: no row has a metric 'points'", self.cxlab("bench", "compare", "s", "s", "--metric", "points", code=6).stdout)
         # One scenario at a time.
         self.assertEqual([row["mean"] for row in show("scores", "--scenario", "figures")], [4, 2])
         self.assertTrue(self.cxlab("bench", "show", "s", "--scenario", "game").stdout.startswith("scores, points in game:\n"))
-        for arguments in (("show", "s"), ("plot", "s", "out.svg")):
+        for scenario, metric in (("figures", "walls"), ("game", "points")):
+            alone = self.cxlab("bench", "compare", "s", "s", "--scenario", scenario, code=6).stdout
+            self.assertTrue(alone.startswith(f"differences, {metric} in {scenario}:\n"), alone)
+        for arguments in (("show", "s"), ("plot", "s", "out.svg"), ("compare", "s", "s")):
             self.assertIn("there is no scenario 'gane'; there are figures, game; did you mean 'game'?", self.cxlab("bench", *arguments, "--scenario", "gane", code=3).stderr)
         for kind in ("scores", "profile", "differences", "shares"):
             self.assertIn("the scenarios have different figures, walls and points; expected --scenario with one of them, or --metric", self.cxlab("bench", "plot", "s", "out.svg", "--kind", kind, code=3).stderr)
@@ -368,6 +373,12 @@ class SweepStatistics(Lab):
         self.write("suite.yaml", SUITE + "earlier: {main: nowhere}\nrequire: not worse than main\n")
         self.assertIn("suite.yaml:4: earlier: 'main': nowhere: there is no such sweep", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("turtle.yaml", "schema: 1\nduration_s: 1\nworld: {kind: turtlesim}\n")
+        self.write("suite.yaml", "scenarios: [rcll/game, turtle.yaml]\nseeds: [1]\nstrategies: {long: []}\nrequire: mean(point) >= 3\n")
+        said = self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr
+        self.assertRegex(said, r"suite.yaml:4: 'mean\(point\) >= 3': the world of game has no metric 'point'; game has points, .*; turtle has .*walls.*; did you mean 'points'\?$")
+        self.write("suite.yaml", "scenarios: [rcll/game, turtle.yaml]\nseeds: [1]\nstrategies: {long: []}\nrequire: mean(points) >= 3\n")
+        said = self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr
+        self.assertRegex(said, r"the world of turtle has no metric 'points'; game has points, .*; turtle has .*walls.*; scenarios of different worlds need suites of their own for it$")
         self.write("suite.yaml", "scenarios: [turtle.yaml]\nseeds: [1]\ntier: timed\nstrategies: {long: []}\n")
         self.assertIn("suite.yaml:3: strategy 'long': tier=timed: ", self.cxlab("bench", "suite.yaml", "--out", "o", code=3).stderr)
         self.write("suite.yaml", SUITE + "earlier: {long: s}\nrequire: not worse than long\n")
