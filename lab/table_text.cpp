@@ -19,7 +19,8 @@ std::string shown_text(const TableCell& cell, CellKind kind) {
   if (!cell.shown.empty()) return cell.shown;
   const auto number = [kind](double value) {
     switch (kind) {
-      case CellKind::kTime: return time_text(value);
+      case CellKind::kTime:
+      case CellKind::kStretch: return time_text(value);
       case CellKind::kSeconds: return length_text(value);
       case CellKind::kShare: return fixed_text(100 * value, 1) + " %";
       default: return shortest_text(value);

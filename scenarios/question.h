@@ -49,7 +49,8 @@ struct Column {
   enum class Kind : std::uint8_t {
     kText,
     kNumber,
-    kTime,     ///< s of the run, shown as 5:12.4; a stretch as 5:12-8:00
+    kTime,     ///< s of the run, shown as 5:12.4
+    kStretch,  ///< of time of the run, shown as 5:12-8:00; a cell is a `TableCell::Stretch`
     kSeconds,  ///< how long, shown as 12.4 s
     kShare,    ///< 0 to 1, shown as per cent
   };

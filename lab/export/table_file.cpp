@@ -48,49 +48,56 @@ Expected<std::unique_ptr<TableFile>> create_csv(const std::filesystem::path& pat
   return std::unique_ptr<TableFile>(new CsvFile(*std::move(file), columns));
 }
 
+namespace {
+
+bool fits(const TableCell& cell, Column::Kind kind) {
+  if (cell.empty() || kind == Column::Kind::kText) return true;
+  const bool is_stretch = std::holds_alternative<TableCell::Stretch>(cell.value);
+  return is_stretch == (kind == Column::Kind::kStretch) && !std::holds_alternative<std::string>(cell.value);
+}
+
+/// The kind of a column of the file: that of its world, so that it does not depend on the rows.
+TableColumn::Kind kind_of(const Table& table, std::size_t column) {
+  using Kind = TableColumn::Kind;
+  const auto any = [&](auto holds) {
+    return std::ranges::any_of(table.rows, [&](const auto& row) { return holds(row[column]); });
+  };
+  const Column::Kind kind = table.columns[column].kind;
+  if (kind == Column::Kind::kText || any([kind](const TableCell& cell) { return !fits(cell, kind); }))
+    return Kind::kText;
+  if (kind != Column::Kind::kNumber) return Kind::kReal;
+  return any([](const TableCell& cell) { return std::holds_alternative<double>(cell.value); }) ? Kind::kReal
+                                                                                               : Kind::kWhole;
+}
+
+TableCell to_kind(const TableCell& cell, TableColumn::Kind kind) {
+  using Kind = TableColumn::Kind;
+  const auto* whole = std::get_if<std::int64_t>(&cell.value);
+  if (kind == Kind::kReal && whole) return static_cast<double>(*whole);
+  if (kind != Kind::kText) return cell;
+  if (whole) return std::to_string(*whole);
+  if (const auto* real = std::get_if<double>(&cell.value)) return shortest_text(*real);
+  if (const auto* both = std::get_if<TableCell::Stretch>(&cell.value))
+    return shortest_text(both->first) + '-' + shortest_text(both->second);
+  return cell;
+}
+
+}  // namespace
+
 PlainTable plain_table(const Table& table) {
   PlainTable out;
   out.rows.resize(table.rows.size());
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    const auto any = [&]<class T>(const T*) {
-      return std::ranges::any_of(table.rows, [&](const auto& row) { return std::holds_alternative<T>(row[i].value); });
-    };
-    const bool stretch = any(static_cast<const TableCell::Stretch*>(nullptr)),
-               text = any(static_cast<const std::string*>(nullptr));
-    const bool real = stretch || any(static_cast<const double*>(nullptr)),
-               whole = any(static_cast<const std::int64_t*>(nullptr));
-    using Kind = TableColumn::Kind;
-    // A column that is empty in all rows has the kind that its world gives it.
-    const bool number = whole || (!text && !real && table.columns[i].kind == Column::Kind::kNumber);
-    const Kind kind = text                                                                ? Kind::kText
-                      : real || (!number && table.columns[i].kind != Column::Kind::kText) ? Kind::kReal
-                      : number                                                            ? Kind::kWhole
-                                                                                          : Kind::kText;
-    const auto to_kind = [&](const TableCell& cell) -> TableCell {
-      const auto* as_whole = std::get_if<std::int64_t>(&cell.value);
-      const auto* as_real = std::get_if<double>(&cell.value);
-      if (kind == Kind::kReal && as_whole) return static_cast<double>(*as_whole);
-      if (kind == Kind::kText && as_whole) return std::to_string(*as_whole);
-      if (kind == Kind::kText && as_real) return shortest_text(*as_real);
-      return cell;
-    };
     const std::string& key = table.columns[i].key;
-    if (stretch && !text) {
-      out.columns.push_back({key + "_begin", kind});
-      out.columns.push_back({key + "_end", kind});
-    } else {
-      out.columns.push_back({key, kind});
-    }
+    const TableColumn::Kind kind = kind_of(table, i);
+    const bool is_stretch = table.columns[i].kind == Column::Kind::kStretch && kind != TableColumn::Kind::kText;
+    if (is_stretch) out.columns.push_back({key + "_begin", kind});
+    out.columns.push_back({is_stretch ? key + "_end" : key, kind});
     for (std::size_t k = 0; k < table.rows.size(); ++k) {
       const TableCell& cell = table.rows[k][i];
-      const auto* both = std::get_if<TableCell::Stretch>(&cell.value);
-      if (!stretch || text) {
-        out.rows[k].push_back(both ? TableCell(shortest_text(both->first) + '-' + shortest_text(both->second))
-                                   : to_kind(cell));
-      } else {
-        out.rows[k].push_back(both ? TableCell(both->first) : to_kind(cell));
-        out.rows[k].push_back(both ? TableCell(both->second) : TableCell());
-      }
+      const auto* both = is_stretch ? std::get_if<TableCell::Stretch>(&cell.value) : nullptr;
+      if (is_stretch) out.rows[k].push_back(both ? TableCell(both->first) : TableCell());
+      out.rows[k].push_back(both ? TableCell(both->second) : to_kind(cell, kind));
     }
   }
   return out;

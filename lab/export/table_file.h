@@ -39,7 +39,7 @@ class TableFile {
 Expected<std::unique_ptr<TableFile>> create_csv(const std::filesystem::path& path, std::vector<TableColumn> columns);
 
 /// Columns and rows of a table of a world, with one kind a column: a stretch becomes two columns, KEY_begin and
-/// KEY_end.
+/// KEY_end. The columns follow from those of the table, whatever its rows are; one with cells of another kind is text.
 struct PlainTable {
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableCell>> rows;

@@ -293,7 +293,7 @@ Expected<WorldAnswer> answer_orders(const AskedRun& run) {
                 {"team", "team"},
                 {"complexity", ""},
                 {"product", "product"},
-                {"window_s", "window", Column::Kind::kTime},
+                {"window_s", "window", Column::Kind::kStretch},
                 {"begun_s", "begun", Column::Kind::kTime},
                 {"delivered_s", "delivered", Column::Kind::kTime},
                 {"points", "points", Column::Kind::kNumber},
