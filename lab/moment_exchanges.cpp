@@ -16,7 +16,19 @@ std::string whole_name(const std::string& name) { return name.starts_with('/') ?
 
 }  // namespace
 
-std::string name_on_bus(const JournalRecord& record) { return whole_name(std::string(record.data.text("name"))); }
+std::string name_in_rules(const JournalRecord& record, const bus::NodeName& node) {
+  const std::string name(record.data.text("name")), below = node.expand("");
+  if (record.kind != RecordKind::kBus) return whole_name(name);
+  const std::string_view op = record.data.text("op");
+  const bus::NameKind kind = op == "goal"   ? bus::NameKind::kAction
+                             : op == "call" ? bus::NameKind::kService
+                                            : bus::NameKind::kTopic;
+  for (const auto& [from, to] : node.remaps)
+    if (node.resolve(from, kind) == name) return whole_name(from);
+  return name.starts_with(below) && node.resolve(name.substr(below.size()), kind) == name
+             ? name.substr(below.size() - 1)
+             : name;
+}
 
 std::string message_of(const JournalRecord& record, const char* key) {
   const RecordValue* value = record.data.find(key);
@@ -24,10 +36,11 @@ std::string message_of(const JournalRecord& record, const char* key) {
 }
 
 Expected<MomentExchanges> MomentExchanges::read(const std::filesystem::path& inputs, std::string_view stream,
-                                                SimTime moment) {
+                                                const bus::NodeName& node, SimTime moment) {
   auto log = InputLogReader::open(inputs);
   if (!log) return log.error();
   MomentExchanges out;
+  out.node_ = node;
   out.moment_ = moment;
   while (const auto input = log->next()) {
     const auto* take = std::get_if<LoggedTake>(&*input);
@@ -57,7 +70,7 @@ bool MomentExchanges::hear(const JournalRecord& record) {
 
 void MomentExchanges::sent(const JournalRecord& record) {
   const std::string_view op = record.data.text("op");
-  const std::string name = name_on_bus(record);
+  const std::string name = name_in_rules(record, node_);
   if (op == "goal") actions_[name].push_back({std::string(record.data.text("goal_id")), record.t});
   if (op != "call") return;
   const std::int64_t id = record.data.integer("id");
@@ -74,7 +87,7 @@ bool MomentExchanges::answered(const JournalRecord& record) {
   if (record.causes.empty()) return true;
   const auto logged = logged_.find({record.causes.front().stream, record.causes.front().n});
   if (logged == logged_.end()) return true;
-  List& met = (is_response ? services_ : actions_)[name_on_bus(record)];
+  List& met = (is_response ? services_ : actions_)[name_in_rules(record, node_)];
   const auto is_open = [&](const Exchange& one) { return one.id == logged->second.id && !one.ended; };
   const auto found = std::ranges::find_if(met, is_open);
   if (found == met.end()) return true;

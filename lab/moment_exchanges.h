@@ -28,8 +28,8 @@ struct Exchange {
   std::string handle = {};                                     ///< of a goal that was accepted before the moment
 };
 
-/// The name on the bus: names in the records of an environment are as its rules wrote them.
-std::string name_on_bus(const JournalRecord& record);
+/// The name as rules write it, with a slash before it: what an environment with that node sent has the name on the bus.
+std::string name_in_rules(const JournalRecord& record, const bus::NodeName& node);
 /// The message below that key of a record, as JSON; empty if there is none.
 std::string message_of(const JournalRecord& record, const char* key);
 
@@ -39,8 +39,9 @@ class MomentExchanges {
   using List = std::list<Exchange>;
   using ByName = std::map<std::string, List>;
 
-  /// Reads the answers that the environment of that stream took. `hear` follows.
-  static Expected<MomentExchanges> read(const std::filesystem::path& inputs, std::string_view stream, SimTime moment);
+  /// Reads the answers that the environment of that stream took, which is one of that node. `hear` follows.
+  static Expected<MomentExchanges> read(const std::filesystem::path& inputs, std::string_view stream,
+                                        const bus::NodeName& node, SimTime moment);
 
   /// Takes the records of the environment in their order. Whether it is an answer.
   bool hear(const JournalRecord& record);
@@ -69,6 +70,7 @@ class MomentExchanges {
   void accepted(const JournalRecord& record);
   void looked(const JournalRecord& record);
 
+  bus::NodeName node_;
   SimTime moment_{};
   std::map<std::pair<std::string, std::uint64_t>, Logged> logged_;  // by the record of the post
   ByName actions_, services_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "cx/base/file.h"
@@ -40,11 +41,6 @@ void note(const std::vector<bus::Bus::Info>& all, Types& types) {
     if (!one.type.empty()) types.try_emplace(one.name, one.type);
 }
 
-std::string type_of(const Types& types, const std::string& name) {
-  const auto found = types.find(name);
-  return found == types.end() ? "" : found->second;
-}
-
 std::string rule_in(const JournalRecord& record) {
   const std::string rule(record.data.text("rule"));
   return rule.starts_with("MAIN::") ? rule.substr(6) : rule;
@@ -71,7 +67,7 @@ class Writer {
     if (!scenario) return scenario.error();
     scenario_ = *std::move(scenario);
     if (Status s = find(); !s) return s.error();
-    auto exchanges = MomentExchanges::read(run_.folder / "inputs.bin", stream_, at_);
+    auto exchanges = MomentExchanges::read(run_.folder / "inputs.bin", stream_, node_, at_);
     if (!exchanges) return exchanges.error();
     exchanges_ = *std::move(exchanges);
     if (Status s = agent(); !s) return s.error();
@@ -128,7 +124,7 @@ class Writer {
     if (record.kind == RecordKind::kFire) return rules_.contains(rule_in(record));
     const std::string_view op = record.data.text("op");
     return record.kind == RecordKind::kBus &&
-           (op == "goal" || (op == "publish" && is_topic_of_rules(name_on_bus(record))));
+           (op == "goal" || (op == "publish" && is_topic_of_rules(name_in_rules(record, node_))));
   }
 
   /// Goes to the last time at which the executive ran the rules.
@@ -167,18 +163,16 @@ class Writer {
     if (!found) return found.error();
     std::vector<std::string> names;
     for (cx::Environment* one : *found) {
-      const auto [owner, number] = owner_of(*one);
-      const AgentSpec& spec = scenario_.agents[owner];
-      if (spec.name_space != "/" || !spec.remaps.empty()) continue;
       names.push_back(one->unique_name());
       environment_ = one;
-      agent_ = owner;
-      number_ = number;
+      if (names.back() != given_.environment) continue;
+      names = {given_.environment};  // that of another agent may end in this name
+      break;
     }
-    if (names.empty())
-      return input_error("the agent has a namespace or remaps, which a story cannot have", run_.folder.string());
     if (names.size() > 1)
       return usage_error("the run has several environments: choose one with --env: " + some_of(names));
+    std::tie(agent_, number_) = owner_of(*environment_);
+    node_ = manager_node(scenario_.agents[agent_]);
     stream_ = moment_->episode().journal().stream_name(environment_->engine().stream());
     facts_.begin(environment_->engine());
     dues_.clear();
@@ -256,9 +250,20 @@ class Writer {
   /// Rules may close what they used before the end of the story.
   void note_types() {
     const bus::Bus& bus = moment_->episode().bus();
-    note(bus.topics(), topics_);
-    note(bus.services(), services_);
-    note(bus.actions(), actions_);
+    note(bus.topics(), types_[bus::NameKind::kTopic]);
+    note(bus.services(), types_[bus::NameKind::kService]);
+    note(bus.actions(), types_[bus::NameKind::kAction]);
+  }
+
+  /// A story has the names that the rules write, for its agent has no namespace and no remaps. None for names below
+  /// that of the node: it may have another one in the story.
+  std::string type_of(bus::NameKind kind, const std::string& name) const {
+    const auto types = types_.find(kind);
+    if (types == types_.end() || name.starts_with("/~")) return {};
+    for (const std::string& written : {name, name.substr(1)})
+      if (const auto found = types->second.find(node_.resolve(written, kind)); found != types->second.end())
+        return found->second;
+    return {};
   }
 
   void happened(const JournalRecord& record) {
@@ -274,22 +279,24 @@ class Writer {
   }
 
   void did(const JournalRecord& record) {
-    const std::string op(record.data.text("op")), name = name_on_bus(record);
+    const std::string op(record.data.text("op")), name = name_in_rules(record, node_);
     const std::string fields = message_of(record, op == "goal" ? "goal" : "msg");
     if (op == "goal")
-      expect("goal: " + yaml_quoted(name) + ", fields: " + fields, record.t);
+      expect("goal: " + yaml_quoted(facts_.as_written(name)) + ", fields: " + fields, record.t);
     else if (op == "publish" && is_topic_of_rules(name))
-      expect("published: " + yaml_quoted(name) + ", type: " + type_of(topics_, name) + ", fields: " + fields, record.t);
+      expect(
+          "published: " + yaml_quoted(name) + ", type: " + type_of(bus::NameKind::kTopic, name) + ", fields: " + fields,
+          record.t);
   }
 
   /// Not those of the node itself, such as `~/transition_event`.
   bool is_topic_of_rules(const std::string& name) const {
-    return !type_of(topics_, name).empty() && name.find("clips_executive/") == std::string::npos;
+    return !type_of(bus::NameKind::kTopic, name).empty() && name.find("clips_executive/") == std::string::npos;
   }
 
   void came(const JournalRecord& record) {
-    const std::string what(record.data.text("what")), name = name_on_bus(record);
-    const std::string type = type_of(topics_, name);
+    const std::string what(record.data.text("what")), name = name_in_rules(record, node_);
+    const std::string type = type_of(bus::NameKind::kTopic, name);
     if (what == "topic" && !type.empty())
       steps_.push_back("{at: " + seconds_of(record.t) + ", publish: " + yaml_quoted(name) + ", type: " + type +
                        ", data: " + message_of(record, "message") + "}");
@@ -378,14 +385,14 @@ class Writer {
   }
 
   bool has_stand_in(const std::string& name) const {
-    return (exchanges_.actions().contains(name) && !type_of(actions_, name).empty()) ||
-           (exchanges_.services().contains(name) && !type_of(services_, name).empty());
+    return (exchanges_.actions().contains(name) && !type_of(bus::NameKind::kAction, name).empty()) ||
+           (exchanges_.services().contains(name) && !type_of(bus::NameKind::kService, name).empty());
   }
 
   std::string skills() const {
     std::string out;
     for (const auto& [name, goals] : exchanges_.actions())
-      if (const std::string type = type_of(actions_, name); !type.empty())
+      if (const std::string type = type_of(bus::NameKind::kAction, name); !type.empty())
         out += stand_in("action: " + yaml_quoted(facts_.as_written(name)) + ", type: " + type, goals,
                         facts_.has_action_client(name), "");
     return out;
@@ -394,7 +401,7 @@ class Writer {
   std::string services() const {
     std::string out;
     for (const auto& [name, requests] : exchanges_.services()) {
-      const std::string type = type_of(services_, name);
+      const std::string type = type_of(bus::NameKind::kService, name);
       if (type.empty()) continue;
       const bool has_client = facts_.has_client(name);
       const std::int64_t next = exchanges_.next_request(name);
@@ -452,7 +459,8 @@ class Writer {
   MomentFacts facts_;
   std::vector<std::string> steps_, expect_, notes_;
   std::set<std::string> rules_, others_;  // others_: what came and is not in the story
-  Types topics_, services_, actions_;
+  std::map<bus::NameKind, Types> types_;
+  bus::NodeName node_;  // of the agent in the run
   bool notes_types_ = false;
   std::map<std::string, std::pair<int, SimTime>> fired_;
 };

@@ -686,21 +686,49 @@ class FromAMoment(Stories):
         self.assertIn("  config: 'moved/agent.yaml'\n  packages: {mine: 'moved'}\n", text)
         self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
 
-    def test_only_agents_without_a_namespace_can_have_one(self):
+    def test_agents_with_a_namespace_or_remaps_have_one_with_the_names_of_their_rules(self):
         self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)
-        one = "  - config: agent.yaml\n    packages: {mine: .}\n    namespace: /a\n"
+        rules = self.folder / "mine/clips/agent.clp"
+        rules.write_text(rules.read_text().replace('"/bell"', '"bell"'))
         scenario = (self.folder / "mine/scenario.yaml").read_text()
         begin, end = scenario.index("agents:\n"), scenario.index("stimuli:")
-        for names, said in ((("/a", "/b"), "run: the agent has a namespace or remaps, which a story cannot have"),
-                            (("/a", "/"), None)):
-            self.write("mine/two.yaml", scenario[:begin] + "agents:\n" + "".join(one.replace("/a", name) for name in names) + scenario[end:])
-            self.assertEqual(self.cxlab("run", "mine/two.yaml", "--out", "run", "--quiet", "--force").returncode, 0)
-            done = self.cxlab("new", "story", "run", "--at", "1", "--out", "m.story.yaml")
-            if said:
-                self.assertEqual(done.returncode, 3, done.stderr)
-                self.assertIn(said, done.stderr)
-            else:
-                self.assertEqual(done.returncode, 0, "it is that of the only agent that can have one: " + done.stderr)
+        agent = "  - {config: agent.yaml, packages: {mine: .}, namespace: /a, remap: {/door: gate}}\n"
+        for agents, bell, env in ((agent, "/a/bell", ()), (agent.replace("gate}", "gate, bell: /chime}"), "/chime", ()),
+                                  (agent + agent.replace("namespace: /a, ", ""), "/a/bell", ("--env", "a/main"))):
+            self.write("mine/named.yaml", scenario[:begin] + "agents:\n" + agents + scenario[end:].replace("/bell", bell))
+            self.assertEqual(self.cxlab("run", "mine/named.yaml", "--out", "run", "--quiet", "--force").returncode, 0)
+            if env:
+                self.assertIn("the run has several environments: choose one with --env", self.cxlab("new", "story", "run", "--at", "1").stderr)
+            done = self.cxlab("new", "story", "run", "--at", "0.5", "--for", "3", "--out", "m.story.yaml", "--force", *env)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("do not happen", done.stderr)
+            text = (self.folder / "m.story.yaml").read_text()
+            for part in ("publish: '/bell', type: std_msgs/msg/String", "published: '/door', type: std_msgs/msg/String", "fires: 'open-door'"):
+                self.assertIn(part, text)
+            self.assertEqual(self.cxlab("test", "m.story.yaml").returncode, 0)
+
+    def test_stand_ins_of_an_agent_with_a_namespace_and_remaps(self):
+        self.write("client.yaml", CONFIG.replace("rules.clp", "client.clp"))
+        self.write("server.yaml", CONFIG.replace("rules.clp", "server.clp"))
+        self.write("rules/client.clp", """(deffacts start (begin))
+(defrule open ?b <- (begin) => (retract ?b) (ros-msgs-create-client "may_i" "std_srvs/srv/SetBool")
+  (ros-msgs-create-action-client "pick" "cxlab_skills/action/Pick"))
+(defrule ask (time 2.0) => (bind ?m (ros-msgs-create-request "std_srvs/srv/SetBool")) (ros-msgs-async-send-request ?m "may_i") (ros-msgs-destroy-message ?m)
+  (bind ?g (ros-msgs-create-goal-request "cxlab_skills/action/Pick")) (ros-msgs-async-send-goal ?g "pick") (ros-msgs-destroy-message ?g))
+(defrule answered ?r <- (ros-msgs-response (service "may_i") (msg-ptr ?m)) => (retract ?r) (assert (may (ros-msgs-get-field ?m "success"))) (ros-msgs-destroy-message ?m))
+""")
+        self.write("rules/server.clp", """(deffacts start (begin))
+(deffunction /you-service-callback (?service ?request ?response) (ros-msgs-set-field ?response "success" TRUE))
+(defrule serve ?b <- (begin) => (retract ?b) (ros-msgs-create-service "/you" "std_srvs/srv/SetBool"))
+""")
+        self.write("scenario.yaml", SCENARIO.replace("duration_s: 2", "duration_s: 8").replace("  - config: agent.yaml", "  - {config: client.yaml, namespace: /a, remap: {may_i: /you}}\n  - config: server.yaml"))
+        self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet").returncode, 0)
+        done = self.cxlab("new", "story", "run", "--at", 1, "--for", 4, "--env", "a/main", "--out", "m.story.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("do not happen", done.stderr)
+        text = (self.folder / "m.story.yaml").read_text()
+        for part in ("service: 'may_i', type: std_srvs/srv/SetBool, outcome: succeed, takes_s: 0.04", "fact: '(may TRUE)'", "action: 'pick'", "goal: 'pick'"):
+            self.assertIn(part, text)
 
     def test_a_story_has_the_ticks_of_its_run(self):
         """Turtles have ticks of 16 ms, which rules that run ten times a second meet unevenly."""
@@ -735,7 +763,7 @@ class FromAMoment(Stories):
         self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet").returncode, 0)
         lost = "note: /may_i is served from the start of the story, and nobody served it in the run at 3 s\n"
         for at, notes in ((2.2, 1), (4.2, 0)):
-            done = self.cxlab("new", "story", "run", "--at", at, "--for", 4, "--out", "m.story.yaml", "--force")
+            done = self.cxlab("new", "story", "run", "--at", at, "--for", 4, "--env", "main", "--out", "m.story.yaml", "--force")
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual((done.stderr.count(lost), done.stderr.count(" is served from the start")), (notes, notes), done.stderr)
 
