@@ -5,6 +5,7 @@
 #include <climits>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -233,7 +234,13 @@ class Checker {
     const RuleEngine& engine = manager.find(name)->engine();
     const std::vector<ConstructInfo> constructs = engine.constructs();
     std::set<std::string> with_constructs;
-    for (const ConstructInfo& info : constructs) with_constructs.insert(info.file);
+    std::map<std::string, check::Words> slots;
+    for (const ConstructInfo& info : constructs) {
+      with_constructs.insert(info.file);
+      if (info.kind != "deftemplate") continue;
+      const std::vector<std::string> names = engine.slot_names(info.name);
+      slots[info.name].insert(names.begin(), names.end());
+    }
     bool own_library = false;
     if (const auto plugins = manager.plugin_names(name))
       own_library = std::ranges::any_of(
@@ -251,9 +258,9 @@ class Checker {
       sources.push_back({shown(file), *std::move(text), judged, true});
     }
     check::Outside outside = outside_of_files();
-    outside.loaded = true;
     outside.open = own_library;
     outside.words = opening.words;
+    outside.slots = std::move(slots);
     for (const ConstructInfo& info : constructs) {
       if (loaded.contains(info.file)) continue;
       if (info.kind == "deftemplate") outside.templates.insert(info.name);
@@ -378,10 +385,11 @@ class Checker {
       if (construct.place.line <= error.line) begin = std::max(begin, construct.place.line);
       if (construct.place.line > error.line) end = std::min(end, construct.place.line);
     }
-    const bool refused = error.message.find("[CSTRNCHK1]") != std::string::npos;
+    const auto says = [&](std::string_view code) { return error.message.find(code) != std::string::npos; };
+    const bool refused = says("[CSTRNCHK1]");
+    const std::string_view code = refused ? "unknown-symbol" : says("[TMPLTDEF1]") ? "unknown-slot" : "defined-twice";
     if (std::ranges::any_of(found, [&](const check::Finding& finding) {
-          return finding.file == file && finding.line >= begin && finding.line < end &&
-                 finding.code == (refused ? "unknown-symbol" : "defined-twice");
+          return finding.file == file && finding.line >= begin && finding.line < end && finding.code == code;
         }))
       return true;
     if (!refused) return false;

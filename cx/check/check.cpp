@@ -238,6 +238,7 @@ std::string Finding::text() const { return file + ':' + std::to_string(line) + "
 
 const std::vector<Code>& codes() {
   static const std::vector<Code> kCodes{{"unknown-symbol", "a value is compared with a symbol that it never has"},
+                                        {"unknown-slot", "a slot is named that its template does not have"},
                                         {"never-asserted", "rules read facts that nothing asserts"},
                                         {"never-read", "facts are asserted that nothing reads"},
                                         {"unused-template", "a template whose facts nothing asserts or reads"},
@@ -300,6 +301,7 @@ RuleParts parts_of(const Construct& rule) {
 std::vector<Finding> examine(const RuleBase& base) {
   Findings findings;
   judge_facts(base, findings);
+  judge_unknown_slots(base, findings);
   judge_reach(base, findings);
   judge_constructs(base, findings);
   judge_loops(base, findings);

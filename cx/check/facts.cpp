@@ -108,6 +108,13 @@ void judge_templates(const RuleBase& base, const Known& known, Findings& finding
   }
 }
 
+/// `unknown-slot` reports it.
+bool is_of_unknown_slot(const RuleBase& base, const Test& test) {
+  if (!test.value.starts_with("s:")) return false;
+  const std::size_t dot = test.value.rfind('.');
+  return base.lacks_slot(test.value.substr(2, dot - 2), test.value.substr(dot + 1));
+}
+
 void judge_symbols(const RuleBase& base, Findings& findings) {
   std::map<std::string, std::set<const Construct*>> testers;
   std::map<std::string, std::set<std::string>> tested;  // by value
@@ -116,7 +123,7 @@ void judge_symbols(const RuleBase& base, Findings& findings) {
     tested[base.origin_of(test.value)].insert(test.symbol);
   }
   for (const Test& test : base.tests()) {
-    if (!test.place.source->judged) continue;
+    if (!test.place.source->judged || is_of_unknown_slot(base, test)) continue;
     const Values& values = base.possible(test.value);
     if (values.symbols.contains(test.symbol)) continue;
     if (values.symbols.empty() && !values.open) continue;  // nothing asserts its facts, which `never-asserted` reports
@@ -203,28 +210,10 @@ void judge_slots(const RuleBase& base, const Known& known, Findings& findings) {
   }
 }
 
-/// Slots that a template of these files does not have: CLIPS refuses the construct.
-void judge_unknown_slots(const RuleBase& base, Findings& findings) {
-  for (const Touch& touch : base.touches()) {
-    const auto known = base.templates().find(touch.template_name);
-    if (!touch.term || !touch.by->judged() || known == base.templates().end()) continue;
-    const auto& [defined, slots] = known->second;
-    if (slots.empty()) continue;
-    std::vector<std::string> names;
-    for (const auto& [name, slot] : slots) names.push_back(name);
-    for (const Term& item : touch.term->items)
-      if (const std::string name(item.head()); !name.empty() && !slots.contains(name))
-        add(findings, {touch.place.source, item.line}, "not-loaded",
-            "CLIPS refuses this: deftemplate '" + touch.template_name + "' has no slot '" + name + '\'' +
-                did_you_mean(name, names));
-  }
-}
-
 }  // namespace
 
 void judge_facts(const RuleBase& base, Findings& findings) {
   const Known known = known_of(base);
-  if (!base.outside().loaded) judge_unknown_slots(base, findings);
   judge_templates(base, known, findings);
   judge_symbols(base, findings);
   judge_slots(base, known, findings);

@@ -17,6 +17,8 @@ inline void add(Findings& findings, const Place& place, std::string code, std::s
 
 /// unknown-symbol, never-asserted, never-read, unused-template, never-set (facts.cpp)
 void judge_facts(const RuleBase& base, Findings& findings);
+/// unknown-slot (slots.cpp)
+void judge_unknown_slots(const RuleBase& base, Findings& findings);
 /// unreachable (reach.cpp)
 void judge_reach(const RuleBase& base, Findings& findings);
 /// loop (loops.cpp)

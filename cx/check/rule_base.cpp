@@ -24,6 +24,11 @@ std::string variable_name(const Term& term) {
 
 bool is_group(std::string_view head) { return is_any(head, {"and", "or", "not", "exists", "forall", "logical"}); }
 
+bool is_query(std::string_view head) {
+  return is_any(head, {"do-for-fact", "do-for-all-facts", "delayed-do-for-all-facts", "any-factp", "find-fact",
+                       "find-all-facts"});
+}
+
 std::size_t first_action(const Term& rule) {
   std::size_t i = 0;
   while (i < rule.items.size() && !rule.items[i].is("=>")) ++i;
@@ -64,6 +69,22 @@ std::string RuleBase::origin_of(std::string key) const {
     key = *found->second.from.begin();
   }
   return key;
+}
+
+bool RuleBase::lacks_slot(const std::string& template_name, const std::string& slot) const {
+  if (const auto defined = templates_.find(template_name); defined != templates_.end())
+    return !defined->second.slots.empty() && !defined->second.slots.contains(slot);
+  const auto known = outside_.slots.find(template_name);
+  return known != outside_.slots.end() && !known->second.contains(slot);
+}
+
+std::vector<std::string> RuleBase::slots_of(const std::string& template_name) const {
+  std::vector<std::string> names;
+  if (const auto defined = templates_.find(template_name); defined != templates_.end())
+    for (const auto& [name, slot] : defined->second.slots) names.push_back(name);
+  else if (const auto known = outside_.slots.find(template_name); known != outside_.slots.end())
+    names.assign(known->second.begin(), known->second.end());
+  return names;
 }
 
 bool RuleBase::is_set(const std::string& template_name, const std::string& slot) const {

@@ -27,12 +27,12 @@ struct Source {
 
 /// What does not come from rule files.
 struct Outside {
-  Words templates;      ///< that plugins define; they may assert and read them as they like
-  Words facts;          ///< ordered facts that plugins assert
-  Words functions;      ///< deffunctions that plugins define
-  Words words;          ///< of configurations and PDDL: modules that get the focus, symbols that come back
-  bool loaded = false;  ///< CLIPS has loaded the rules, and has told what it refuses
-  bool open = false;    ///< more may be asserted and read: a name is doubted only where a known one is spelt nearly so
+  Words templates;                     ///< that plugins define; they may assert and read them as they like
+  std::map<std::string, Words> slots;  ///< of those templates whose slots are known
+  Words facts;                         ///< ordered facts that plugins assert
+  Words functions;                     ///< deffunctions that plugins define
+  Words words;        ///< of configurations and PDDL: modules that get the focus, symbols that come back
+  bool open = false;  ///< more may be asserted and read: a name is doubted only where a known one is spelt nearly so
 };
 
 struct Place {
@@ -112,6 +112,10 @@ class RuleBase {
   const Values& possible(const std::string& key) const;
   /// The slot whose value a variable has, if it has no other.
   std::string origin_of(std::string key) const;
+  /// Whether the slots of a template of rule files or plugins are known, and that is none of them.
+  bool lacks_slot(const std::string& template_name, const std::string& slot) const;
+  /// Those that are known.
+  std::vector<std::string> slots_of(const std::string& template_name) const;
   bool is_set(const std::string& template_name, const std::string& slot) const;
   bool is_read(const std::string& template_name, const std::string& slot) const;
   /// Whether actions or functions have the word other than as the name of a fact, or a text that may be evaluated has
@@ -158,5 +162,6 @@ std::string variable_name(const Term& term);
 /// The conditions of a rule, and the index of its first action in `tree.items`.
 std::size_t first_action(const Term& rule);
 bool is_group(std::string_view head);  ///< and, or, not, exists, forall, logical
+bool is_query(std::string_view head);  ///< of facts: do-for-fact, any-factp, find-fact, ...
 
 }  // namespace cxlab::check

@@ -11,11 +11,6 @@ namespace cxlab::check {
 
 namespace {
 
-bool is_query(std::string_view head) {
-  return is_any(head, {"do-for-fact", "do-for-all-facts", "delayed-do-for-all-facts", "any-factp", "find-fact",
-                       "find-all-facts"});
-}
-
 /// Their value is a number, a fact or nothing: no symbol of a slot but TRUE and FALSE.
 bool gives_no_symbol(std::string_view head) {
   return is_any(head, {"+",        "-",         "*",           "/",       "div",        "mod",     "abs",        "min",
@@ -388,7 +383,8 @@ class Reader {
     std::set<std::string> names;
     if (head == "find-fact" || head == "find-all-facts") {
       for (const Term& member : term.items[1].items)
-        for (const Term& name : after(member, 1)) names.insert(bare(name.text));
+        for (const Term& name : after(member, 1))
+          if (is_symbol(name)) names.insert(bare(name.text));
     } else if (is_any(head, {"if", "switch", "progn"})) {
       for (const Term* item : last_ones(term)) names.merge(templates_of(*item));
     } else if (passes_on(head)) {
@@ -479,6 +475,7 @@ class Reader {
       std::set<std::string>& names = fact_templates_[variable_name(member.items[0])];
       names.clear();
       for (const Term& name : after(member, 1)) {
+        if (!is_symbol(name)) continue;  // an expression says which
         names.insert(bare(name.text));
         base_.touches_.push_back({by_, How::kRead, bare(name.text), nullptr, here(name)});
       }

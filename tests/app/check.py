@@ -115,6 +115,18 @@ class Check(Lab):
         self.assertEqual([(f["line"], f["code"]) for f in found], [(1, "never-asserted"), (2, "not-loaded"), (3, "not-loaded"), (3, "used-once")])
         self.assertIn("no-such-function", found[1]["message"])
 
+    def test_a_misspelt_slot_is_one_finding_whether_clips_refuses_it_or_not(self):
+        self.agent("(deftemplate order\n  (slot id) (slot state))\n(deffacts o (order (id 1) (state OPEN)))\n"
+                   "(defrule refused ?f <- (order (id 1)\n  (state OPEN))\n  =>\n  (modify ?f\n    (stat DONE)))\n"
+                   "(defrule taken (time ?) => (do-for-all-facts ((?q order))\n  (eq ?q:stat OPEN) (retract ?q)))\n"
+                   "(defrule of-a-plugin ?m <- (ros-msgs-message (topic \"x\")) =>\n  (printout t (fact-slot-value ?m tpoic)))\n")
+        said = {8: "template 'order' has no slot 'stat', did you mean 'state'?", 10: "template 'order' has no slot 'stat', did you mean 'state'?",
+                12: "template 'ros-msgs-message' has no slot 'tpoic', did you mean 'topic'?"}
+        found = self.findings("scenario.yaml")
+        self.assertEqual([(f["line"], f["code"], f["message"]) for f in found], [(line, "unknown-slot", what) for line, what in said.items()])
+        found = self.findings("rules/rules.clp")
+        self.assertEqual([f["line"] for f in found], [8, 10], "files alone do not tell the slots of plugins")
+
     def test_a_comment_silences_a_line(self):
         rules = "(deffunction spare (?x) ?x){}\n(defrule r (time ?t) => (printout t ?t))\n"
         self.write("a.clp", rules.format(""))

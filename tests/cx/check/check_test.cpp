@@ -166,15 +166,47 @@ INSTANTIATE_TEST_SUITE_P(
         Seed{"slot_that_a_pattern_misspells",
              "(deftemplate door (slot name))\n(deffacts d (door (name a)))\n(defrule r (door (name ?n)) (not\n  (door "
              "(nmae ?n))) => (printout t ?n))",
-             "4 not-loaded"},
+             "4 unknown-slot"},
         Seed{"slot_that_an_assert_misspells",
              "(deftemplate door (slot name))\n(deffacts d (door (name a)))\n(defrule r (door (name ?n)) (time ?) =>\n"
              "  (assert (door (nmae ?n))))",
-             "4 not-loaded"},
+             "4 unknown-slot"},
         Seed{"slot_that_a_fact_at_the_start_misspells",
              "(deftemplate door (slot name))\n(deffacts d (door (name a))\n  (door (nmae b)))\n(defrule r (door (name "
              "?n)) => (printout t ?n))",
-             "3 not-loaded"},
+             "3 unknown-slot"},
+        Seed{"slot_that_a_modify_misspells",
+             "(defrule r\n  (time ?)\n  ?r <- (robot (state BROKEN))\n  =>\n  (modify ?r\n    (stat IDLE)))",
+             "6 unknown-slot"},
+        Seed{"slot_that_a_duplicate_misspells",
+             "(defrule r\n  (time ?)\n  ?r <- (robot (state BROKEN))\n  =>\n  (duplicate ?r (stat IDLE)))",
+             "5 unknown-slot"},
+        Seed{"slot_that_a_query_misspells",
+             "(defrule r (time ?) =>\n  (do-for-all-facts ((?r robot))\n    (eq ?r:stat IDLE)\n    (retract ?r)))",
+             "3 unknown-slot"},
+        Seed{"slot_of_the_second_fact_of_a_query",
+             "(defrule r (time ?)\n  (test (any-factp ((?r robot) (?j job))\n    (eq ?r:name ?j:robt))) => (printout t "
+             "a))",
+             "3 unknown-slot"},
+        Seed{"slot_that_a_query_within_a_query_misspells",
+             "(defrule r (time ?) =>\n  (do-for-fact ((?x robot)) TRUE\n    (do-for-fact ((?x job)) (eq ?x:id 1) "
+             "(printout t ?x:tries))\n    (printout t ?x:tries)))",
+             "4 unknown-slot"},
+        Seed{"slot_that_none_of_two_templates_has",
+             "(defrule r (time ?) =>\n  (do-for-fact ((?x robot job))\n    (eq ?x:state2 2)\n    (printout t ?x:id "
+             "?x:name)))",
+             "3 unknown-slot"},
+        Seed{"slot_that_fact_slot_value_misspells",
+             "(defrule r (time ?)\n  ?r <- (robot (state BROKEN)) =>\n  (printout t (fact-slot-value ?r stat)))",
+             "3 unknown-slot"},
+        Seed{"slot_of_a_fact_that_a_query_has_found",
+             "(defrule r (time ?) =>\n  (bind ?all (find-all-facts ((?r robot)) TRUE))\n  (foreach ?one ?all\n    "
+             "(printout t (fact-slot-value ?one stat)))\n  (modify (nth$ 1 ?all) (state IDLE)))",
+             "4 unknown-slot"},
+        Seed{"slot_of_a_fact_that_a_function_asserts",
+             "(deffunction make ()\n  (bind ?job (assert (job (id 3))))\n  (bind ?job (modify ?job (tries 2)))\n  "
+             "(modify ?job (tires 3)))\n(defrule r (time ?) => (make))",
+             "4 unknown-slot"},
         Seed{"slot_of_no_use",
              "(deftemplate door (slot name)\n  (slot weight (default 1)))\n(deffacts d (door (name a)))\n(defrule r "
              "(door (name "
@@ -354,6 +386,33 @@ INSTANTIATE_TEST_SUITE_P(
             "=> (modify ?d (is (state-of ?t))))"),
         std::pair("a_not_of_another_one",
                   "(defrule r (robot (name ?n) (state IDLE)) (not (robot (name ~?n))) => (printout t ?n))"),
+        std::pair("a_slot_of_a_fact_that_a_bind_replaces",
+                  "(defrule r (time ?) ?f <- (robot (state BROKEN)) => (bind ?f (funcall other)) (modify ?f (size 1)) "
+                  "(printout t (fact-slot-value ?f size)))"),
+        std::pair("a_slot_of_a_fact_that_a_loop_replaces_later",
+                  "(defrule r (time ?) ?f <- (robot (state BROKEN)) => (while (fact-existp ?f) (modify ?f (size 1)) "
+                  "(bind ?f (funcall other))))"),
+        std::pair("a_slot_of_one_of_several_templates",
+                  "(defrule r (time ?) => (do-for-fact ((?f robot job)) (eq ?f:id 1) (printout t ?f:state)))"),
+        std::pair("a_slot_of_one_of_two_conditions",
+                  "(defrule r (or (and (time 1) ?f <- (robot)) ?f <- (job (id 2))) => (printout t (fact-slot-value ?f "
+                  "id)))"),
+        std::pair("a_fact_in_a_slot",
+                  "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
+                  "(by me))))\n(defrule s (offer (job ?x) (by ?y)) => (printout t (fact-slot-value ?x size) ?y))"),
+        std::pair("a_fact_that_a_function_gets",
+                  "(deffunction put (?f) (modify ?f (size 1)))\n(defrule r (time ?) ?f <- (lamp ?) => (put ?f))\n"
+                  "(deffacts l (lamp 1))"),
+        std::pair("a_member_with_the_name_of_a_fact",
+                  "(defrule r (time ?) ?f <- (robot (state BROKEN)) => (do-for-fact ((?f job)) (eq ?f:id 1) (printout "
+                  "t ?f:tries)) (modify ?f (state IDLE)))"),
+        std::pair("members_of_instances",
+                  "(defrule r (time ?) ?f <- (robot (state BROKEN)) => (do-for-all-facts ((?q robot)) TRUE "
+                  "(do-for-instance ((?q LAMP)) (eq ?q:size 1) (printout t ?q:size))) (retract ?f))"),
+        std::pair("a_member_of_a_template_that_a_variable_names",
+                  "(defrule r (time ?t) => (do-for-all-facts ((?q ?t)) (eq ?q:size 1) (printout t ?q:size)))"),
+        std::pair("slots_of_templates_of_plugins",
+                  "(defrule r ?m <- (ros-msgs-message (topic ?)) => (modify ?m (whatever 1)))"),
         std::pair("texts_from_outside",
                   "(deftemplate seen (slot kind (type STRING)))\n(defrule a (time ?t) => (assert (seen (kind (str-cat "
                   "\"lamp-\" "
@@ -411,6 +470,24 @@ TEST(Check, WhatUnknownPluginsAssertIsOnlyDoubtedWhereAnotherNameIsNear) {
   EXPECT_THAT(found_in({{"a.clp", "(defrule r (reading ?x) => (printout t ?x))"}}, open), IsEmpty());
   EXPECT_EQ(found_in({{"a.clp", "(deffacts f (reading 1))\n(defrule r (readnig ?x) => (printout t ?x))"}}, open).size(),
             1U);
+}
+
+TEST(Check, SlotsOfTemplatesOfPluginsAreKnownWhereThePluginIsLoaded) {
+  const std::string rules = "(defrule r ?m <- (ros-msgs-message (topic ?)) =>\n (modify ?m (tpoic a)))\n";
+  Outside out = outside();
+  out.slots["ros-msgs-message"] = {"topic", "msg-ptr"};
+  const auto found = found_in({{"a.clp", rules}}, out);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].text(),
+            "a.clp:2: [unknown-slot] template 'ros-msgs-message' has no slot 'tpoic', did you mean 'topic'?");
+}
+
+TEST(Check, ASlotThatNoneOfSeveralTemplatesHasNamesThemAll) {
+  const auto found = found_in(
+      {{"honest.clp", kHonest}, {"a.clp", "(defrule r (time ?) => (do-for-fact ((?x robot job)) (eq ?x:stat 2)))\n"}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].text(),
+            "a.clp:1: [unknown-slot] templates 'job', 'robot' have no slot 'stat', did you mean 'state'?");
 }
 
 TEST(Check, FunctionsThatOnlyCallEachOtherAreNotUsed) {
