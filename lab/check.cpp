@@ -28,15 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ordered facts that plugins and the manager assert, and what the journal reads of all rules.
-constexpr std::string_view kFactsOfPlugins[] = {"time",
-                                                "executive-finalize",
-                                                "protobuf-client-connected",
-                                                "protobuf-client-disconnected",
-                                                "protobuf-server-client-connected",
-                                                "protobuf-server-client-disconnected",
-                                                "decision"};
-
 using Extensions = std::span<const std::string_view>;
 constexpr std::string_view kRuleFiles[] = {".clp", ".bat", ".clips"}, kYaml[] = {".yaml", ".yml"}, kPddl[] = {".pddl"};
 
@@ -78,7 +69,7 @@ std::vector<fs::path> files_below(const fs::path& folder, Extensions extensions,
 
 check::Outside outside_of_files() {
   check::Outside outside;
-  outside.facts.insert(std::begin(kFactsOfPlugins), std::end(kFactsOfPlugins));
+  for (const std::string_view fact : cx::builtin_facts()) outside.facts.emplace(fact);
   return outside;
 }
 

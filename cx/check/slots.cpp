@@ -45,7 +45,7 @@ std::optional<Templates> templates_of_member(const Term& member) {
 }
 
 /// Slots that actions and queries of one construct name. A variable stands for facts of known templates only if each
-/// condition, `bind` and loop that gives it a value gives it such a fact: the order of actions is not looked at.
+/// condition, `bind` and loop that gives it a value gives it such a fact. The order of actions does not matter.
 class SlotsOfActions {
  public:
   SlotsOfActions(const RuleBase& base, const Construct& construct, Findings& findings)

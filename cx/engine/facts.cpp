@@ -1,8 +1,10 @@
 // Facts in and out, without a detour over text.
 
 #include <cstring>
+#include <set>
 #include <span>
 
+#include "cx/engine/template_names.h"
 #include "internal/impl.h"
 
 namespace cxlab {
@@ -260,6 +262,20 @@ std::string RuleEngine::template_module(const std::string& module, const std::st
   const Deftemplate* found = FindDeftemplate(environment_, name.c_str());
   SetCurrentModule(environment_, current);
   return found == nullptr ? std::string() : found->header.whichModule->theModule->header.name->contents;
+}
+
+std::vector<std::string> template_names(const RuleEngine& engine) {
+  Environment* env = engine.raw();
+  Defmodule* const current = GetCurrentModule(env);
+  std::set<std::string> names;
+  for (Defmodule* module = GetNextDefmodule(env, nullptr); module != nullptr; module = GetNextDefmodule(env, module)) {
+    SetCurrentModule(env, module);
+    for (Deftemplate* known = GetNextDeftemplate(env, nullptr); known != nullptr;
+         known = GetNextDeftemplate(env, known))
+      names.emplace(DeftemplateName(known));
+  }
+  SetCurrentModule(env, current);
+  return {names.begin(), names.end()};
 }
 
 FactCopy RuleEngine::Impl::copy_instance(Instance& instance) {

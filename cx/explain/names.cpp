@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "cx/engine/template_names.h"
+
 namespace cxlab::explain {
 
 namespace {
@@ -76,29 +78,28 @@ std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kin
   return names;
 }
 
-std::vector<std::string> template_names(const RuleEngine& engine) {
-  std::vector<std::string> names = names_of(engine, "deftemplate");
-  for (const FactCopy& fact : engine.facts()) names.push_back(fact.template_name);
-  return names;
-}
-
 Status check_names(const Pattern& pattern, const RuleEngine& engine) {
   const std::string& name = pattern.template_name();
   if (pattern.is_object()) return {};
   const auto slots = slots_of(engine, name);
   if (!slots && !engine.has("deftemplate", name)) {
-    return input_error("there is no template '" + name + "'" + did_you_mean(name, template_names(engine)));
+    std::vector<std::string> others = template_names(engine);
+    std::erase(others, name);  // of a module that is not visible
+    return input_error("there is no template '" + name + "'" + did_you_mean(name, others));
   }
   std::vector<std::string> known;
   if (slots)
     for (const Term& slot : *slots) known.push_back(slot.items[1].text);
+  else
+    known = engine.slot_names(name);  // also of one that a rule has built
+  const bool ordered = !slots && known == std::vector<std::string>{"implied"};
   const std::vector<std::string> named = pattern.slot_names();
-  if (slots && named.empty() && !pattern.constants().empty())
+  if (!ordered && named.empty() && !pattern.constants().empty())
     return input_error("template '" + name + "' has slots; write (" + name + " (SLOT VALUE)), with one of " +
                        some_of(known));
   for (const std::string& slot : named) {
     if (std::ranges::count(named, slot) > 1) return input_error("slot '" + slot + "' is in the pattern twice");
-    if (!slots) return input_error("template '" + name + "' has no slots: its facts are ordered");
+    if (ordered) return input_error("template '" + name + "' has no slots: its facts are ordered");
     if (std::ranges::count(known, slot) == 0)
       return input_error("template '" + name + "' has no slot '" + slot + "'" + did_you_mean(slot, known));
   }

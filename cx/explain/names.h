@@ -16,9 +16,6 @@ std::string with_module(const std::string& module, const std::string& name);
 /// Names of constructs of that kind, bare.
 std::vector<std::string> names_of(const RuleEngine& engine, std::string_view kind);
 
-/// Names of templates, including those of existing ordered facts.
-std::vector<std::string> template_names(const RuleEngine& engine);
-
 /// Fails if a pattern that a person wrote names a template or slot that the engine does not have. The error suggests
 /// the nearest name.
 Status check_names(const Pattern& pattern, const RuleEngine& engine);

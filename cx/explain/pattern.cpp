@@ -376,7 +376,9 @@ class Pattern::Matching {
 
 bool Pattern::match(const FactCopy& fact, Bindings& bindings, Evaluator* evaluator,
                     const std::function<bool()>& found) const {
-  if (fact.template_name != template_name_ || (!module_.empty() && fact.module != module_)) return false;
+  // The module of a fact that the journal tells is not known.
+  const bool of_other_module = !module_.empty() && !fact.module.empty() && fact.module != module_;
+  if (fact.template_name != template_name_ || of_other_module) return false;
   return Matching(*this, bindings, evaluator, found).all_slots(fact, 0);
 }
 

@@ -6,6 +6,7 @@
 
 #include "cx/base/number_text.h"
 #include "cx/engine/form_reader.h"
+#include "cx/engine/template_names.h"
 #include "cx/explain/fact_record.h"
 #include "cx/explain/left_hand_side.h"
 #include "cx/explain/matcher.h"
@@ -109,7 +110,7 @@ FactHistory Inspector::history_of(std::int64_t number, std::int64_t index, std::
 Error Inspector::no_template(const std::string& name) const {
   if (name.find_first_of(" ()") != name.npos)
     return input_error(found_text(name, "a template, or a pattern in parentheses: '(order (id 3))'"));
-  return input_error("there is no template '" + name + "'" + did_you_mean(name, explain::template_names(*engine_)));
+  return input_error("there is no template '" + name + "'" + did_you_mean(name, template_names(*engine_)));
 }
 
 Expected<Inspector::Wanted> Inspector::wanted_in(const std::string& what) const {

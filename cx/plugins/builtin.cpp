@@ -8,4 +8,15 @@ std::vector<PluginType> builtin_plugins() {
           ros_msgs_plugin(),    ros_param_plugin(), tf2_pose_tracker_plugin()};
 }
 
+std::span<const std::string_view> builtin_facts() {
+  static constexpr std::string_view kFacts[] = {"time",
+                                                "executive-finalize",
+                                                "protobuf-client-connected",
+                                                "protobuf-client-disconnected",
+                                                "protobuf-server-client-connected",
+                                                "protobuf-server-client-disconnected",
+                                                "decision"};
+  return kFacts;
+}
+
 }  // namespace cxlab::cx

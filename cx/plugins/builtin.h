@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "cx/executive/plugin.h"
@@ -8,6 +10,9 @@ namespace cxlab::cx {
 
 /// The plugins that come with cxlab, under the names of the ROS 2 CX.
 std::vector<PluginType> builtin_plugins();
+
+/// Ordered facts that plugins and the environment manager assert, and what the journal reads of all rules.
+std::span<const std::string_view> builtin_facts();
 
 // Each of them, from the folder of its name; docs/plugins/NAME.md describes it.
 PluginType ament_index_plugin();

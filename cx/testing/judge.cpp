@@ -64,22 +64,19 @@ std::string judge_fact(const Expectation& e, const Play& play) {
     else if (!found)
       found = &version;
   }
-  const std::string no_template = "there is no deftemplate '" + pattern.template_name() + '\'';
+  const std::string no_template = "there is no template '" + pattern.template_name() + '\'';
   const bool known = play.engine().has("deftemplate", pattern.template_name());
-  const auto guess = [&] {
-    return did_you_mean(pattern.template_name(), explain::names_of(play.engine(), "deftemplate"));
-  };
   if (known)
     if (Status s = explain::check_names(pattern, play.engine()); !s) return e.text + ": " + s.error().message;
   if (e.kind == Kind::kNoFact) {
     if (found)
       return "expected no fact " + e.text + span(e) + "; there was " + found->fact.print() + " from " +
              seconds(found->from);
-    return known ? "" : no_template + ", so this says nothing" + guess();
+    return known ? "" : no_template + ", so this says nothing";
   }
   if (found) return {};
   const std::string expected = "expected fact " + e.text + span(e) + "; ";
-  if (others.empty()) return expected + (known ? "there was no fact of this template" : no_template + guess());
+  if (others.empty()) return expected + (known ? "there was no fact of this template" : no_template);
   const explain::Nearest near = nearest(pattern, others);
   const auto& version = *std::find_if(play.history().facts().begin(), play.history().facts().end(),
                                       [&](const auto& v) { return &v.fact == near.fact; });
@@ -148,118 +145,6 @@ bool contains(const std::string& found, const std::string& wanted) {
   if (wanted.empty()) return true;
   const auto a = yaml::Document::parse(found, "message"), b = yaml::Document::parse(wanted, "fields");
   return a && b && contains_value(a->root(), b->root());
-}
-
-namespace {
-
-/// The objection of CLIPS to a pattern that no fact of its template can match. Its value may have another type or may
-/// not be allowed, or a template with slots is written as an ordered fact. A separate engine, which has only the
-/// templates, answers.
-class ImpossiblePatterns {
- public:
-  explicit ImpossiblePatterns(const RuleEngine& rules) {
-    EngineOptions options;
-    options.name = "patterns";
-    auto made = RuleEngine::create(std::move(options));
-    if (!made) return;
-    engine_ = *std::move(made);
-    for (const ConstructInfo& c : rules.constructs())
-      if (c.kind == "deftemplate" || c.kind == "defmodule") (void)engine_->build(c.text);
-  }
-  /// Empty if there is nothing.
-  std::string against(const std::string& pattern) {
-    if (!engine_) return {};
-    Term term = tree_of(read_forms(pattern, {}).forms.front());
-    term.items.front().text = without_module(term.items.front().text);  // patterns of rules have no modules
-    const std::string why = error_of(term);
-    if (!why.starts_with("[CSTRNCHK1]")) return why;
-    // A story compares 3 and 3.0 as numbers, CLIPS does not: slots by themselves, with all their numbers of one type.
-    for (std::size_t i = 1; i < term.items.size(); ++i) {
-      Term alone = term;
-      if (term.items[i].is_list()) alone.items = {term.items[0], term.items[i]};
-      if (!error_of(alone).empty() && !error_of(with_numbers(alone, ".0")).empty() &&
-          !error_of(with_numbers(alone, "")).empty())
-        return why;
-    }
-    return {};
-  }
-
- private:
-  std::string error_of(const Term& pattern) {
-    static constexpr std::string_view kCodes[] = {"[CSTRNCHK1]", "[PRNTUTIL2]", "[PRNTUTIL5]", "[TMPLTDEF1]"};
-    const Status built = engine_->build("(defrule pattern " + pattern.print() + " =>)");
-    const std::string what = built ? "" : built.error().message;
-    return std::ranges::any_of(kCodes, [&](std::string_view code) { return what.starts_with(code); }) ? what : "";
-  }
-  /// Whole numbers end with `end`: 3, 3.0.
-  static Term with_numbers(Term term, const std::string& end) {
-    const auto is_digits = [](std::string_view text) {
-      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-    };
-    for (Term& item : term.items) item = with_numbers(std::move(item), end);
-    const std::size_t sign = term.text.starts_with('-') || term.text.starts_with('+') ? 1 : 0;
-    const std::string whole = term.text.substr(0, std::min(term.text.find(".0"), term.text.size()));
-    const bool number = term.kind == Token::Kind::kWord &&
-                        is_digits(std::string_view(whole).substr(std::min(sign, whole.size()))) &&
-                        (term.text == whole || term.text == whole + ".0");
-    if (number) term.text = whole + end;
-    return term;
-  }
-
-  std::unique_ptr<RuleEngine> engine_;
-};
-
-}  // namespace
-
-std::vector<Error> mistakes_in_names(const Play& play, bool checked) {
-  const StorySpec& spec = play.spec();
-  const RuleEngine& engine = play.engine();
-  std::vector<Error> mistakes, no_templates;
-  std::set<std::string> asserted;
-  const auto look_at_fact = [&](const std::string& text, int line, const std::string& verb) {
-    const auto fact = explain::Pattern::parse_plain(text, spec.file, line);
-    if (!fact) return;  // it has expressions, or CLIPS objects to it when its time comes
-    asserted.insert(fact->template_name());
-    if (!engine.find_construct("deftemplate", fact->template_name())) return;
-    if (Status s = explain::check_names(*fact, engine); !s)
-      mistakes.push_back(play.at(line, verb + text + ": " + s.error().message));
-  };
-  for (const GivenFact& fact : spec.given) look_at_fact(fact.text, fact.line, "");
-  for (const Step& step : spec.steps)
-    if (step.verb == Step::Verb::kAssert || step.verb == Step::Verb::kRetract)
-      look_at_fact(step.text, step.line, step.verb == Step::Verb::kRetract ? "retract " : "");
-  std::unique_ptr<ImpossiblePatterns> impossible;
-  const std::vector<std::string> rules = explain::names_of(engine, "defrule");
-  for (const Expectation& e : spec.expect) {
-    if (e.kind == Kind::kFact || e.kind == Kind::kNoFact) {
-      if (checked) continue;
-      const auto pattern = explain::Pattern::parse_plain(e.text, spec.file, e.line);
-      if (!pattern) {
-        mistakes.push_back(pattern.error());
-      } else if (const std::string& name = pattern->template_name(); !engine.has("deftemplate", name)) {
-        const std::string guess = did_you_mean(name, explain::names_of(engine, "deftemplate"));
-        if (!guess.empty() && !asserted.contains(name))
-          no_templates.push_back(play.at(e.line, "there is no deftemplate '" + name + '\'' + guess));
-      } else {
-        if (!impossible) impossible = std::make_unique<ImpossiblePatterns>(engine);
-        if (const std::string why = impossible->against(e.text); !why.empty())
-          mistakes.push_back(play.at(e.line, e.text + " can match no fact: " + plain_objection(*pattern, engine, why)));
-      }
-    } else if (e.kind == Kind::kFires || e.kind == Kind::kNotFires) {
-      if (!engine.find_construct("defrule", e.text))
-        mistakes.push_back(play.at(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, rules)));
-    } else if (e.kind == Kind::kGoal) {
-      const std::vector<std::string> served = play.stand_ins().names();
-      const bool later = std::ranges::count(spec.steps, e.text, [](const Step& s) { return s.stand_in.name; }) > 0;
-      if (!later && std::ranges::count(served, e.text) == 0)
-        mistakes.push_back(
-            play.at(e.line, "nobody serves " + e.text + did_you_mean(e.text, served) + " (skills: of the story)"));
-    }
-  }
-  // Rules may make a template while they run, so its name alone is no mistake.
-  if (!mistakes.empty()) mistakes.insert(mistakes.end(), no_templates.begin(), no_templates.end());
-  std::ranges::stable_sort(mistakes, {}, &Error::line);
-  return mistakes;
 }
 
 std::vector<std::string> judge(const Play& play) {

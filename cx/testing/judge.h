@@ -9,11 +9,6 @@
 
 namespace cxlab::testing {
 
-/// All mistakes of the story in names of rules, actions, templates and slots, and in patterns that no fact can match,
-/// by line. Call it after activation. Patterns that were checked before with the same templates need not be `checked`
-/// again, which takes the longest.
-std::vector<Error> mistakes_in_names(const Play& play, bool checked = false);
-
 /// After the last tick: `file:line: what was expected, by when, what was there` for each expectation that was not met.
 std::vector<std::string> judge(const Play& play);
 

@@ -33,7 +33,7 @@ class Play final : private Server, private cx::LogSink {
   Play(const Play&) = delete;
   Play& operator=(const Play&) = delete;
 
-  /// Packages, configuration and stand-ins: an error is a mistake of the story.
+  /// Packages, configuration and stand-ins: an error is a mistake of the story, and so are `mistakes_in_messages`.
   Status prepare();
   /// What the story reaches of the machine from now on.
   Wall wall() const;
@@ -46,7 +46,7 @@ class Play final : private Server, private cx::LogSink {
   /// The coverage of the removed agent.
   const explain::Coverage& coverage() const { return coverage_; }
   /// After `begin`: all that is still to come is that of another story of the same agent (`same_agent`).
-  Status go_on_as(const StorySpec& spec);
+  void go_on_as(const StorySpec& spec);
   /// At once; `line` is that of the story.
   Status assert_fact(const std::string& text, int line);
   /// An error at a line of the story.
@@ -62,6 +62,8 @@ class Play final : private Server, private cx::LogSink {
   const explain::History& history_of(const RuleEngine& engine) {
     return histories_.of(journal_.stream_name(engine.stream()));
   }
+  /// Types and fields of the story that do not exist; it must not be played then.
+  const std::vector<Error>& mistakes_in_messages() const { return mistakes_in_messages_; }
   /// What plugins cleaned up at the end: it was left open.
   const std::vector<std::string>& left_open() const { return left_open_; }
   /// Parameters of the story that nothing had read at the end, with their lines.
@@ -85,6 +87,7 @@ class Play final : private Server, private cx::LogSink {
   const StorySetup& setup_;
   const bool each_tick_;
   LimitsInUse limits_;
+  std::vector<Error> mistakes_in_messages_;
   std::vector<std::string> left_open_, unread_;
   std::deque<std::string> printed_;
   std::set<std::string> files_;

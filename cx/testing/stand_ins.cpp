@@ -79,42 +79,44 @@ void StandIns::expect(std::vector<Fault> faults) {
 
 StandIns::~StandIns() { bus_.leave(self_); }
 
-Status StandIns::read_types(Served& server) const {
+std::vector<Error> StandIns::read_types(Served& server) const {
   const StandIn& given = server.stand_in;
   if (given.action) {
     auto type = bus_.registry().action(given.type);
-    if (!type) return at(type.error(), given.name, given.file, given.line);
+    if (!type) return {at(type.error(), given.name, given.file, given.line)};
     server.action = *type;
   } else {
     auto type = bus_.registry().service(given.type);
-    if (!type) return at(type.error(), given.name, given.file, given.line);
+    if (!type) return {at(type.error(), given.name, given.file, given.line)};
     server.service = *type;
   }
-  auto answers = answers_of(server, given.outcomes);
-  if (!answers) return answers.error();
-  server.answers = *std::move(answers);
+  std::vector<Error> errors;
+  server.answers = answers_of(server, given.outcomes, errors);
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     const Fault& fault = faults_[i];
     if (fault.name.empty() ? !given.action : fault.name != given.name) continue;
-    auto answer = answers_of(server, {fault.outcome});
-    if (!answer) return answer.error();
-    server.threats.push_back({i, std::move(answer->front())});
+    for (Answer& answer : answers_of(server, {fault.outcome}, errors)) server.threats.push_back({i, std::move(answer)});
   }
-  return {};
+  return errors;
 }
 
-Expected<std::vector<StandIns::Answer>> StandIns::answers_of(const Served& server,
-                                                             const std::vector<Outcome>& outcomes) const {
+std::vector<StandIns::Answer> StandIns::answers_of(const Served& server, const std::vector<Outcome>& outcomes,
+                                                   std::vector<Error>& errors) const {
   std::vector<Answer> out;
+  const StandIn& given = server.stand_in;
   for (const Outcome& outcome : outcomes) {
     auto message = result_of(server.action ? *server.action->result : *server.service->response, outcome);
-    if (!message) return at(message.error(), server.stand_in.name, server.stand_in.file, outcome.line);
-    out.push_back({outcome, *message, {}});
+    if (message)
+      out.push_back({outcome, *message, {}});
+    else
+      errors.push_back(at(message.error(), given.name, given.file, outcome.line));
     if (!server.action) continue;
     for (const Feedback& one : outcome.feedback) {
       auto feedback = bus::Message::from_yaml(*server.action->feedback, one.data.empty() ? "{}" : one.data);
-      if (!feedback) return at(feedback.error(), server.stand_in.name + ": feedback", server.stand_in.file, one.line);
-      out.back().feedback.push_back(std::make_shared<const bus::Message>(*std::move(feedback)));
+      if (!feedback)
+        errors.push_back(at(feedback.error(), given.name + ": feedback", given.file, one.line));
+      else if (message)
+        out.back().feedback.push_back(std::make_shared<const bus::Message>(*std::move(feedback)));
     }
   }
   return out;
@@ -147,7 +149,7 @@ const StandIns::Answer& StandIns::answer(Served& server) {
   return struck ? *struck : planned;
 }
 
-Status StandIns::check(const StandIn& stand_in) const {
+std::vector<Error> StandIns::check(const StandIn& stand_in) const {
   Served server;
   server.stand_in = stand_in;
   return read_types(server);
@@ -156,7 +158,7 @@ Status StandIns::check(const StandIn& stand_in) const {
 Status StandIns::check_goal(const StandIn& stand_in, const std::string& content, const std::string& file,
                             int line) const {
   auto action = bus_.registry().action(stand_in.type);
-  if (!action) return at(action.error(), stand_in.name, file, line);
+  if (!action) return {};
   auto goal = bus::Message::from_yaml(*(*action)->goal, content.empty() ? "{}" : content);
   return goal ? Status() : at(goal.error(), stand_in.name, file, line);
 }
@@ -180,7 +182,7 @@ Status StandIns::add(const StandIn& given) {
   auto server = std::make_unique<Served>();
   server->stand_in = given;
   Served* raw = server.get();
-  if (Status s = read_types(*raw); !s) return s;
+  if (const std::vector<Error> errors = read_types(*raw); !errors.empty()) return errors.front();
   if (const auto old = servers_.find(given.name); old != servers_.end()) {
     // The endpoint stays, so that running goals end well.
     if (old->second->stand_in.action != given.action || old->second->stand_in.type != given.type)
@@ -295,12 +297,6 @@ SimTime StandIns::next_due() const {
   for (const Ending& ending : endings_)
     first = std::min({first, ending.is_canceling(bus_) ? SimTime::zero() : ending.due, ending.next_feedback()});
   return first;
-}
-
-std::vector<std::string> StandIns::names() const {
-  std::vector<std::string> out;
-  for (const auto& [name, server] : servers_) out.push_back(name);
-  return out;
 }
 
 }  // namespace cxlab::testing

@@ -89,11 +89,11 @@ class StandIns final : public Server {
                  int line);
 
   // Whether content (YAML) fits its type; errors have file and line.
-  Status check(const StandIn& stand_in) const;
+  std::vector<Error> check(const StandIn& stand_in) const;
   /// A message, or a part of one.
   Status check_message(const std::string& topic, const std::string& type, const std::string& content,
                        const std::string& file, int line) const;
-  /// A goal of the stand-in, or a part of one.
+  /// A goal of the stand-in, or a part of one. A type that does not exist is no error here: `check` reports it.
   Status check_goal(const StandIn& stand_in, const std::string& content, const std::string& file, int line) const;
 
   /// The oldest goal that this action has taken and not ended ends now, in that way (succeed, fail); false if there is
@@ -106,17 +106,16 @@ class StandIns final : public Server {
   Status act(SimTime now) override;
   SimTime next_due() const override;
   const std::vector<Heard>& heard() const { return heard_; }
-  /// Actions and services that are served.
-  std::vector<std::string> names() const;
 
  private:
   struct Served;
   struct Ending;
   struct Answer;
-  Status read_types(Served& server) const;
+  std::vector<Error> read_types(Served& server) const;
   Expected<bus::Message> read_message(const std::string& topic, const std::string& type, const std::string& content,
                                       const std::string& file, int line) const;
-  Expected<std::vector<Answer>> answers_of(const Served& server, const std::vector<Outcome>& outcomes) const;
+  std::vector<Answer> answers_of(const Served& server, const std::vector<Outcome>& outcomes,
+                                 std::vector<Error>& errors) const;
   const Answer& answer(Served& server);
   RandomStream& chance(const std::string& name);
   SimTime duration(const Served& server, const Outcome& outcome);

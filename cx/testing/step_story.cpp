@@ -128,7 +128,7 @@ void Story::expect_no_fact(const std::string& text, Where where) {
   if (const FactCopy* fact = state_->find(*pattern))
     state_->report(where, "expected no fact " + text + "; there is " + fact->print());
   else if (!state_->play.engine().has("deftemplate", pattern->template_name()))
-    state_->report(where, "there is no deftemplate '" + pattern->template_name() + "', so this says nothing");
+    state_->report(where, "there is no template '" + pattern->template_name() + "', so this says nothing");
 }
 
 void Story::skill_succeeds(const std::string& robot, const std::string& skill, Where where) {

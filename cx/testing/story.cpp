@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cx/testing/judge.h"
+#include "cx/testing/mistakes.h"
 #include "cx/testing/play.h"
 
 namespace cxlab::testing {
@@ -34,6 +35,14 @@ Status run(Play& play, StoryResult& result) {
   return {};
 }
 
+void add(const std::vector<Error>& mistakes, StoryResult& result) {
+  for (const Error& mistake : mistakes)
+    if (result.bad)
+      result.failures.push_back(mistake.text());
+    else
+      result.bad = mistake;
+}
+
 /// The agent is there, or what is wrong is in the result.
 bool load(Play& play, const StorySetup& setup, StoryResult& result) {
   if (Status s = play.prepare(); !s) {
@@ -47,16 +56,15 @@ bool load(Play& play, const StorySetup& setup, StoryResult& result) {
     result.bad = begun.error();
   else
     result.failures.push_back(begun.error().text());
+  add(play.mistakes_in_messages(), result);
   return false;
 }
 
 /// The story of an agent that is loaded.
 void play_out(Play& play, const StorySetup& setup, StoryResult& result) {
-  for (const Error& mistake : mistakes_in_names(play, setup.patterns_known))
-    if (result.bad)
-      result.failures.push_back(mistake.text());
-    else
-      result.bad = mistake;
+  Mistakes mistakes = mistakes_of(play, setup.patterns_known);
+  result.notes = std::move(mistakes.notes);
+  add(mistakes.errors, result);
   if (result.bad) return;
   if (Status played = run(play, result); !played) result.bad = played.error();
 }
@@ -119,10 +127,8 @@ StoryResult Stage::play(const StorySpec& story) {
   State& s = *state_;
   s.spec = story;
   if (s.loaded) {
-    if (Status cast = s.play.go_on_as(s.spec); !cast)
-      s.result.bad = cast.error();
-    else
-      play_out(s.play, s.setup, s.result);
+    s.play.go_on_as(s.spec);
+    play_out(s.play, s.setup, s.result);
   }
   return told(s.play, std::move(s.result));
 }

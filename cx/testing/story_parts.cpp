@@ -1,6 +1,7 @@
 #include "cx/testing/story_parts.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "cx/base/file.h"
@@ -71,39 +72,49 @@ std::string plain_objection(const explain::Pattern& pattern, const RuleEngine& e
   return plain ? of_clips : plain.error().message;
 }
 
-Status set_up(StandIns& stand_ins, const StorySpec& spec) {
+std::vector<Error> set_up(StandIns& stand_ins, const StorySpec& spec) {
+  std::vector<Error> mistakes;
+  const auto add = [&mistakes](const Status& fits) {
+    if (!fits && std::ranges::count(mistakes, fits.error().text(), &Error::text) == 0) mistakes.push_back(fits.error());
+  };
+  std::map<std::string, const std::string*> types;  // of topics, actions and services: what the story says first
+  const auto add_type = [&](const std::string& name, const std::string& type, int line) {
+    if (const std::string& first = *types.try_emplace(name, &type).first->second; first != type)
+      add(input_error(name + ": " + found_expected(type, first + ", its type before"), spec.file, line));
+  };
+  const auto add_all = [&add](const std::vector<Error>& found) { std::ranges::for_each(found, add); };
   std::vector<const StandIn*> served;
   for (const StandIn& stand_in : spec.stand_ins) {
-    if (Status s = stand_ins.add(stand_in); !s) return s;
+    const std::vector<Error> found = stand_ins.check(stand_in);
+    add_all(found);
+    add_type(stand_in.name, stand_in.type, stand_in.line);
+    if (found.empty()) add(stand_ins.add(stand_in));
     served.push_back(&stand_in);
   }
   for (const Fault& fault : spec.faults)
     if (!fault.name.empty() &&
         std::ranges::none_of(spec.stand_ins, [&](const StandIn& s) { return s.name == fault.name; }))
-      return input_error("nobody serves " + fault.name + ", so this fault can never strike", spec.file,
-                         fault.outcome.line);
+      add(input_error("nobody serves " + fault.name + ", so this fault can never strike", spec.file,
+                      fault.outcome.line));
+  for (const Step& step : spec.steps)
+    if (step.verb == Verb::kStandIn) {
+      add_all(stand_ins.check(*served.emplace_back(&step.stand_in)));
+      add_type(step.stand_in.name, step.stand_in.type, step.line);
+    } else if (step.verb == Verb::kPublish) {
+      add(stand_ins.check_message(step.text, step.type, step.data, spec.file, step.line));
+      add_type(step.text, step.type, step.line);
+    }
   for (const Expectation& e : spec.expect)
-    if (e.kind == Expectation::Kind::kPublished)
-      if (Status s = stand_ins.listen(e.text, e.type, spec.file, e.line); !s) return s;
-  for (const Step& step : spec.steps) {
-    Status fits;
-    if (step.verb == Verb::kStandIn)
-      fits = stand_ins.check(*served.emplace_back(&step.stand_in));
-    else if (step.verb == Verb::kPublish)
-      fits = stand_ins.check_message(step.text, step.type, step.data, spec.file, step.line);
-    if (!fits) return fits;
-  }
-  for (const Expectation& e : spec.expect) {
-    Status fits;
-    if (e.kind == Expectation::Kind::kPublished)
-      fits = stand_ins.check_message(e.text, e.type, e.fields, spec.file, e.line);
-    else if (e.kind == Expectation::Kind::kGoal)
+    if (e.kind == Expectation::Kind::kPublished) {
+      add(stand_ins.listen(e.text, e.type, spec.file, e.line));
+      add(stand_ins.check_message(e.text, e.type, e.fields, spec.file, e.line));
+      add_type(e.text, e.type, e.line);
+    } else if (e.kind == Expectation::Kind::kGoal) {
       for (const StandIn* stand_in : served)
-        if (stand_in->action && stand_in->name == e.text && fits)
-          fits = stand_ins.check_goal(*stand_in, e.fields, spec.file, e.line);
-    if (!fits) return fits;
-  }
-  return {};
+        if (stand_in->action && stand_in->name == e.text)
+          add(stand_ins.check_goal(*stand_in, e.fields, spec.file, e.line));
+    }
+  return mistakes;
 }
 
 Status StorySteps::sense(SimTime now) {
@@ -274,6 +285,11 @@ Status StoryFacts::give_all(cx::Environment& environment) {
 
 Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
   using Verb = cx::ControlAct::Verb;
+  const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);
+  // Where CLIPS knows no template of that name, it takes the fact for an ordered one, and the slots for its mistake.
+  if (pattern && pattern->module().empty() && !pattern->slot_names().empty())
+    if (Status s = explain::check_names(*pattern, environment.engine()); !s)
+      return input_error(fact.text + ": " + s.error().message, spec_->file, fact.line);
   const std::string text = with_pointers(fact.text);
   const bool is_plain = fact.as.empty() && text == fact.text;
   std::string asserts = is_plain ? text : "(assert " + text + ')';
@@ -284,7 +300,6 @@ Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
   }
   const auto done = environment.act(is_plain ? Verb::kAssert : Verb::kLoad, asserts, std::string(kActOfStory));
   if (done) return {};
-  const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);
   const std::string& why = done.error().message;
   return input_error(fact.text + ": " + (pattern ? plain_objection(*pattern, environment.engine(), why) : why),
                      spec_->file, fact.line);

@@ -31,9 +31,9 @@ Expected<std::string> config_for_rules(const StorySpec& spec);
 /// known, otherwise in the words of CLIPS.
 std::string plain_objection(const explain::Pattern& pattern, const RuleEngine& engine, const std::string& of_clips);
 
-/// Stand-ins serve, topics are listened to, and all that is sent and expected has the fields of its type; else the
-/// error says where in the story it has not.
-Status set_up(StandIns& stand_ins, const StorySpec& spec);
+/// Stand-ins serve, and topics are listened to. Returns the mistakes of the story in names of types and fields, and in
+/// values of fields.
+std::vector<Error> set_up(StandIns& stand_ins, const StorySpec& spec);
 
 /// Does the steps that other nodes see: messages, and stand-ins that answer otherwise from then on.
 class StorySteps final : public Server {

@@ -22,7 +22,8 @@ class StoryStage final : public ActingStage {
       if (spec.name != config.story || (config.line > 0 && spec.line != config.line)) continue;
       spec.seed = setup.scenario.seed;
       std::unique_ptr<StoryStage> stage(new StoryStage(std::move(spec), setup));
-      if (Status s = testing::set_up(*stage->stand_ins_, stage->spec_); !s) return s.error();
+      if (const auto mistakes = testing::set_up(*stage->stand_ins_, stage->spec_); !mistakes.empty())
+        return mistakes.front();
       return std::unique_ptr<Stage>(std::move(stage));
     }
     return input_error("story: there is no story '" + config.story + "' in " + config.file +

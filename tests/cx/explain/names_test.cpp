@@ -57,6 +57,27 @@ TEST(Names, TemplateIsADeftemplateOrThatOfAnOrderedFact) {
   EXPECT_THAT(wrong(*engine, "(count (name 1))"), HasSubstr("template 'count' has no slots"));
 }
 
+TEST(Names, TemplatesOfRulesAreNearBeforeThereIsAFactOfThem) {
+  const auto engine = engine_with("(defrule open (person-at ?x) => (assert (door-open ?x)))");
+  EXPECT_THAT(wrong(*engine, "(persn-at ?)"), HasSubstr("did you mean 'person-at'?"));
+  EXPECT_THAT(wrong(*engine, "(door-opne ?)"), HasSubstr("did you mean 'door-open'?"));
+}
+
+TEST(Names, TemplatesThatARuleHasBuiltAreKnown) {
+  const auto engine = engine_with("(defrule make => (build \"(deftemplate made (slot size))\"))");
+  engine->run();
+  EXPECT_EQ(wrong(*engine, "(made (size ?))"), "");
+  EXPECT_THAT(wrong(*engine, "(made (sise ?))"), HasSubstr("no slot 'sise', did you mean 'size'?"));
+  EXPECT_THAT(wrong(*engine, "(made 3)"), HasSubstr("write (made (SLOT VALUE)), with one of size"));
+}
+
+TEST(Names, ATemplateOfAModuleThatIsNotVisibleIsNotMeant) {
+  const auto engine = engine_with("(defmodule NAV)\n(defrule NAV::go (ways) => (printout t a))\n");
+  engine->use_module("MAIN");
+  EXPECT_EQ(wrong(*engine, "(ways)"), "there is no template 'ways'");
+  EXPECT_THAT(wrong(*engine, "(wasy)"), HasSubstr("did you mean 'ways'?"));
+}
+
 TEST(Names, SlotStandsInAPatternOnceAndWithItsName) {
   const auto engine = engine_with(kRules);
   EXPECT_THAT(wrong(*engine, "(robot (name \"a\") (name \"b\"))"), HasSubstr("slot 'name' is in the pattern twice"));

@@ -68,10 +68,10 @@ TEST(StepStory, SaysWhatCameInstead) {
   story.expect_no_fact("(jobs (id 1))");
   story.skill_fails("R1", "pick", 206);
   story.given("(job (id many))");
-  EXPECT_THAT(failures, ElementsAre(HasSubstr("there came /R1/drive_to {target: \"C-CS1-SHELF-LEFT\""),
-                                    HasSubstr("step is GO-FETCH"), HasSubstr("there is (job (id 1)"),
-                                    HasSubstr("no deftemplate 'jobs'"), HasSubstr("taken no goal"),
-                                    HasSubstr("(job (id many))")));
+  EXPECT_THAT(failures,
+              ElementsAre(HasSubstr("there came /R1/drive_to {target: \"C-CS1-SHELF-LEFT\""),
+                          HasSubstr("step is GO-FETCH"), HasSubstr("there is (job (id 1)"),
+                          HasSubstr("no template 'jobs'"), HasSubstr("taken no goal"), HasSubstr("(job (id many))")));
 }
 
 TEST(StepStory, RulesThatCannotBeUsedFailOnce) {

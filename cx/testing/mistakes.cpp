@@ -1,0 +1,219 @@
+#include "cx/testing/mistakes.h"
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "cx/engine/template_names.h"
+#include "cx/explain/names.h"
+#include "cx/explain/pattern.h"
+#include "cx/plugins/builtin.h"
+
+namespace cxlab::testing {
+
+namespace {
+
+/// The objection of CLIPS to a pattern that no fact of its template can match. Its value may have another type or may
+/// not be allowed, or a template with slots is written as an ordered fact. A separate engine, which has only the
+/// templates, answers.
+class ImpossiblePatterns {
+ public:
+  explicit ImpossiblePatterns(const RuleEngine& rules) {
+    EngineOptions options;
+    options.name = "patterns";
+    auto made = RuleEngine::create(std::move(options));
+    if (!made) return;
+    engine_ = *std::move(made);
+    for (const ConstructInfo& c : rules.constructs())
+      if (c.kind == "deftemplate" || c.kind == "defmodule") (void)engine_->build(c.text);
+  }
+  /// Empty if there is nothing.
+  std::string against(const std::string& pattern) {
+    if (!engine_) return {};
+    Term term = tree_of(read_forms(pattern, {}).forms.front());
+    term.items.front().text = without_module(term.items.front().text);  // patterns of rules have no modules
+    const std::string why = error_of(term);
+    if (!why.starts_with("[CSTRNCHK1]")) return why;
+    // A story compares 3 and 3.0 as numbers, CLIPS does not: slots by themselves, with all their numbers of one type.
+    for (std::size_t i = 1; i < term.items.size(); ++i) {
+      Term alone = term;
+      if (term.items[i].is_list()) alone.items = {term.items[0], term.items[i]};
+      if (!error_of(alone).empty() && !error_of(with_numbers(alone, ".0")).empty() &&
+          !error_of(with_numbers(alone, "")).empty())
+        return why;
+    }
+    return {};
+  }
+
+ private:
+  std::string error_of(const Term& pattern) {
+    static constexpr std::string_view kCodes[] = {"[CSTRNCHK1]", "[PRNTUTIL2]", "[PRNTUTIL5]", "[TMPLTDEF1]"};
+    const Status built = engine_->build("(defrule pattern " + pattern.print() + " =>)");
+    const std::string what = built ? "" : built.error().message;
+    return std::ranges::any_of(kCodes, [&](std::string_view code) { return what.starts_with(code); }) ? what : "";
+  }
+  /// Whole numbers end with `end`: 3, 3.0.
+  static Term with_numbers(Term term, const std::string& end) {
+    const auto is_digits = [](std::string_view text) {
+      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    for (Term& item : term.items) item = with_numbers(std::move(item), end);
+    const std::size_t sign = term.text.starts_with('-') || term.text.starts_with('+') ? 1 : 0;
+    const std::string whole = term.text.substr(0, std::min(term.text.find(".0"), term.text.size()));
+    const bool number = term.kind == Token::Kind::kWord &&
+                        is_digits(std::string_view(whole).substr(std::min(sign, whole.size()))) &&
+                        (term.text == whole || term.text == whole + ".0");
+    if (number) term.text = whole + end;
+    return term;
+  }
+
+  std::unique_ptr<RuleEngine> engine_;
+};
+
+/// Which templates the agent has, and which it may get.
+class Templates {
+ public:
+  explicit Templates(const Play& play) : spec_(play.spec()), engine_(play.engine()) {
+    names_ = template_names(engine_);
+    for (const std::string_view fact : cx::builtin_facts()) names_.emplace_back(fact);
+  }
+  bool may_have(const std::string& name) const {
+    if (std::ranges::count(names_, name) > 0) return true;
+    const auto may_make = [&](const std::string& text) {
+      return has_word(text, name) || std::ranges::any_of(kMakers, [&](std::string_view maker) {
+               return text.find(maker) != std::string::npos;
+             });
+    };
+    return std::ranges::any_of(spec_.calls, may_make, &Line::text) ||
+           std::ranges::any_of(engine_.constructs(), may_make, &ConstructInfo::text);
+  }
+  std::string guess(const std::string& name) const { return did_you_mean(name, names_); }
+
+ private:
+  /// Calls that may bring templates or facts of any name while rules run.
+  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch"};
+
+  static bool has_word(std::string_view text, std::string_view word) {
+    const auto goes_on = [&](std::size_t at) {
+      return at < text.size() &&
+             (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '-' || text[at] == '_');
+    };
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string_view::npos; ++at)
+      if (!(at > 0 && goes_on(at - 1)) && !goes_on(at + word.size())) return true;
+    return false;
+  }
+
+  const StorySpec& spec_;
+  const RuleEngine& engine_;
+  std::vector<std::string> names_;
+};
+
+class Examination {
+ public:
+  explicit Examination(const Play& play) : play_(play), spec_(play.spec()), engine_(play.engine()) {
+    mistakes_.errors = play.mistakes_in_messages();
+  }
+
+  Mistakes all(bool patterns_known) {
+    for (const GivenFact& fact : spec_.given) look_at_fact(fact.text, fact.line);
+    for (const Step& step : spec_.steps)
+      if (step.verb == Step::Verb::kAssert) look_at_fact(step.text, step.line);
+    for (const Step& step : spec_.steps)
+      if (step.verb == Step::Verb::kRetract) look_at_retract(step);
+    for (const Expectation& e : spec_.expect) {
+      if (e.kind == Kind::kFires || e.kind == Kind::kNotFires)
+        look_at_rule(e);
+      else if (e.kind == Kind::kGoal)
+        look_at_goal(e);
+      else if (e.kind != Kind::kPublished && !patterns_known)
+        look_at_pattern(e);
+    }
+    std::ranges::stable_sort(mistakes_.errors, {}, &Error::line);
+    return std::move(mistakes_);
+  }
+
+ private:
+  using Kind = Expectation::Kind;
+
+  void add(int line, const std::string& what) { mistakes_.errors.push_back(play_.at(line, what)); }
+  void add(int line, const std::string& what, const Status& why) {
+    if (!why) add(line, what + ": " + why.error().message);
+  }
+
+  /// Whether rules have, or may get, facts of that name.
+  bool may_have(const std::string& name) {
+    if (engine_.has("deftemplate", name)) return true;
+    if (!templates_) templates_.emplace(play_);
+    return templates_->may_have(name);
+  }
+
+  void look_at_fact(const std::string& text, int line) {
+    const auto fact = explain::Pattern::parse_plain(text, spec_.file, line);
+    if (!fact) return;  // it has expressions, or CLIPS objects to it when its time comes
+    const std::string& name = fact->template_name();
+    const bool is_ordered = fact->slot_names().empty();
+    if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name)))
+      return add(line, text, explain::check_names(*fact, engine_));
+    if (!is_ordered || !given_.insert(name).second || may_have(name)) return;
+    if (const std::string guess = templates_->guess(name); !guess.empty())
+      mistakes_.notes.push_back(play_.at(line, text + ": no rule has facts '" + name + '\'' + guess).text());
+  }
+
+  void look_at_retract(const Step& step) {
+    const auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
+    if (!pattern) return mistakes_.errors.push_back(pattern.error());
+    const std::string& name = pattern->template_name();
+    if (engine_.has("deftemplate", name) || !(is_given(*pattern) || may_have(name)))
+      add(step.line, "retract " + step.text, explain::check_names(*pattern, engine_));
+  }
+
+  void look_at_pattern(const Expectation& e) {
+    const auto pattern = explain::Pattern::parse_plain(e.text, spec_.file, e.line);
+    if (!pattern) return mistakes_.errors.push_back(pattern.error());
+    const std::string& name = pattern->template_name();
+    const std::string what = e.text + " can match no fact";
+    if (engine_.has("deftemplate", name)) {
+      if (!impossible_) impossible_ = std::make_unique<ImpossiblePatterns>(engine_);
+      if (const std::string why = impossible_->against(e.text); !why.empty())
+        add(e.line, what + ": " + plain_objection(*pattern, engine_, why));
+    } else if (!is_given(*pattern) && !may_have(name) &&
+               (!pattern->slot_names().empty() || !templates_->guess(name).empty())) {
+      add(e.line, what, explain::check_names(*pattern, engine_));
+    }
+  }
+
+  /// The story makes such ordered facts.
+  bool is_given(const explain::Pattern& pattern) const {
+    return pattern.slot_names().empty() && given_.contains(pattern.template_name());
+  }
+
+  void look_at_rule(const Expectation& e) {
+    if (!engine_.find_construct("defrule", e.text))
+      add(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, explain::names_of(engine_, "defrule")));
+  }
+
+  void look_at_goal(const Expectation& e) {
+    std::vector<std::string> served;
+    for (const StandIn& stand_in : spec_.stand_ins) served.push_back(stand_in.name);
+    for (const Step& step : spec_.steps)
+      if (step.verb == Step::Verb::kStandIn) served.push_back(step.stand_in.name);
+    if (std::ranges::count(served, e.text) == 0)
+      add(e.line, "nobody serves " + e.text + did_you_mean(e.text, served) + " (skills: of the story)");
+  }
+
+  const Play& play_;
+  const StorySpec& spec_;
+  const RuleEngine& engine_;
+  std::set<std::string> given_;  // names of ordered facts that no rule has
+  std::optional<Templates> templates_;
+  std::unique_ptr<ImpossiblePatterns> impossible_;
+  Mistakes mistakes_;
+};
+
+}  // namespace
+
+Mistakes mistakes_of(const Play& play, bool checked) { return Examination(play).all(checked); }
+
+}  // namespace cxlab::testing
