@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "cx/base/slip.h"
 #include "cx/check/judge.h"
 
 namespace cxlab::check {
@@ -31,16 +32,6 @@ Known known_of(const RuleBase& base) {
 bool is_outside(const RuleBase& base, const std::string& name) {
   return base.outside().templates.contains(name) || base.outside().facts.contains(name) || base.is_mentioned(name) ||
          name == "initial-fact";
-}
-
-/// One word is the other one with a slip of the finger: a letter too many, too few or changed, or two that changed
-/// places.
-bool is_slip(std::string_view word, std::string_view other) {
-  const std::size_t longer = std::max(word.size(), other.size()), shorter = std::min(word.size(), other.size());
-  std::size_t same = 0, end = 0;
-  while (same < shorter && word[same] == other[same]) ++same;
-  while (end < shorter - same && word[word.size() - 1 - end] == other[other.size() - 1 - end]) ++end;
-  return longer - shorter <= 1 && same + end + 2 >= longer;
 }
 
 std::string in_quotes(const std::string& word) { return word.starts_with('"') ? word : '\'' + word + '\''; }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "cx/base/slip.h"
 #include "cx/engine/template_names.h"
 #include "cx/explain/names.h"
 #include "cx/explain/pattern.h"
@@ -90,6 +91,10 @@ class Templates {
            std::ranges::any_of(engine_.constructs(), may_make, &ConstructInfo::text);
   }
   std::string guess(const std::string& name) const { return did_you_mean(name, names_); }
+  bool is_misspelt(const std::string& name) const {
+    constexpr std::size_t kShortest = 3;
+    return name.size() >= kShortest && std::ranges::any_of(names_, [&](const auto& n) { return is_slip(name, n); });
+  }
 
  private:
   /// Calls that may bring templates or facts of any name while rules run.
@@ -179,7 +184,7 @@ class Examination {
       if (const std::string why = impossible_->against(e.text); !why.empty())
         add(e.line, what + ": " + plain_objection(*pattern, engine_, why));
     } else if (!is_given(*pattern) && !may_have(name) &&
-               (!pattern->slot_names().empty() || !templates_->guess(name).empty())) {
+               (!pattern->slot_names().empty() || templates_->is_misspelt(name))) {
       add(e.line, what, explain::check_names(*pattern, engine_));
     }
   }

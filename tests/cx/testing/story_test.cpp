@@ -244,6 +244,7 @@ TEST_F(Stories, AMisspeltOrderedFactIsAMistakeWhereItCannotBeMeant) {
         told(kind + std::string("(bel 7)")),
         HasSubstr("t.story.yaml:5: (bel 7) can match no fact: there is no template 'bel', did you mean 'bell'?"));
     EXPECT_EQ(told(kind + std::string("(xyz 7)")), "played") << "nothing is near";
+    EXPECT_EQ(told(kind + std::string("(winder 7)")), "played") << "this may be another word";
     EXPECT_EQ(told(kind + std::string("(bell 7)")), "played") << "a rule reads it";
     EXPECT_EQ(told(kind + std::string("(tim 7)"), "  steps: [{at: 1, assert: (tim 7)}]\n"), "played")
         << "the story makes it";
