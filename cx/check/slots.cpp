@@ -154,8 +154,9 @@ class SlotsOfActions {
     }
   }
 
-  /// None: not known.
+  /// None: not known, or over many steps.
   std::optional<Templates> templates_of(const Source& source) const {
+    constexpr std::size_t kMostSteps = 100;  // rules of a stranger may have any number
     Templates names;
     std::set<std::string> seen;
     std::vector<const Source*> open{&source};
@@ -167,7 +168,7 @@ class SlotsOfActions {
       for (const std::string& key : at.from) {
         if (!seen.insert(key).second) continue;
         const auto found = sources_.find(key);
-        if (found == sources_.end()) return std::nullopt;
+        if (found == sources_.end() || seen.size() > kMostSteps) return std::nullopt;
         open.push_back(&found->second);
       }
     }

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ctime>
 #include <string>
 
@@ -516,6 +517,19 @@ TEST(Check, HostileRulesTakeNoLongTime) {
   const std::clock_t begin = std::clock();
   EXPECT_GT(found_in({{"a.clp", rules}}).size(), 1U);
   EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
+}
+
+TEST(Check, AFactIsFollowedOverManyVariablesInNoLongTime) {
+  const auto follow = [](int variables) {
+    std::string rule = "(deftemplate s (slot a))\n(deffacts d (s (a 1)))\n(defrule r ?x0 <- (s (a 1)) =>\n";
+    for (int i = 0; i < variables; ++i) rule += "(bind ?x" + std::to_string(i + 1) + " ?x" + std::to_string(i) + ")\n";
+    for (int i = 0; i <= variables; ++i) rule += "(modify ?x" + std::to_string(i) + " (b 1))\n";
+    return std::ranges::count(found_in({{"a.clp", rule + ")\n"}}), "unknown-slot", &Finding::code);
+  };
+  EXPECT_EQ(follow(20), 21);
+  const std::clock_t begin = std::clock();
+  EXPECT_LT(follow(10000), 200) << "nothing is said of facts that come from far";
+  EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
 }
 
 TEST(Check, ConstructsWithoutTheirPartsAreRead) {
