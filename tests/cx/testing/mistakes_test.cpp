@@ -1,0 +1,208 @@
+// Mistakes of a story are told all at once, before it plays.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/stories.h"
+
+namespace cxlab::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST_F(Stories, MistakesOfTheStoryAreNotPasses) {
+  const auto text = [](const StoryResult& result) { return result.bad ? result.bad->text() : "no error"; };
+  EXPECT_THAT(text(play("not_fires: opne, within_s: 1")),
+              HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"));
+  EXPECT_THAT(text(play("not_fire: open")),
+              HasSubstr("t.story.yaml:5: unknown key 'not_fire' in '[0].expect[0]', did you mean 'not_fires'?"));
+  EXPECT_THAT(
+      text(play("fires: open, at: 1")),
+      HasSubstr("[0].expect[0].at: it goes with `fact` and `no_fact` only; with `fires` go `count`, `after` and "
+                "`within_s`"));
+  EXPECT_THAT(text(play("fact: (door (state OPEN)")), HasSubstr("t.story.yaml:5"));
+  EXPECT_THAT(text(play("goal: /r/pick, within_s: 1")), HasSubstr("nobody serves /r/pick"));
+  EXPECT_THAT(text(play("no_fact: (dor (state OPEN)), within_s: 1")), HasSubstr("did you mean 'door'?"));
+  EXPECT_THAT(text(play("no_fact: (door (stat OPEN)), within_s: 1")),
+              AllOf(HasSubstr("t.story.yaml:5: "), HasSubstr("'stat'"), HasSubstr("did you mean 'state'?")));
+}
+
+TEST_F(Stories, AllNamesThatAreWrongAreTold) {
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  given: [(door (stte OPEN)), (bel)]\n"
+      "  steps: [{at: 1, retract: (door (stat OPEN))}, {at: 1, assert: (dor)}]\n"
+      "  expect: [{fires: opne, within_s: 1}, {no_fact: (door (sttae OPEN))}, {fact: (dooor), within_s: 1}, {goal: /r, "
+      "within_s: 1}, {fact: (dor), within_s: 1}, {fact: (xyz), within_s: 1}, {not_fires: slamm}]\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(),
+              HasSubstr("t.story.yaml:3: (door (stte OPEN)): template 'door' has no slot 'stte', did you mean"));
+  EXPECT_THAT(result.failures,
+              ElementsAre(HasSubstr("t.story.yaml:4: retract (door (stat OPEN)): template 'door' has no slot 'stat'"),
+                          HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"),
+                          HasSubstr("t.story.yaml:5: (door (sttae OPEN)) can match no fact: template 'door' has no"),
+                          HasSubstr("t.story.yaml:5: (dooor) can match no fact: there is no template 'dooor', did you "
+                                    "mean 'door'?"),
+                          HasSubstr("t.story.yaml:5: nobody serves /r"),
+                          HasSubstr("t.story.yaml:5: there is no rule 'slamm', did you mean 'slam'?")));
+  EXPECT_THAT(result.notes,
+              ElementsAre(HasSubstr("t.story.yaml:3: (bel): no rule has facts 'bel', did you mean 'bell'?"),
+                          HasSubstr("t.story.yaml:4: (dor): no rule has facts 'dor', did you mean 'door'?")));
+}
+
+TEST_F(Stories, MistakesInMessagesHideNoOthers) {
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n"
+      "  skills:\n"
+      "    - {action: /r/pick, type: cxlab_skills/action/Pikc}\n"
+      "    - {action: /r/place, type: cxlab_skills/action/Place, result: {a: 1}, then: [{result: {b: 1}}]}\n"
+      "  faults: [{outcome: fail, probability: 1, result: {c: 1}}, {skill: /r/plce, outcome: fail, probability: 1}]\n"
+      "  steps:\n"
+      "    - {at: 1, publish: /x, type: std_msgs/msg/Strin}\n"
+      "    - {at: 1, publish: /y, type: std_msgs/msg/String, data: {dat: a}}\n"
+      "    - {at: 1, publish: /y, type: std_msgs/msg/Int32}\n"
+      "    - {at: 1, skill: /r/place, type: cxlab_skills/action/Pick}\n"
+      "  expect:\n"
+      "    - {fires: opne, within_s: 1}\n"
+      "    - {goal: /r/pick, fields: {d: 1}, within_s: 1}\n"
+      "    - {goal: /r/place, fields: {e: 1}, within_s: 1}\n"
+      "    - {published: /z, type: std_msgs/msg/String, fields: {f: 1}, within_s: 1}\n"
+      "    - {published: /z, type: std_msgs/msg/Strng, within_s: 1}\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(), HasSubstr("t.story.yaml:4: /r/pick: 'cxlab_skills/action/Pikc' is not defined"));
+  EXPECT_THAT(
+      result.failures,
+      ElementsAre(HasSubstr(":5: /r/place: cxlab_skills/action/Place_Result has no field 'a'"),
+                  HasSubstr(":5: /r/place: cxlab_skills/action/Place_Result has no field 'b'"),
+                  HasSubstr(":6: /r/place: cxlab_skills/action/Place_Result has no field 'c'"),
+                  HasSubstr(":6: nobody serves /r/plce"),
+                  HasSubstr(":6: /r/place: cxlab_skills/action/Pick_Result has no field 'c'"),
+                  HasSubstr(":8: /x: 'std_msgs/msg/Strin' is not"),
+                  HasSubstr(":9: /y: std_msgs/msg/String has no field 'dat'"),
+                  HasSubstr(":10: /y: found std_msgs/msg/Int32, expected std_msgs/msg/String, its type before"),
+                  HasSubstr(":11: /r/place: found cxlab_skills/action/Pick, expected cxlab_skills/action/Place"),
+                  HasSubstr(":13: there is no rule 'opne'"),
+                  HasSubstr(":15: /r/place: cxlab_skills/action/Place_Goal has no field 'e'"),
+                  HasSubstr(":15: /r/place: cxlab_skills/action/Pick_Goal has no field 'e'"),
+                  HasSubstr(":16: /z: std_msgs/msg/String has no field 'f'"),
+                  HasSubstr(":17: /z: 'std_msgs/msg/Strng' is not defined"),
+                  HasSubstr(":17: /z: found std_msgs/msg/Strng, expected std_msgs/msg/String")));
+  Stage stage(stories->front(), {interfaces_dir()});
+  EXPECT_EQ(stage.play(stories->front()).failures, result.failures);
+
+  write("door.clp", "(defrule open (bell) => (assert))\n(defrule)\n");
+  EXPECT_THAT(run_story(stories->front(), {interfaces_dir()}).failures, ::testing::Contains(result.bad->text()))
+      << "also where the rules do not load";
+}
+
+TEST_F(Stories, WrongNamesInStepsAreToldBeforeThePlay) {
+  const auto told = [&](const std::string& step) {
+    const StoryResult result = play("not_fires: slam, within_s: 3", "  steps: [{at: 2, " + step + "}]\n");
+    EXPECT_EQ(result.sim_time_s, 0) << step;
+    return result.bad ? result.bad->text() : "no error";
+  };
+  for (const auto& [step, why] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"assert: (dor (state OPEN))", "(dor (state OPEN)): there is no template 'dor', did you mean 'door'?"},
+           {"assert: (xyz (state OPEN))", "(xyz (state OPEN)): there is no template 'xyz'"},
+           {"assert: (bell (state OPEN))", "(bell (state OPEN)): template 'bell' has no slots: its facts are ordered"},
+           {"assert: (door (stte OPEN))",
+            "(door (stte OPEN)): template 'door' has no slot 'stte', did you mean 'state'?"},
+           {"retract: (dor (state OPEN))", "retract (dor (state OPEN)): there is no template 'dor', did you mean"},
+           {"retract: (bel)", "retract (bel): there is no template 'bel', did you mean 'bell'?"},
+           {"retract: (xyz 7)", "retract (xyz 7): there is no template 'xyz'"},
+           {"retract: \"(door (state ~OPEN))\"", "fact pattern (door (state ~OPEN)): &, | and ~ are not"}})
+    EXPECT_THAT(told(step), HasSubstr(std::string("t.story.yaml:4: ") + why));
+  const StoryResult given = play("not_fires: open", "  steps: [{at: 1, assert: (bel)}, {at: 2, retract: (bel)}]\n");
+  EXPECT_FALSE(given.bad);
+  EXPECT_THAT(given.failures, IsEmpty());
+  EXPECT_THAT(given.notes, ElementsAre(HasSubstr("t.story.yaml:4: (bel): no rule has facts 'bel', did you mean")));
+}
+
+TEST_F(Stories, AMisspeltOrderedFactIsAMistakeWhereItCannotBeMeant) {
+  const auto told = [&](const std::string& expectation, const std::string& more = {}) {
+    const StoryResult result = play(expectation + ", within_s: 1", more);
+    return result.bad ? result.bad->text() : "played";
+  };
+  for (const char* kind : {"fact: ", "no_fact: "}) {
+    EXPECT_THAT(
+        told(kind + std::string("(bel 7)")),
+        HasSubstr("t.story.yaml:5: (bel 7) can match no fact: there is no template 'bel', did you mean 'bell'?"));
+    EXPECT_EQ(told(kind + std::string("(xyz 7)")), "played") << "nothing is near";
+    EXPECT_EQ(told(kind + std::string("(winder 7)")), "played") << "this may be another word";
+    EXPECT_EQ(told(kind + std::string("(bell 7)")), "played") << "a rule reads it";
+    EXPECT_EQ(told(kind + std::string("(tim 7)"), "  steps: [{at: 1, assert: (tim 7)}]\n"), "played")
+        << "the story makes it";
+    EXPECT_EQ(told(kind + std::string("(time 7)")), "played") << "a plugin makes it";
+    EXPECT_THAT(told(kind + std::string("(tiem 7)")), HasSubstr("did you mean 'time'?"));
+  }
+  EXPECT_THAT(play("fact: (xyz 7), within_s: 1").failures,
+              ElementsAre(HasSubstr("expected fact (xyz 7) by 1 s; there is no template 'xyz'")));
+  EXPECT_THAT(play("no_fact: (xyz 7), within_s: 1").failures,
+              ElementsAre(HasSubstr("there is no template 'xyz', so this says nothing")));
+  EXPECT_THAT(play("not_fires: slam", "  given: [(xyz 7), (bell)]\n").notes, IsEmpty());
+}
+
+TEST_F(Stories, FactsThatRulesMayMakeByTextsOrFilesAreNoMistake) {
+  const auto told = [&](const std::string& rules) {
+    write("door.clp", "(deftemplate door (slot state))\n(defrule open (bell) => (assert (light)))\n" + rules);
+    auto stories =
+        read("- story: s\n  rules: door.clp\n  steps: [{at: 1, assert: (bell)}, " +
+             std::string("{at: 2, assert: (dor (state OPEN))}]\n  expect: [{fact: (lihgt 1), within_s: 1}]\n"));
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return std::vector{result.bad ? result.bad->text() : std::string("played"), std::to_string(result.failures.size())};
+  };
+  EXPECT_THAT(told(""), ElementsAre(HasSubstr("there is no template 'dor'"), "1"));
+  EXPECT_THAT(told("(defrule text (bell) => (assert-string \"(lihgt 1)\"))\n"),
+              ElementsAre(HasSubstr("there is no template 'dor'"), "0"));
+  EXPECT_THAT(told("(defrule text (bell) => (assert-string \"(lihgt 1)\")\n"
+                   "  (build (str-cat \"(deftemplate d\" \"or (slot state))\")))\n"),
+              ElementsAre("played", "0"));
+  EXPECT_THAT(told("(defrule file (wind) => (load-facts \"lights\"))\n"),
+              ElementsAre(HasSubstr("(dor (state OPEN)): there is no template 'dor', did you mean 'door'?"), "0"))
+      << "when its time comes";
+}
+
+TEST_F(Stories, FactsOfRulesInOtherModulesAreKnown) {
+  write("door.clp",
+        "(defmodule NAV)\n(deftemplate way (slot to))\n(deffacts nav (bells) (way (to x)))\n"
+        "(defrule open (bells) (way) => (printout t a))\n");
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  expect: [{fact: (NAV::bells), at: 1}, {fact: (NAV::way (to x)), at: 1}, "
+      "{no_fact: (NAV::bells)}]\n");
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  EXPECT_FALSE(result.bad) << result.bad->text();
+  EXPECT_THAT(result.failures, ElementsAre(HasSubstr("expected no fact (NAV::bells); there was (bells) from 0 s")));
+  EXPECT_THAT(result.notes, IsEmpty());
+}
+
+TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
+  write("door.clp",
+        "(deftemplate door (slot state (allowed-symbols OPEN CLOSED)) (slot width (type INTEGER)) (slot x (type "
+        "FLOAT)))\n");
+  const auto text = [&](const std::string& pattern) {
+    const StoryResult result = play("no_fact: '" + pattern + "', within_s: 1");
+    return result.bad ? result.bad->text() : "no error";
+  };
+  for (const auto& [pattern, why] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"(door (state OPNE))",
+            "slot 'state' of template 'door' cannot be OPNE; it holds OPEN, CLOSED; did you mean"},
+           {"(door (width 1.5))", "[CSTRNCHK1]"},
+           {"(door 7)", "template 'door' has slots; write (door (SLOT VALUE))"},
+           {"(door (stat OPEN))", "template 'door' has no slot 'stat', did you mean 'state'?"},
+           {"(door (x 1) (x 2))", "slot 'x' is in the pattern twice"},
+           {"(MAIN::door (x OPEN))", "slot 'x' of template 'door' cannot be OPEN; its type is FLOAT"},
+           {"(door (x 1) (width wide))", "slot 'width' of template 'door' cannot be wide; its type is INTEGER"}})
+    EXPECT_THAT(text(pattern), HasSubstr("t.story.yaml:5: " + std::string(pattern) + " can match no fact: " + why));
+  for (const char* pattern : {"(door (state OPEN))", "(door (width 7))", "(door (state ?))", "(anything 7)",
+                              "(door (x 3))", "(door (x -3) (width 7.0))", "(MAIN::door (x 3))"})
+    EXPECT_EQ(text(pattern), "no error") << pattern;
+}
+
+}  // namespace
+}  // namespace cxlab::testing
