@@ -387,7 +387,7 @@ class Checker {
     for (const check::Construct& construct : base.constructs())
       if (construct.place.source->file == file && construct.place.line == begin)
         found.push_back({file, line_of(error, construct), "unknown-symbol",
-                         "a pattern has a symbol that its template does not allow; correct it, or add it to "
+                         "a value is one that its template does not allow; correct it, or add it to "
                          "allowed-values (" +
                              error.message + ')'});
     return true;

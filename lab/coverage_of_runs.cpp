@@ -130,11 +130,18 @@ Expected<RunsCoverage> coverage_of_runs(const std::vector<Run>& runs, int jobs, 
       playing.push_back(*std::move(child));
     }
     const auto said = playing.front().finish(host);
-    if (!said) return said.error();
-    if (Status s = take(runs[done], *said, out); !s) return s.error();
+    if (said) {
+      if (Status s = take(runs[done], *said, out); !s) return s.error();
+    } else if (runs.size() == 1 || said.error().kind != ErrorKind::kInput) {
+      return said.error();
+    } else {  // of many, one that cannot be played is left out
+      out.notes.push_back("left out: " + said.error().text());
+      --out.runs;
+    }
     playing.pop_front();
     if (runs.size() > 1) host.show_games(done + 1, runs.size(), playing.size());
   }
+  if (out.runs == 0 && !out.notes.empty()) return input_error("no run can be played; " + out.notes.front());
   return out;
 }
 

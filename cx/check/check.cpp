@@ -72,8 +72,11 @@ class Variables {
     const bool loop = head == "foreach" || head == "progn$" || head == "loop-for-count";
     if ((query || loop) && term.items.size() > 1) {
       const Term& members = term.items[1];
-      if (!members.is_list()) its_own_.insert(variable_name(members));
-      if (loop && !members.items.empty()) its_own_.insert(variable_name(members.items[0]));
+      if (loop) {
+        const std::string name = variable_name(members.is_list() ? members.items.front() : members);
+        its_own_.insert(name);
+        its_own_.insert(name + "-index");  // which foreach and progn$ count
+      }
       for (const Term& member : members.items)
         if (query && !member.items.empty()) its_own_.insert(variable_name(member.items[0]));
     }

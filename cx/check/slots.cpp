@@ -227,11 +227,15 @@ class SlotsOfActions {
 }  // namespace
 
 void judge_unknown_slots(const RuleBase& base, Findings& findings) {
-  for (const Touch& touch : base.touches())
-    if (touch.term && touch.by->judged())
-      for (const Term& item : touch.term->items)
-        if (!item.head().empty())
-          judge_slot(base, {touch.template_name}, std::string(item.head()), {touch.place.source, item.line}, findings);
+  for (const Touch& touch : base.touches()) {
+    if (!touch.term || !touch.by->judged()) continue;
+    const std::vector<Term>& items = touch.term->items;
+    const auto is_slot = [](const Term& item) { return !item.head().empty(); };
+    if (!std::all_of(items.begin() + 1, items.end(), is_slot)) continue;  // an ordered fact
+    for (std::size_t i = 1; i < items.size(); ++i)
+      judge_slot(base, {touch.template_name}, std::string(items[i].head()), {touch.place.source, items[i].line},
+                 findings);
+  }
   for (const Construct& construct : base.constructs())
     if (construct.judged()) SlotsOfActions(base, construct, findings).judge();
 }

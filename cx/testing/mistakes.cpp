@@ -98,7 +98,7 @@ class Templates {
 
  private:
   /// Calls that may bring templates or facts of any name while rules run.
-  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch"};
+  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch", "(assert-string", "(eval"};
 
   static bool has_word(std::string_view text, std::string_view word) {
     const auto goes_on = [&](std::size_t at) {

@@ -240,6 +240,18 @@ class Coverage(Lab):
             self.assertEqual(covered.stderr.replace("note: the run has not ended", ""), f"note: runs/a: its log ends at {used['at_s']:g} s\n")
         self.cxlab("coverage", "runs", "--fail-under", "50")
 
+    def test_a_run_without_a_tick_is_left_out_with_a_note(self):
+        self.run_of("(start 2)", "runs/a")
+        alone = self.cxlab("coverage", "runs", "--json").stdout
+        shutil.copytree(self.folder / "runs/a", self.folder / "runs/b")
+        (self.folder / "runs/b/inputs.bin").write_bytes((self.folder / "runs/a/inputs.bin").read_bytes()[:8])
+        covered = self.cxlab("coverage", "runs", "--json")
+        self.assertEqual(covered.stdout, alone)
+        self.assertRegex(covered.stderr, r"note: left out: runs/b: [^\n]*the log of its inputs")
+        self.assertIn("the log of its inputs", self.cxlab("coverage", "runs/b", expect=3).stderr)
+        shutil.copytree(self.folder / "runs/b", self.folder / "runs/a", dirs_exist_ok=True)
+        self.assertIn("no run can be played; left out: runs/a", self.cxlab("coverage", "runs", expect=3).stderr)
+
     def test_what_is_no_run_is_an_error(self):
         self.folder.joinpath("empty").mkdir()
         self.assertIn("expected the folder of a run", self.cxlab("coverage", "empty", expect=3).stderr)

@@ -532,6 +532,12 @@ TEST(Check, AFactIsFollowedOverManyVariablesInNoLongTime) {
   EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
 }
 
+TEST(Check, TheIndexOfALoopAndAnOrderedFactOfATemplatesNameAreNoFindings) {
+  EXPECT_THAT(seeded("(defrule r (wanted ?id) => (progn$ (?i (create$ 1 2)) (printout t ?i-index ?id)))"), IsEmpty());
+  EXPECT_THAT(seeded("(defrule r (wanted ?id) => (foreach ?i (create$ 1 2) (printout t ?i-index ?id)))"), IsEmpty());
+  EXPECT_THAT(seeded("(defrule r (robot ?x&:(> ?x 9)) => (printout t ?x))"), Not(Contains(HasSubstr("unknown-slot"))));
+}
+
 TEST(Check, ConstructsWithoutTheirPartsAreRead) {
   for (const char* construct :
        {"(deffunction)", "(deffunction f)", "(deffunction f \"doc\")", "(deftemplate)", "(defrule)", "(defrule r)",
