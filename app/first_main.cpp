@@ -1,5 +1,5 @@
-// cxlab_first: what `./dev run` builds first in a fresh clone. It plays the game of the league and has no other command, so it needs
-// half of the sources of cxlab. Its games are those of cxlab, byte for byte.
+// cxlab_first: what `./dev run` builds first in a fresh clone. It plays the game of the league and has no other
+// command, so it needs half of the sources of cxlab. Its games are those of cxlab, byte for byte.
 
 #include "app/program.h"
 #include "scenarios/rcll/refbox/node.h"

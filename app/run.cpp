@@ -129,7 +129,9 @@ void add_run(CLI::App& app, Action& action) {
 
 int run_first_program(int argc, char** argv, const Catalogue& catalogue) {
   return run_commands(argc, argv, catalogue, [](CLI::App& app, Action& action) -> Status {
-    app.footer("This is the part of cxlab that ./dev run builds first. ./dev cxlab --help builds the rest: other commands and worlds.");
+    app.footer(
+        "This is the part of cxlab that ./dev run builds first. ./dev cxlab --help builds the rest: other commands and "
+        "worlds.");
     add_run(app, action);
     return {};
   });
