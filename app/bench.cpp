@@ -234,7 +234,10 @@ int collect_rows(const lab::Suite& suite, const BenchOptions& options, const lab
   const auto judged = suite.require.empty() || !found->missing.empty()
                           ? std::nullopt
                           : std::optional(lab::judged_rows(suite, found->rows));
-  if (judged && !*judged) return fail(judged->error());
+  if (judged && !*judged) {
+    print_table(suite, found->rows, options, nullptr);
+    return fail(judged->error());
+  }
   if (!found->rows.empty()) write_page(options, host, judged ? (*judged)->answers : std::vector<lab::Answer>());
   const int code = print_table(suite, found->rows, options, judged ? &**judged : nullptr);
   if (!found->contradictory.empty())
@@ -285,7 +288,10 @@ int bench(const BenchOptions& options) {
   // The job of one machine reads what it plays, and no more: a file that is missing there is the reason in its row.
   if (options.cell.empty())
     if (Status s = suite->check(); !s) return fail(s.error());
-  if (options.slurm) return write_slurm(*suite, options);
+  if (options.slurm) {
+    if (const auto judge = lab::Judge::make(*suite); !judge) return fail(judge.error());
+    return write_slurm(*suite, options);
+  }
   if (!options.cell.empty()) return play_cells(*suite, options, host);
   if (!options.collect.empty()) return collect_rows(*suite, options, host);
   if (!suite->require.empty()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace cxlab::statistics {
 
@@ -27,11 +28,22 @@ std::size_t fewest_games(Question::About about, std::size_t questions) {
   return games;
 }
 
+namespace {
+
+/// Whether an early look may say on which side of 0 the mean is.
+bool is_enough(const std::vector<double>& values, double middle) {
+  const bool all_equal = std::ranges::adjacent_find(values, std::not_equal_to()) == values.end();
+  return !all_equal && (middle < 0 || values.size() >= kFewestForEarlyMean);
+}
+
+}  // namespace
+
 std::vector<Decision> decide(const std::vector<Question>& questions, const std::vector<std::size_t>& look_after,
                              const Resampling& flips) {
   std::vector<Decision> out(questions.size());
   for (const std::size_t look : look_after) {
-    const double level = look < look_after.back() ? kEarlyLevel : kLastLevel;
+    const bool early = look < look_after.back();
+    const double level = early ? kEarlyLevel : kLastLevel;
     const auto open = [](const Decision& decision) { return decision.side == Side::kUndecided; };
     if (std::ranges::any_of(questions, [look](const Question& one) { return one.values.size() < look; })) break;
     if (std::ranges::none_of(out, open)) break;
@@ -41,7 +53,10 @@ std::vector<Decision> decide(const std::vector<Question>& questions, const std::
       for (std::size_t i = 0; i < look; ++i)
         if (question.values[i]) values.push_back(*question.values[i]);
       means.push_back(mean(values));
-      p.push_back(question.about == Question::About::kMean ? mean_p(values) : sign_flip_p(values, flips));
+      if (question.about == Question::About::kDifferences)
+        p.push_back(sign_flip_p(values, flips));
+      else
+        p.push_back(early && !is_enough(values, means.back()) ? 1 : mean_p(values));
     }
     const std::vector<double> corrected = holm(p);
     for (std::size_t i = 0; i < out.size(); ++i) {

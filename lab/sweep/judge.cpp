@@ -111,7 +111,8 @@ Asked ask_mean(const RowsOfGames& rows, const std::vector<Game>& games, double b
 
 Asked ask_difference(const RowsOfGames& first, const RowsOfGames& second, const std::vector<Game>& games, double margin,
                      Answer answer) {
-  Asked out{std::move(answer), {Question::About::kDifferences, {}}};
+  // With a margin, differences do not have either sign alike if nothing differs.
+  Asked out{std::move(answer), {margin == 0 ? Question::About::kDifferences : Question::About::kMean, {}}};
   const MetricOfRows& metric = out.answer.metric;
   out.answer.is_difference = true;
   out.answer.of_folder = are_of_folder(games);

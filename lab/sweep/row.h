@@ -62,7 +62,7 @@ struct Row {
   int exit_code = 0;
   std::vector<std::string> errors;  ///< why it was not completed
   std::vector<std::string> warnings;
-  std::string world;            ///< kind of the world; empty: the scenario could not be read, or the process crashed
+  std::string world;            ///< kind of the world; empty: the scenario could not be read
   std::string compared;         ///< the metric that `bench` compares; empty: the world declares none
   std::vector<Figure> figures;  ///< of the metrics of the world, in their order
   std::string journal_hash;

@@ -488,8 +488,8 @@ std::vector<std::string> remarks_on(const std::vector<Answer>& answers) {
     if (one.gained > 0)
       add(who + count_text(one.gained, "game") + (one.gained == 1 ? " was" : " were") +
           " completed that the other side did not complete; they count in no difference");
-    const std::size_t fewest =
-        statistics::fewest_games(one.is_difference ? About::kDifferences : About::kMean, answers.size());
+    const bool by_signs = one.is_difference && one.bound == 0;
+    const std::size_t fewest = statistics::fewest_games(by_signs ? About::kDifferences : About::kMean, answers.size());
     if (one.judgement == Judgement::kUndecided && one.values.size() < fewest)
       add(who + found_expected(one.is_difference ? count_text(one.values.size(), "pair") + " of games"
                                                  : count_text(one.values.size(), "game"),

@@ -47,6 +47,12 @@ std::set<std::string> libraries() {
   return out;
 }
 
+std::string host_name() {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return host;
+}
+
 /// What this process has used so far.
 Circumstances circumstances_now(const std::string& agent_commit) {
   rusage usage{};
@@ -54,9 +60,7 @@ Circumstances circumstances_now(const std::string& agent_commit) {
   const auto seconds = [](const timeval& time) {
     return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) / 1e6;
   };
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024, host,
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024, host_name(),
           agent_commit};
 }
 
@@ -373,7 +377,11 @@ class CellPlayer {
     row.status = "crashed";
     row.exit_code = code;
     row.errors = {reason};
+    row.circumstances.host = host_name();
     row.circumstances.agent_commit = matcher_.agent_commit_of(cell);
+    const std::vector<Override> overrides(cell.overrides.begin(), cell.overrides.end());
+    if (const auto scenario = Scenario::load(cell.file, *suite_.catalogue, overrides))
+      row.measure(*scenario->world.kind, "{}");
     return row;
   }
 

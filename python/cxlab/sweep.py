@@ -14,7 +14,7 @@ from cxlab._asking import error_said, named, run_program
 from cxlab._yaml import yaml_text
 from cxlab.errors import InputError, UsageError
 
-TABLES = ("scores", "differences", "profile", "overview", "shares")
+TABLES = ("scores", "differences", "profile", "overview", "parts", "shares")
 
 
 class Comparison:

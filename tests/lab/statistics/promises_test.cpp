@@ -153,6 +153,27 @@ TEST(Decisions, OnAMeanAreWrongInFiveOfAHundredAtMost) {
     }
 }
 
+/// How often a strategy that loses `loss` in a share of the games, with noise, counts as not worse by `margin`.
+double taken_for_as_good(double share, double loss, double noise, double margin, std::size_t games) {
+  RandomStream random(games, "rare losses");
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < comparisons(); ++i) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < games; ++k)
+      values.push_back(random.normal(0, noise) - (random.uniform() < share ? loss : 0) + margin);
+    wrong += decide({question(values, Question::About::kMean)}, looks(games)).front().side == Side::kAbove ? 1u : 0u;
+  }
+  return reported("not worse: " + std::to_string(games) + " games, " + std::to_string(loss) + " less in a share of " +
+                      std::to_string(share),
+                  wrong);
+}
+
+TEST(Decisions, SeeALossThatComesInOneOfTenGames) {
+  for (const std::size_t games : {30u, 60u})
+    for (const double noise : {0.0, 3.0})
+      EXPECT_LE(taken_for_as_good(0.1, 40, noise, 3, games), 0.05 + slack(0.05)) << games << ' ' << noise;
+}
+
 TEST(Decisions, FindADifferenceAndStopEarly) {
   // Differences of one standard deviation, and forty games: found nearly always, after a half of them on average.
   RandomStream random(1, "one standard deviation");

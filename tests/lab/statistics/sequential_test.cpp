@@ -73,6 +73,27 @@ TEST(Decide, NeedsTheFewestGames) {
   EXPECT_EQ(mean_after(fewest - 1), Side::kUndecided);
 }
 
+TEST(Decide, TellsAMeanAboveZeroEarlyFromThirtyGamesOn) {
+  const auto decided = [](double middle) {
+    Question asked{Question::About::kMean, {}};
+    for (int i = 0; i < 100; ++i) asked.values.emplace_back(i % 2 == 0 ? middle - 1 : middle + 1);
+    return decide({asked}, looks(100)).front();
+  };
+  EXPECT_EQ(decided(5).side, Side::kAbove);
+  EXPECT_EQ(decided(5).after, 30u);
+  EXPECT_EQ(decided(-5).side, Side::kBelow);
+  EXPECT_EQ(decided(-5).after, 20u);
+}
+
+TEST(Decide, TellsNothingEarlyOfGamesThatAreAllAlike) {
+  for (const double value : {3.0, -3.0}) {
+    const Question asked{Question::About::kMean, std::vector<std::optional<double>>(100, value)};
+    const Decision decision = decide({asked}, looks(100)).front();
+    EXPECT_EQ(decision.side, value > 0 ? Side::kAbove : Side::kBelow);
+    EXPECT_EQ(decision.after, 100u) << "a loss that comes in one of ten games is missing in 28 % of twelve games";
+  }
+}
+
 TEST(Decide, KeepsADecisionWhileOthersAreOpen) {
   Question later = differences(20, 5), open = differences(20, 0);
   for (std::size_t i = 14; i < 20; ++i) later.values[i] = -50;
