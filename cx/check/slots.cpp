@@ -176,16 +176,23 @@ class SlotsOfActions {
   }
 
   std::optional<Templates> templates_of(const Term& fact) {
-    if (const std::string name = variable_name(fact); !name.empty()) {
-      for (auto member = in_query_.rbegin(); member != in_query_.rend(); ++member)
-        if (member->first == name) return member->second;
-      if (const auto known = known_.find(name); known != known_.end()) return known->second;
+    const bool is_name = is_variable(fact) && fact.text.find(':') == std::string::npos;
+    if (is_name) {
+      if (const auto* of_member = find_member(variable_name(fact))) return *of_member;
+      if (const auto known = known_.find(variable_name(fact)); known != known_.end()) return known->second;
     }
     Source source;
     add_fact(fact, source);
     std::optional<Templates> names = templates_of(source);
-    if (is_variable(fact)) known_[variable_name(fact)] = names;
+    if (is_name) known_[variable_name(fact)] = names;
     return names;
+  }
+
+  /// Null if no query around has such a member.
+  const std::optional<Templates>* find_member(const std::string& name) const {
+    for (auto member = in_query_.rbegin(); member != in_query_.rend(); ++member)
+      if (member->first == name) return &member->second;
+    return nullptr;
   }
 
   void judge(const std::optional<Templates>& of, const std::string& slot, const Term& at) {
@@ -195,9 +202,8 @@ class SlotsOfActions {
   void walk(const Term& term) {
     const std::vector<Term>& items = term.items;
     if (const auto colon = term.text.find(':'); is_variable(term) && colon != std::string::npos) {
-      const std::string name = variable_name(term);  // elsewhere CLIPS takes ?fact:slot for a variable
-      if (std::ranges::any_of(in_query_, [&](const auto& member) { return member.first == name; }))
-        judge(templates_of(term), term.text.substr(colon + 1), term);
+      if (const auto* of_member = find_member(variable_name(term)))  // elsewhere CLIPS takes ?fact:slot for a variable
+        judge(*of_member, term.text.substr(colon + 1), term);
     } else if ((term.head() == "modify" || term.head() == "duplicate") && items.size() > 1) {
       const auto of = templates_of(items[1]);
       for (std::size_t i = 2; i < items.size(); ++i)

@@ -401,6 +401,11 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("a_fact_in_a_slot",
                   "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
                   "(by me))))\n(defrule s (offer (job ?x) (by ?y)) => (printout t (fact-slot-value ?x size) ?y))"),
+        std::pair(
+            "a_fact_in_a_slot_of_a_member",
+            "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
+            "(by me))))\n(defrule s (time ?) => (do-for-all-facts ((?q offer)) (eq ?q:by me) (modify ?q:job (tries "
+            "1)) (printout t (fact-slot-value ?q:job id))))"),
         std::pair("a_fact_that_a_function_gets",
                   "(deffunction put (?f) (modify ?f (size 1)))\n(defrule r (time ?) ?f <- (lamp ?) => (put ?f))\n"
                   "(deffacts l (lamp 1))"),
