@@ -14,6 +14,12 @@ constexpr std::size_t kIdSize = 32;  // of a goal, in hex digits
 
 std::string whole_name(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
 
+/// The name in the first part of a remap, which may begin with a node and a kind: agent:rosservice://NAME.
+std::string written_in(const std::string& from) {
+  const std::string written = from.substr(from.rfind(':') + 1);
+  return written.starts_with("//") ? written.substr(2) : written;
+}
+
 }  // namespace
 
 std::string name_in_rules(const JournalRecord& record, const bus::NodeName& node) {
@@ -23,11 +29,15 @@ std::string name_in_rules(const JournalRecord& record, const bus::NodeName& node
   const bus::NameKind kind = op == "goal"   ? bus::NameKind::kAction
                              : op == "call" ? bus::NameKind::kService
                                             : bus::NameKind::kTopic;
+  std::string own = name;  // before remaps
   for (const auto& [from, to] : node.remaps)
-    if (node.resolve(from, kind) == name) return whole_name(from);
-  return name.starts_with(below) && node.resolve(name.substr(below.size()), kind) == name
-             ? name.substr(below.size() - 1)
-             : name;
+    if (const std::string written = written_in(from); node.resolve(written, kind) == name) {
+      if (written.starts_with('~')) return whole_name(written);
+      own = node.expand(written);
+      break;
+    }
+  const bool is_relative = own.starts_with(below) && node.resolve(own.substr(below.size()), kind) == name;
+  return is_relative ? own.substr(below.size() - 1) : own;
 }
 
 std::string message_of(const JournalRecord& record, const char* key) {

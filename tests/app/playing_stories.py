@@ -717,18 +717,22 @@ class FromAMoment(Stories):
   (bind ?g (ros-msgs-create-goal-request "cxlab_skills/action/Pick")) (ros-msgs-async-send-goal ?g "pick") (ros-msgs-destroy-message ?g))
 (defrule answered ?r <- (ros-msgs-response (service "may_i") (msg-ptr ?m)) => (retract ?r) (assert (may (ros-msgs-get-field ?m "success"))) (ros-msgs-destroy-message ?m))
 """)
-        self.write("rules/server.clp", """(deffacts start (begin))
+        server = """(deffacts start (begin))
 (deffunction /you-service-callback (?service ?request ?response) (ros-msgs-set-field ?response "success" TRUE))
 (defrule serve ?b <- (begin) => (retract ?b) (ros-msgs-create-service "/you" "std_srvs/srv/SetBool"))
-""")
-        self.write("scenario.yaml", SCENARIO.replace("duration_s: 2", "duration_s: 8").replace("  - config: agent.yaml", "  - {config: client.yaml, namespace: /a, remap: {may_i: /you}}\n  - config: server.yaml"))
-        self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet").returncode, 0)
-        done = self.cxlab("new", "story", "run", "--at", 1, "--for", 4, "--env", "a/main", "--out", "m.story.yaml")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertNotIn("do not happen", done.stderr)
-        text = (self.folder / "m.story.yaml").read_text()
-        for part in ("service: 'may_i', type: std_srvs/srv/SetBool, outcome: succeed, takes_s: 0.04", "fact: '(may TRUE)'", "action: 'pick'", "goal: 'pick'"):
-            self.assertIn(part, text)
+"""
+        for remap in ("", "may_i: /you", "rosservice://may_i: /you", "rosservice:///a/may_i: /you", "clips_manager:may_i: /you"):
+            with self.subTest(remap=remap):
+                self.write("rules/server.clp", server if remap else server.replace("/you", "/a/may_i"))
+                agents = f"  - {{config: client.yaml, namespace: /a, remap: {{{remap}}}}}\n  - config: server.yaml"
+                self.write("scenario.yaml", SCENARIO.replace("duration_s: 2", "duration_s: 8").replace("  - config: agent.yaml", agents))
+                self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet", "--force").returncode, 0)
+                done = self.cxlab("new", "story", "run", "--at", 1, "--for", 4, "--env", "a/main", "--out", "m.story.yaml", "--force")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertNotIn("do not happen", done.stderr)
+                text = (self.folder / "m.story.yaml").read_text()
+                for part in ("service: 'may_i', type: std_srvs/srv/SetBool, outcome: succeed, takes_s: 0.04", "fact: '(may TRUE)'", "action: 'pick'", "goal: 'pick'"):
+                    self.assertIn(part, text)
 
     def test_a_story_has_the_ticks_of_its_run(self):
         """Turtles have ticks of 16 ms, which rules that run ten times a second meet unevenly."""
