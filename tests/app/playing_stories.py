@@ -770,6 +770,15 @@ class FromAMoment(Stories):
             done = self.cxlab("new", "story", "run", "--at", at, "--for", 4, "--env", "main", "--out", "m.story.yaml", "--force")
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual((done.stderr.count(lost), done.stderr.count(" is served from the start")), (notes, notes), done.stderr)
+        # A story has no server of a name below that of the node.
+        client = self.folder / "rules/client.clp"
+        client.write_text(client.read_text().replace("/may_i", "~/may_i"))
+        scenario = self.folder / "scenario.yaml"
+        scenario.write_text(scenario.read_text().replace("- config: client.yaml", "- {config: client.yaml, remap: {~/may_i: /may_i}}"))
+        self.assertEqual(self.cxlab("run", "scenario.yaml", "--out", "run", "--quiet", "--force").returncode, 0)
+        done = self.cxlab("new", "story", "run", "--at", 2.2, "--for", 4, "--env", "main", "--out", "m.story.yaml", "--force")
+        self.assertEqual((done.returncode, done.stderr.count(" is served from the start")), (0, 0), done.stderr)
+        self.assertNotIn("may_i', type", (self.folder / "m.story.yaml").read_text())
 
     def test_a_log_that_ends_before_the_moment_says_where(self):
         self.assertEqual(self.cxlab("new", "agent", "mine").returncode, 0)

@@ -179,9 +179,10 @@ class SweepStatistics(Lab):
         # One scenario at a time.
         self.assertEqual([row["mean"] for row in show("scores", "--scenario", "figures")], [4, 2])
         self.assertTrue(self.cxlab("bench", "show", "s", "--scenario", "game").stdout.startswith("scores, points in game:\n"))
-        for scenario, metric in (("figures", "walls"), ("game", "points")):
+        for scenario, metric, other in (("figures", "walls", "game"), ("game", "points", "figures")):
             alone = self.cxlab("bench", "compare", "s", "s", "--scenario", scenario, code=6).stdout
             self.assertTrue(alone.startswith(f"differences, {metric} in {scenario}:\n"), alone)
+            self.assertNotIn(f"{other}, first", alone, "it is not said to be in one of the sweeps only")
         for arguments in (("show", "s"), ("plot", "s", "out.svg"), ("compare", "s", "s")):
             self.assertIn("there is no scenario 'gane'; there are figures, game; did you mean 'game'?", self.cxlab("bench", *arguments, "--scenario", "gane", code=3).stderr)
         for kind in ("scores", "profile", "differences", "shares"):

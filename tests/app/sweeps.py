@@ -156,6 +156,11 @@ class Sweeps(Lab):
         self.write("home/suite.yaml", strategies("renamed: [], set: [duration_s=2]"))
         self.assertIn("loses 2 rows", self.bench("--out", "r", "--quiet").stderr)
 
+    def test_requirements_that_cannot_be_taken_away_are_a_loss_that_quiet_does_not_hide(self):
+        (self.home / "r/requirements.json/of another").mkdir(parents=True)
+        self.assertIn("r/requirements.json: Directory not empty", self.bench("--out", "r", "--quiet").stderr)
+        self.assertTrue((self.home / "r/index.html").exists())
+
     def test_the_program_for_ray_says_what_is_missing(self):
         def play(*arguments, path):
             return subprocess.run([sys.executable, SOURCE / "docs/examples/ray/play_on_ray.py", *arguments], cwd=self.home, text=True, capture_output=True, timeout=60,

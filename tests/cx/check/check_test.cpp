@@ -204,6 +204,22 @@ INSTANTIATE_TEST_SUITE_P(
              "(defrule r (time ?) =>\n  (bind ?all (find-all-facts ((?r robot)) TRUE))\n  (foreach ?one ?all\n    "
              "(printout t (fact-slot-value ?one stat)))\n  (modify (nth$ 1 ?all) (state IDLE)))",
              "4 unknown-slot"},
+        Seed{
+            "slot_that_a_query_of_a_module_misspells",
+            "(defrule r (time ?) =>\n  (do-for-all-facts ((?r MAIN::robot))\n    (eq ?r:stat IDLE)\n    (retract ?r)))",
+            "3 unknown-slot"},
+        Seed{"slot_of_a_fact_of_a_list_in_a_progn",
+             "(defrule r (time ?) =>\n  (bind ?all (find-all-facts ((?r robot)) TRUE))\n  (progn$ (?one ?all)\n    "
+             "(printout t (fact-slot-value ?one stat))))",
+             "4 unknown-slot"},
+        Seed{"slot_of_a_fact_that_a_test_looks_at",
+             "(defrule r\n  ?r <- (robot (state BROKEN))\n  (test (fact-existp ?r))\n  (time ?) =>\n  (modify ?r (stat "
+             "IDLE)))",
+             "5 unknown-slot"},
+        Seed{"slot_of_a_fact_of_either_condition",
+             "(defrule r (time ?)\n  (or ?r <- (robot (state IDLE))\n      ?r <- (robot (state BROKEN))) =>\n  (modify "
+             "?r (stat IDLE)))",
+             "4 unknown-slot"},
         Seed{"slot_of_a_fact_that_a_function_asserts",
              "(deffunction make ()\n  (bind ?job (assert (job (id 3))))\n  (bind ?job (modify ?job (tries 2)))\n  "
              "(modify ?job (tires 3)))\n(defrule r (time ?) => (make))",
@@ -401,11 +417,20 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("a_fact_in_a_slot",
                   "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
                   "(by me))))\n(defrule s (offer (job ?x) (by ?y)) => (printout t (fact-slot-value ?x size) ?y))"),
+        std::pair("a_fact_in_a_slot_or_of_another_condition",
+                  "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
+                  "(by me))))\n(defrule s (time ?t) ?f <- (robot (state BROKEN)) (offer (job ?x) (by ?y)) => (if (> ?t "
+                  "9) then "
+                  "(bind ?x ?f) else (printout t ?y (fact-slot-value ?x tries))))"),
         std::pair(
             "a_fact_in_a_slot_of_a_member",
             "(deftemplate offer (slot job) (slot by))\n(defrule r ?j <- (job (id 1)) => (assert (offer (job ?j) "
             "(by me))))\n(defrule s (time ?) => (do-for-all-facts ((?q offer)) (eq ?q:by me) (modify ?q:job (tries "
             "1)) (printout t (fact-slot-value ?q:job id))))"),
+        std::pair(
+            "facts_of_several_templates_in_one_list",
+            "(defrule r (time ?) => (bind ?pair (find-fact ((?r robot) (?j job)) (eq ?r:name ?j:robot))) (foreach ?f "
+            "?pair (if (eq (fact-relation ?f) job) then (printout t (fact-slot-value ?f id)))))"),
         std::pair("a_fact_that_a_function_gets",
                   "(deffunction put (?f) (modify ?f (size 1)))\n(defrule r (time ?) ?f <- (lamp ?) => (put ?f))\n"
                   "(deffacts l (lamp 1))"),
@@ -494,6 +519,12 @@ TEST(Check, ASlotThatNoneOfSeveralTemplatesHasNamesThemAll) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].text(),
             "a.clp:1: [unknown-slot] templates 'job', 'robot' have no slot 'stat', did you mean 'state'?");
+}
+
+TEST(Check, ASlotThatATemplateDoesNotHaveIsTheOnlyThingSaidOfItsValue) {
+  EXPECT_THAT(seeded("(defrule a (time ?) => (assert (robot (stat IDLE))))\n"
+                     "(defrule b (robot\n  (stat IDEL)) => (printout t a))"),
+              ElementsAre("1 unknown-slot", "3 unknown-slot"));
 }
 
 TEST(Check, FunctionsThatOnlyCallEachOtherAreNotUsed) {

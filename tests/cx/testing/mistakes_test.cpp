@@ -54,6 +54,15 @@ TEST_F(Stories, AllNamesThatAreWrongAreTold) {
                           HasSubstr("t.story.yaml:4: (dor): no rule has facts 'dor', did you mean 'door'?")));
 }
 
+TEST_F(Stories, APatternThatCannotBeReadIsToldWithOtherMistakes) {
+  const StoryResult result = play(
+      "fact: (door (state OPEN), within_s: 1}\n    - {no_fact: (door (state ~OPEN))}\n    - {fires: opne, within_s: 1");
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(), HasSubstr("t.story.yaml:5: fact pattern (door (state OPEN): found no closing"));
+  EXPECT_THAT(result.failures, ElementsAre(HasSubstr("t.story.yaml:6: fact pattern (door (state ~OPEN)): &, | and ~"),
+                                           HasSubstr("t.story.yaml:7: there is no rule 'opne'")));
+}
+
 TEST_F(Stories, MistakesInMessagesHideNoOthers) {
   const auto stories = read(
       "- story: s\n  rules: door.clp\n"
