@@ -790,6 +790,12 @@ class FromAMoment(Stories):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertRegex(done.stderr, r"--at: the run ends at [\d.]+ s, where the log of the run is cut off \(it is still being played, or was killed\)")
         self.assertEqual(self.cxlab("new", "story", "run", "--at", "1").returncode, 0)
+        for more in ("", ", end: 1"):
+            self.write("golden.story.yaml", f"- {{story: cut off, golden: run{more}}}\n")
+            for accept in ((), ("--accept",)):
+                done = self.cxlab("test", "golden.story.yaml", *accept)
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn("the golden run is not finished: it is still being played, or it was killed", done.stdout)
 
     def new_story(self, run, at, name):
         done = self.cxlab("new", "story", run, "--at", at, "--for", 20, "--out", f"{name}.story.yaml", "--force")

@@ -268,9 +268,12 @@ class SweepStatistics(Lab):
 
     def test_requirements_end_a_sweep_that_is_answered(self):
         self.write("s.yaml", "schema: 1\nduration_s: 2\n")
-        self.write("suite.yaml", SUITE + "require: ['long: mean(sim_time_s) >= 1.5', 'short: not worse than long in sim_time_s']\n")
+        self.write("suite.yaml", SUITE + "require: ['long: not worse than short in sim_time_s', 'short: not worse than long in sim_time_s']\n")
         answer = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", code=1).stdout)
         self.assertEqual([(line["strategy"], line["answer"], line["after"]) for line in answer["requirements"]], [("long", "better", 12), ("short", "worse", 12)])
+        self.write("alike.yaml", SUITE + "require: ['long: mean(sim_time_s) >= 1.5', 'long: not worse than same in sim_time_s by 0.1']\n")
+        alike = json.loads(self.cxlab("bench", "alike.yaml", "--out", "alike", "--quiet", "--json").stdout)
+        self.assertEqual([(line["answer"], line["after"]) for line in alike["requirements"]], [("better", 20), ("better", 20)], "not early while all games are alike")
         self.assertEqual((answer["games"], answer["planned"]), (12, 20))
         self.assertEqual(len((self.folder / "o/rows.csv").read_text().splitlines()), 1 + 3 * 12)
         every = json.loads(self.cxlab("bench", "suite.yaml", "--out", "o", "--quiet", "--json", "--all", code=1).stdout)
