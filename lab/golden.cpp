@@ -32,6 +32,7 @@ Status play_again(const testing::StorySpec& story, const fs::path& folder, const
   RerunOptions options;
   options.out = folder.string();
   options.force = true;
+  options.from_copies = false;  // they go as they went, whatever the files are now
   if (story.end > SimTime::zero()) options.until = to_seconds(story.end);
   const auto again = rerun(*run, options, host);
   return again ? Status() : again.error();
@@ -130,6 +131,9 @@ testing::StoryResult play_golden(const testing::StorySpec& story, bool coverage,
     else
       result.notes.push_back("its rules are not counted: " + covered.error().text());
   }
+  if (const auto then = Run::open(story.golden); then && !path_exists(then->found(then->manifest.scenario_file())))
+    result.notes.push_back("the scenario is missing: " + then->found(then->manifest.scenario_file()).string() +
+                           "; the copy of the golden run was played");
   auto differs = difference(story, folder, host);
   if (!differs)
     result.bad = differs.error();

@@ -190,7 +190,7 @@ Expected<Rerun> rerun(const Run& run, const RerunOptions& given, const Host& hos
   if (Status there = still_there(run, *scenario); !there) {
     auto files = StoredFiles::open(run.folder);
     if (!files) return files.error();
-    if (read_outside(*files)) return there.error();
+    if (!given.from_copies || read_outside(*files)) return there.error();
     auto scratch = ScratchFolder::create(RemovedBy::kServant);
     if (!scratch) return scratch.error();
     copies = *std::move(scratch);

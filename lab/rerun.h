@@ -19,6 +19,7 @@ struct RerunOptions {
   bool force = false;
   std::vector<std::string> command = {};
   bool trust_rules = false;          ///< rules that were trusted then are trusted again, else nothing is played
+  bool from_copies = true;           ///< where files are missing; else their absence is an error
   std::optional<double> until = {};  ///< s; instead of the run's own end
   /// The run goes on otherwise from there; its file has not been read yet.
   std::optional<WhatIf> what_if = {};

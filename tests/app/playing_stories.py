@@ -312,6 +312,14 @@ class Failing(Stories):
         self.ask("run", "scenario.yaml", "--out", "golden", "--quiet")
         self.write("golden.story.yaml", "- {story: as it went, golden: golden}\n- {story: its beginning, golden: golden, end: 1}\n")
         self.assertIn("2 passed", self.ask("test"))
+        for missing, code in (("agent.yaml", 3), ("rules", 3), ("rules/rules.clp", 1), ("scenario.yaml", 0)):
+            (self.folder / missing).rename(self.folder / "away")
+            for more in ((), ("--accept",)):
+                done = self.cxlab("test", "golden.story.yaml::as it went", *more)
+                self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+                self.assertRegex(done.stdout, f" missing: .*/{missing};" if code != 1 else "golden.story.yaml:1: the run fails now: .*rules.clp")
+            (self.folder / "away").rename(self.folder / missing)
+        self.assertNotIn("missing", self.ask("test", "golden.story.yaml"))
         self.write("rules/rules.clp", DOOR.replace("(bell)", "(bell) (key)") + "(deffacts start (bell))\n")
         done = self.cxlab("test", "--keep-runs", "runs")
         self.assertEqual(done.returncode, 1, done.stderr)
