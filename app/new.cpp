@@ -95,6 +95,10 @@ int make_story(StoryOptions options) {
     const std::string name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
     options.file = name + "-at-" + general_text(options.at, 9) + ".story.yaml";
   }
+  if (!options.file.ends_with(lab::kStoryEnding))
+    return fail(usage_error("--out: " + found_text(options.file,
+                                                   "a name that ends with .story.yaml, by which `cxlab "
+                                                   "test FOLDER` finds it")));
   if (path_exists(options.file) && !options.force)
     return fail(usage_error("there is a file already: choose another one (--out), or --force", options.file));
   const auto named = lab::named_packages(options.packages);

@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kEnding = ".story.yaml";
-
 /// By file the names of stories that are asked for; none: all.
 using Places = std::map<fs::path, std::set<std::string>>;
 
@@ -38,7 +36,7 @@ Expected<Places> find_files(const std::vector<std::string>& paths) {
       const std::string name = it->path().filename().string();
       if (it->is_directory(error)) {
         if (name.starts_with('.')) it.disable_recursion_pending();
-      } else if (name.ends_with(kEnding)) {
+      } else if (name.ends_with(kStoryEnding)) {
         whole.insert(it->path().lexically_normal());
       }
     }
@@ -97,7 +95,7 @@ Expected<std::vector<PlayedStory>> read_stories(const std::vector<std::string>& 
       bad.spec.file = file.string();
       bad.spec.name = file.filename().string();
       bad.result.bad = specs.error();
-      if (file.string().ends_with(kEnding))
+      if (file.string().ends_with(kStoryEnding))
         for (const Error& error : further) bad.result.failures.push_back(error.text());
       else
         bad.result.bad->message = "this is no story file, whose name ends with .story.yaml: " + specs.error().message;

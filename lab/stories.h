@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,9 @@
 #include "lab/host.h"
 
 namespace cxlab::lab {
+
+/// Names of files with stories end so: those of folders are found by it.
+inline constexpr std::string_view kStoryEnding = ".story.yaml";
 
 /// One story and how it went.
 struct PlayedStory {
