@@ -149,6 +149,11 @@ const StandIns::Answer& StandIns::answer(Served& server) {
   return struck ? *struck : planned;
 }
 
+bool StandIns::has_type(const std::string& type) const {
+  bus::Registry& registry = bus_.registry();
+  return registry.message(type).ok() || registry.service(type).ok() || registry.action(type).ok();
+}
+
 std::vector<Error> StandIns::check(const StandIn& stand_in) const {
   Served server;
   server.stand_in = stand_in;

@@ -88,6 +88,8 @@ class StandIns final : public Server {
   Status publish(const std::string& topic, const std::string& type, const std::string& data, const std::string& file,
                  int line);
 
+  /// Whether a message, service or action has that name.
+  bool has_type(const std::string& type) const;
   // Whether content (YAML) fits its type; errors have file and line.
   std::vector<Error> check(const StandIn& stand_in) const;
   /// A message, or a part of one.

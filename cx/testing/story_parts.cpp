@@ -77,10 +77,13 @@ std::vector<Error> set_up(StandIns& stand_ins, const StorySpec& spec) {
   const auto add = [&mistakes](const Status& fits) {
     if (!fits && std::ranges::count(mistakes, fits.error().text(), &Error::text) == 0) mistakes.push_back(fits.error());
   };
-  std::map<std::string, const std::string*> types;  // of topics, actions and services: what the story says first
+  std::map<std::string, Line> types;  // of topics, actions and services: what the story says first, and exists
   const auto add_type = [&](const std::string& name, const std::string& type, int line) {
-    if (const std::string& first = *types.try_emplace(name, &type).first->second; first != type)
-      add(input_error(name + ": " + found_expected(type, first + ", its type before"), spec.file, line));
+    if (!stand_ins.has_type(type)) return;
+    if (const Line& first = types.try_emplace(name, type, line).first->second; first.text != type)
+      add(input_error(
+          name + ": " + found_expected(type, first.text + ", its type on line " + std::to_string(first.line)),
+          spec.file, line));
   };
   const auto add_all = [&add](const std::vector<Error>& found) { std::ranges::for_each(found, add); };
   std::vector<const StandIn*> served;
