@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 
+#include "cx/base/number_text.h"
 #include "cx/engine/template_names.h"
 
 namespace cxlab::explain {
@@ -26,8 +28,10 @@ std::optional<std::vector<Term>> slots_of(const RuleEngine& engine, const std::s
 /// The words for what CLIPS calls the type of a constant; empty for other values.
 std::vector<std::string_view> types_of(const Value& value) {
   switch (value.type()) {
-    case ValueType::kInteger:
-    case ValueType::kFloat: return {"INTEGER", "FLOAT", "NUMBER"};
+    case ValueType::kFloat:
+      if (value.as_number() != std::floor(value.as_number())) return {"FLOAT", "NUMBER"};
+      [[fallthrough]];
+    case ValueType::kInteger: return {"INTEGER", "FLOAT", "NUMBER"};
     case ValueType::kSymbol: return {"SYMBOL", "LEXEME"};
     case ValueType::kString: return {"STRING", "LEXEME"};
     default: return {};
@@ -49,6 +53,11 @@ Status check_value(const std::string& name, const Term& slot, const Value& value
     if (facet.head() == "type" && !has_word(words, types)) {
       const bool other = (value.is(ValueType::kSymbol) && has_word(words, std::array<std::string_view, 1>{"STRING"}));
       return input_error(found + "; its type is " + some_of(words) + (other ? ": write \"" + value.print() + '"' : ""));
+    }
+    if (facet.head() == "range" && words.size() == 2 && value.is_number()) {
+      const auto low = read_number<double>(words[0]), high = read_number<double>(words[1]);
+      if ((low && value.as_number() < *low) || (high && value.as_number() > *high))
+        return input_error(found + "; its range is " + words[0] + " to " + words[1]);
     }
     const bool about_it =
         facet.head() == "allowed-values" || (value.is(ValueType::kSymbol) && facet.head() == "allowed-symbols") ||
@@ -102,6 +111,13 @@ Status check_names(const Pattern& pattern, const RuleEngine& engine) {
     if (ordered) return input_error("template '" + name + "' has no slots: its facts are ordered");
     if (std::ranges::count(known, slot) == 0)
       return input_error("template '" + name + "' has no slot '" + slot + "'" + did_you_mean(slot, known));
+    const std::size_t count = pattern.count_in(slot);
+    const auto is_single = [&](const Term& one) {
+      return one.items[1].is(slot) && (one.head() == "slot" || one.head() == "field");
+    };
+    if (count != 1 && slots && std::ranges::any_of(*slots, is_single))
+      return input_error("slot '" + slot + "' of template '" + name + "' holds one value, found " +
+                         (count == 0 ? "none" : std::to_string(count)));
   }
   return {};
 }

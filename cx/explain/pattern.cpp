@@ -222,6 +222,10 @@ std::vector<std::string> Pattern::slot_names() const {
   return names;
 }
 
+std::size_t Pattern::count_in(const std::string& slot) const {
+  return std::ranges::find(slots_, slot, &Slot::name)->constraints.size();
+}
+
 std::vector<std::pair<std::string, Value>> Pattern::constants() const {
   std::vector<std::pair<std::string, Value>> out;
   const auto add = [&out](const std::string& slot, const std::vector<Constraint>& constraints) {

@@ -57,6 +57,8 @@ class Pattern {
   std::vector<std::string> binds() const;
   /// Empty for an ordered fact.
   std::vector<std::string> slot_names() const;
+  /// How many values, variables and `?` are written in that slot, which the pattern has.
+  std::size_t count_in(const std::string& slot) const;
   /// The values that are written in the pattern, with their slots ("implied" for an ordered fact), but those of `~`.
   std::vector<std::pair<std::string, Value>> constants() const;
 

@@ -16,12 +16,12 @@ namespace cxlab::testing {
 
 namespace {
 
-/// The objection of CLIPS to a pattern that no fact of its template can match. Its value may have another type or may
-/// not be allowed, or a template with slots is written as an ordered fact. A separate engine, which has only the
-/// templates, answers.
-class ImpossiblePatterns {
+/// The objection of CLIPS to a fact, or to a pattern that no fact of its template can match. Its value may have another
+/// type or may not be allowed, or a template with slots is written as an ordered fact. A separate engine, which has
+/// only the templates, answers.
+class Objections {
  public:
-  explicit ImpossiblePatterns(const RuleEngine& rules) {
+  explicit Objections(const RuleEngine& rules) {
     EngineOptions options;
     options.name = "patterns";
     auto made = RuleEngine::create(std::move(options));
@@ -31,7 +31,13 @@ class ImpossiblePatterns {
       if (c.kind == "deftemplate" || c.kind == "defmodule") (void)engine_->build(c.text);
   }
   /// Empty if there is nothing.
-  std::string against(const std::string& pattern) {
+  std::string to_fact(const Term& fact) {
+    if (!engine_ || !engine_->has("deftemplate", std::string(without_module(fact.head())))) return {};
+    const auto asserted = engine_->assert_string(fact.print());
+    return asserted ? "" : asserted.error().message;
+  }
+  /// Empty if there is nothing.
+  std::string to_pattern(const std::string& pattern) {
     if (!engine_) return {};
     Term term = tree_of(read_forms(pattern, {}).forms.front());
     term.items.front().text = without_module(term.items.front().text);  // patterns of rules have no modules
@@ -117,11 +123,22 @@ class Templates {
 
 class Examination {
  public:
-  explicit Examination(const Play& play) : play_(play), spec_(play.spec()), engine_(play.engine()) {
+  /// `checked`: values are right.
+  Examination(const Play& play, bool checked)
+      : play_(play), spec_(play.spec()), engine_(play.engine()), checked_(checked) {
     mistakes_.errors = play.mistakes_in_messages();
+    const auto add_word = [this](const std::string& word) {
+      if (!word.empty()) handles_.push_back(word);
+    };
+    for (const StandIn& stand_in : spec_.stand_ins)
+      for (const UnderWay& goal : stand_in.under_way) {
+        add_word(goal.handle);
+        if (stand_in.action) add_word(goal.id);
+      }
+    for (const GivenFact& fact : spec_.given) add_word(fact.as);
   }
 
-  Mistakes all(bool patterns_known) {
+  Mistakes all() {
     for (const GivenFact& fact : spec_.given) look_at_fact(fact.text, fact.line);
     for (const Step& step : spec_.steps)
       if (step.verb == Step::Verb::kAssert) look_at_fact(step.text, step.line);
@@ -132,7 +149,7 @@ class Examination {
         look_at_rule(e);
       else if (e.kind == Kind::kGoal)
         look_at_goal(e);
-      else if (e.kind != Kind::kPublished && !patterns_known)
+      else if (e.kind != Kind::kPublished && !checked_)
         look_at_pattern(e);
     }
     std::ranges::stable_sort(mistakes_.errors, {}, &Error::line);
@@ -155,15 +172,53 @@ class Examination {
   }
 
   void look_at_fact(const std::string& text, int line) {
+    const FormReading reading = read_forms(text, {});
+    if (!reading.errors.empty()) return add(line, text + ": " + reading.errors.front().message);
+    if (reading.forms.empty() || !reading.forms.front().list)
+      return add(line, found_text(text, "a fact in parentheses"));
+    if (reading.forms.size() > 1)
+      return add(line, "found " + reading.forms[1].text + " after " + reading.forms.front().text +
+                           ", expected one fact: give each an entry of its own");
+    const Term term = tree_of(reading.forms.front());
+    look_at_handles(text, term, line);
     const auto fact = explain::Pattern::parse_plain(text, spec_.file, line);
     if (!fact) return;  // it has expressions, or CLIPS objects to it when its time comes
     const std::string& name = fact->template_name();
     const bool is_ordered = fact->slot_names().empty();
-    if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name)))
-      return add(line, text, explain::check_names(*fact, engine_));
+    if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name))) {
+      const std::size_t told = mistakes_.errors.size();
+      add(line, text, explain::check_names(*fact, engine_));
+      if (mistakes_.errors.size() == told && !is_ordered && !checked_) look_at_values(text, term, *fact, line);
+      return;
+    }
     if (!is_ordered || !given_.insert(name).second || may_have(name)) return;
     if (const std::string guess = templates_->guess(name); !guess.empty())
       mistakes_.notes.push_back(play_.at(line, text + ": no rule has facts '" + name + '\'' + guess).text());
+  }
+
+  /// Words such as <Fact-1> stand for facts that are given and for goals in progress.
+  void look_at_handles(const std::string& text, const Term& term, int line) {
+    for (const Term& item : term.items) look_at_handles(text, item, line);
+    const std::string& word = term.text;
+    if (term.kind != Token::Kind::kWord || word.size() < 3 || !word.starts_with('<') || !word.ends_with('>')) return;
+    if (std::ranges::count(handles_, word) > 0) return;
+    if (!word.starts_with("<Fact-") && !word.starts_with("<Pointer-") && did_you_mean(word, handles_).empty()) return;
+    add(line, text + ": no fact or goal of this story is " + word +
+                  (handles_.empty() ? "; name a fact that is given before: {fact: (...), as: " + word + '}'
+                                    : "; known: " + some_of_and_nearest(word, handles_)));
+  }
+
+  /// Values of slots that are known before the play: no handles and no globals.
+  void look_at_values(const std::string& text, Term term, const explain::Pattern& fact, int line) {
+    std::erase_if(term.items, [this](const Term& slot) {
+      const std::string printed = slot.is_list() ? slot.print() : std::string();
+      return printed.find_first_of("<?") != std::string::npos ||
+             std::ranges::any_of(handles_,
+                                 [&](const std::string& handle) { return printed.find(handle) != printed.npos; });
+    });
+    if (!objections_) objections_ = std::make_unique<Objections>(engine_);
+    if (const std::string why = objections_->to_fact(term); !why.empty())
+      add(line, text + ": " + plain_objection(fact, engine_, why));
   }
 
   void look_at_retract(const Step& step) {
@@ -180,8 +235,8 @@ class Examination {
     const std::string& name = pattern->template_name();
     const std::string what = e.text + " can match no fact";
     if (engine_.has("deftemplate", name)) {
-      if (!impossible_) impossible_ = std::make_unique<ImpossiblePatterns>(engine_);
-      if (const std::string why = impossible_->against(e.text); !why.empty())
+      if (!objections_) objections_ = std::make_unique<Objections>(engine_);
+      if (const std::string why = objections_->to_pattern(e.text); !why.empty())
         add(e.line, what + ": " + plain_objection(*pattern, engine_, why));
     } else if (!is_given(*pattern) && !may_have(name) &&
                (!pattern->slot_names().empty() || templates_->is_misspelt(name))) {
@@ -211,14 +266,16 @@ class Examination {
   const Play& play_;
   const StorySpec& spec_;
   const RuleEngine& engine_;
+  const bool checked_;
+  std::vector<std::string> handles_;
   std::set<std::string> given_;  // names of ordered facts that no rule has
   std::optional<Templates> templates_;
-  std::unique_ptr<ImpossiblePatterns> impossible_;
+  std::unique_ptr<Objections> objections_;
   Mistakes mistakes_;
 };
 
 }  // namespace
 
-Mistakes mistakes_of(const Play& play, bool checked) { return Examination(play).all(checked); }
+Mistakes mistakes_of(const Play& play, bool checked) { return Examination(play, checked).all(); }
 
 }  // namespace cxlab::testing

@@ -14,9 +14,9 @@ struct Mistakes {
   std::vector<std::string> notes;  ///< what may be meant as it is
 };
 
-/// All mistakes in types and fields of messages, in names of rules, actions, templates and slots, and in patterns that
-/// no fact can match. Call it after activation. Patterns that were checked before with the same templates need not be
-/// `checked` again, which takes the longest.
+/// All mistakes in types and fields of messages, in names of rules, actions, templates, slots and given facts, in
+/// values of slots, and in patterns that no fact can match. Call it after activation. Values and patterns that were
+/// checked before with the same templates need not be `checked` again, which takes the longest.
 Mistakes mistakes_of(const Play& play, bool checked = false);
 
 }  // namespace cxlab::testing

@@ -63,6 +63,82 @@ TEST_F(Stories, APatternThatCannotBeReadIsToldWithOtherMistakes) {
                                            HasSubstr("t.story.yaml:7: there is no rule 'opne'")));
 }
 
+TEST_F(Stories, AnEntryIsOneFactAndNothingMore) {
+  write("door.clp",
+        "(deftemplate door (slot state (allowed-values OPEN CLOSED)) (slot width (type INTEGER) (range 1 9)))\n");
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  given:\n"
+      "    - '(bell) (wind)'\n    - '(bell) ; a comment'\n    - '(bell) loud'\n    - '(door (state \"OPEN'\n    - "
+      "bell\n"
+      "  steps:\n    - {at: 1, assert: '(door (state OPEN)) (bell)'}\n    - {at: 1, retract: '(bell) (wind)'}\n"
+      "    - {at: 1, assert: '(bell))'}\n"
+      "  expect:\n    - {fact: '(bell) (wind)', within_s: 1}\n    - {no_fact: (bell) loud}\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(),
+              HasSubstr("t.story.yaml:4: found (wind) after (bell), expected one fact: give each an "
+                        "entry of its own"));
+  EXPECT_THAT(result.failures,
+              ElementsAre(HasSubstr(":6: found loud after (bell), expected one fact"),
+                          HasSubstr(":7: (door (state \"OPEN: found no closing parenthesis for (door ...)"),
+                          HasSubstr(":8: found 'bell', expected a fact in parentheses"),
+                          HasSubstr(":10: found (bell) after (door (state OPEN)), expected one fact"),
+                          HasSubstr(":11: fact pattern (bell) (wind): expected one pattern in parentheses"),
+                          HasSubstr(":12: (bell)): found ')' that closes nothing"),
+                          HasSubstr(":14: fact pattern (bell) (wind): expected one pattern in parentheses"),
+                          HasSubstr(":15: fact pattern (bell) loud: expected one pattern in parentheses")));
+}
+
+TEST_F(Stories, ValuesOfFactsAreLookedAtBeforeThePlay) {
+  write("door.clp",
+        "(deftemplate door (slot state (allowed-values OPEN CLOSED)) (slot width (type INTEGER) (range 1 9))\n"
+        "  (slot bell (type FACT-ADDRESS SYMBOL) (allowed-symbols NONE)) (multislot of))\n");
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  given:\n"
+      "    - {fact: (bell), as: <Fact-1>}\n    - (door (state OPNE))\n    - (door (width wide) (bell <Fact-1>))\n"
+      "    - (door (state OPEN) (bell <Fact-1>) (of a b))\n    - (door (width 3 4))\n    - (door (state))\n"
+      "    - (door (width (+ 1 2)))\n"
+      "  steps:\n    - {at: 1, assert: (door (width 12))}\n    - {at: 1, assert: (door (width 2.5))}\n"
+      "  expect:\n    - {no_fact: (door (width 3 4))}\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(),
+              HasSubstr("t.story.yaml:5: (door (state OPNE)): slot 'state' of template 'door' cannot "
+                        "be OPNE; it holds OPEN, CLOSED; did you mean 'OPEN'?"));
+  EXPECT_THAT(
+      result.failures,
+      ElementsAre(
+          HasSubstr(":6: (door (width wide) (bell <Fact-1>)): slot 'width' of template 'door' cannot be"),
+          HasSubstr(":8: (door (width 3 4)): slot 'width' of template 'door' holds one value, found 2"),
+          HasSubstr(":9: (door (state)): slot 'state' of template 'door' holds one value, found none"),
+          HasSubstr(":12: (door (width 12)): slot 'width' of template 'door' cannot be 12; its range is 1 to 9"),
+          HasSubstr(":13: (door (width 2.5)): slot 'width' of template 'door' cannot be 2.5; its type is"),
+          HasSubstr(":15: (door (width 3 4)) can match no fact: slot 'width' of template 'door' holds")));
+}
+
+TEST_F(Stories, AHandleOfNothingIsAMistake) {
+  const auto told = [&](const std::string& fact) {
+    const auto stories = read(
+        "- story: s\n  rules: door.clp\n  given:\n    - {fact: (wind), as: <Fact-1>}\n"
+        "    - {fact: (key), as: <Key>}\n    - " +
+        fact + "\n  expect: [{fact: (wind), at: 1}]\n");
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? result.bad->text() : "played";
+  };
+  EXPECT_THAT(told("(door (by <Fact-2>))"),
+              HasSubstr("t.story.yaml:6: (door (by <Fact-2>)): no fact or goal of this story is <Fact-2>; known: "
+                        "<Fact-1>, <Key>; did you mean '<Fact-1>'?"));
+  EXPECT_THAT(told("(door (by <Kye>))"), HasSubstr("no fact or goal of this story is <Kye>; known: "));
+  EXPECT_THAT(told("(door (by <Pointer-C-0x5>))"), HasSubstr("no fact or goal of this story is <Pointer-C-0x5>"));
+  for (const char* fact : {"(door (by <Fact-1>))", "(door (by <Key>))", "(door (by <=>))", "(door (by \"<Fact-2>\"))"})
+    EXPECT_EQ(told(fact), "played") << fact;
+  EXPECT_THAT(play("not_fires: slam, within_s: 1", "  steps: [{at: 1, assert: (bell <Fact-2>)}]\n").bad->text(),
+              HasSubstr(":4: (bell <Fact-2>): no fact or goal of this story is <Fact-2>; name a fact that is given "
+                        "before: {fact: (...), as: <Fact-2>}"));
+}
+
 TEST_F(Stories, MistakesInMessagesHideNoOthers) {
   const auto stories = read(
       "- story: s\n  rules: door.clp\n"
@@ -201,7 +277,7 @@ TEST_F(Stories, APatternThatNoFactCanMatchIsAMistake) {
   for (const auto& [pattern, why] : std::initializer_list<std::pair<const char*, const char*>>{
            {"(door (state OPNE))",
             "slot 'state' of template 'door' cannot be OPNE; it holds OPEN, CLOSED; did you mean"},
-           {"(door (width 1.5))", "[CSTRNCHK1]"},
+           {"(door (width 1.5))", "slot 'width' of template 'door' cannot be 1.5; its type is INTEGER"},
            {"(door 7)", "template 'door' has slots; write (door (SLOT VALUE))"},
            {"(door (stat OPEN))", "template 'door' has no slot 'stat', did you mean 'state'?"},
            {"(door (x 1) (x 2))", "slot 'x' is in the pattern twice"},
