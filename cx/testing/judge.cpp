@@ -37,6 +37,39 @@ bool contains_value(const yaml::Value& found, const yaml::Value& wanted) {
   return !a.empty() && !b.empty() && !*a_end && !*b_end && x == y;
 }
 
+/// How many of the values of `wanted` are in `found`.
+int count_same(const yaml::Value& found, const yaml::Value& wanted) {
+  if (!wanted.is_map() || !found.is_map()) return contains_value(found, wanted) ? 1 : 0;
+  int same = 0;
+  yaml::Map map = found.as_map();
+  for (const auto& [key, value] : wanted.as_map().entries())
+    if (const yaml::Value there = map.get(key)) same += count_same(there, value);
+  return same;
+}
+
+/// The one with the most values that are wanted; the first of several. There is at least one.
+const Heard& nearest(const std::vector<const Heard*>& others, const std::string& wanted) {
+  constexpr std::size_t kMost = 1000;  // to compare all would take long
+  const Heard* nearest = others.front();
+  const auto fields = yaml::Document::parse(wanted, "fields");
+  if (wanted.empty() || !fields) return *nearest;
+  int most = -1;
+  for (std::size_t i = 0; i < std::min(kMost, others.size()); ++i) {
+    const auto content = yaml::Document::parse(others[i]->content, "message");
+    const int same = content ? count_same(content->root(), fields->root()) : 0;
+    if (same > most) nearest = others[i];
+    most = std::max(most, same);
+  }
+  return *nearest;
+}
+
+/// That nobody publishes the topic, where this is so, and what is published instead.
+std::string unpublished(const std::string& topic, const Play& play) {
+  const std::vector<std::string> topics = play.stand_ins().published();
+  if (std::ranges::count(topics, topic) + std::ranges::count(topics, '/' + topic) > 0) return {};
+  return "; nobody publishes this topic" + (topics.empty() ? "" : ", only " + some_of_and_nearest(topic, topics));
+}
+
 std::string span(const Expectation& e) {
   if (e.at) return " at " + seconds(e.until);
   std::string out = e.after > SimTime::zero() ? " after " + seconds(e.after) : "";
@@ -108,12 +141,12 @@ std::string judge_rule(const Expectation& e, const Play& play) {
 
 std::string judge_heard(const Expectation& e, const Play& play, Heard::Kind kind, const std::string& word) {
   int inside = 0;
-  const Heard* last = nullptr;
+  std::vector<const Heard*> others;  // from the end
   // From the end: what is expected by a time is mostly the last before it, and to compare all would take long.
   for (const Heard& heard : play.stand_ins().heard() | std::views::reverse) {
     if (heard.kind != kind || heard.name != e.text) continue;
     if (!within(e, heard.t) || !contains(heard.content, e.fields))
-      last = last ? last : &heard;
+      others.push_back(&heard);
     else if (++inside >= e.count)
       return {};
   }
@@ -122,9 +155,10 @@ std::string judge_heard(const Expectation& e, const Play& play, Heard::Kind kind
   if (!e.fields.empty()) what += " with " + e.fields;
   what += span(e) + "; ";
   if (inside > 0) what += "there " + std::string(inside == 1 ? "was 1; " : "were " + std::to_string(inside) + "; ");
-  return what + (last         ? "nearest: " + last->content + " at " + seconds(last->t)
-                 : inside > 0 ? "there was no other"
-                              : "there was none");
+  if (others.empty() && inside > 0) return what + "there was no other";
+  if (others.empty()) return what + "there was none" + (kind == Heard::Kind::kTopic ? unpublished(e.text, play) : "");
+  const Heard& near = nearest(others, e.fields);
+  return what + "nearest: " + near.content + " at " + seconds(near.t);
 }
 
 std::string judge(const Expectation& e, const Play& play) {
@@ -145,6 +179,30 @@ bool contains(const std::string& found, const std::string& wanted) {
   if (wanted.empty()) return true;
   const auto a = yaml::Document::parse(found, "message"), b = yaml::Document::parse(wanted, "fields");
   return a && b && contains_value(a->root(), b->root());
+}
+
+std::vector<std::string> slips_in_names(const Play& play) {
+  std::vector<std::string> notes;
+  const auto look = [&](bus::NameKind kind, const std::string& name, int line, bool unserved) {
+    const std::string meant = play.stand_ins().meant_by(kind, name, unserved);
+    if (meant.empty()) return;
+    const bool is_topic = kind == bus::NameKind::kTopic;
+    const std::string note = play.at(line, name + ": " +
+                                               (is_topic ? "the rules do not subscribe to it, but to "
+                                                         : "the rules have no client of it, but one of ") +
+                                               meant + (unserved ? ", which nobody serves" : ""))
+                                 .text();
+    if (std::ranges::count(notes, note) == 0) notes.push_back(note);
+  };
+  const auto kind_of = [](const StandIn& s) { return s.action ? bus::NameKind::kAction : bus::NameKind::kService; };
+  for (const StandIn& stand_in : play.spec().stand_ins)
+    look(kind_of(stand_in), stand_in.name, stand_in.line, /*unserved=*/true);
+  for (const Step& step : play.spec().steps)
+    if (step.verb == Step::Verb::kPublish)
+      look(bus::NameKind::kTopic, step.text, step.line, /*unserved=*/false);
+    else if (step.verb == Step::Verb::kStandIn)
+      look(kind_of(step.stand_in), step.stand_in.name, step.line, /*unserved=*/false);
+  return notes;
 }
 
 std::vector<std::string> judge(const Play& play) {

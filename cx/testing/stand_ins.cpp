@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cx/base/slip.h"
+
 namespace cxlab::testing {
 
 using bus::Delivery;
@@ -61,6 +63,12 @@ Expected<bus::SharedMessage> result_of(const bus::MessageType& type, const Outco
       std::any_of(type.fields().begin(), type.fields().end(), [](const bus::Field& f) { return f.name == "success"; }))
     message.view().set("success", true);
   return std::make_shared<const bus::Message>(std::move(message));
+}
+
+/// Two robots of one kind differ in digits.
+std::string without_digits(std::string name) {
+  std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
+  return name;
 }
 
 }  // namespace
@@ -290,6 +298,33 @@ Status StandIns::sense(SimTime now) {
   }
   endings_ = std::move(open);
   return {};
+}
+
+bool StandIns::has_other(const std::vector<bus::ParticipantId>& those) const {
+  return std::ranges::any_of(those, [this](bus::ParticipantId p) { return p != self_; });
+}
+
+std::string StandIns::meant_by(bus::NameKind kind, const std::string& name, bool unserved) const {
+  const std::string own = bus_.name_of(self_).resolve(name, kind);
+  const bool was_asked = kind != bus::NameKind::kTopic && std::ranges::count(heard_, name, &Heard::name) > 0;
+  if (was_asked || has_other(bus_.users(kind, own))) return {};
+  const auto all = kind == bus::NameKind::kTopic     ? bus_.topics()
+                   : kind == bus::NameKind::kService ? bus_.services()
+                                                     : bus_.actions();
+  for (const bus::Bus::Info& other : all)
+    if (other.name != own && is_slip(own, other.name) && without_digits(own) != without_digits(other.name) &&
+        has_other(bus_.users(kind, other.name)) && !(unserved && other.providers > 0))
+      return other.name;
+  return {};
+}
+
+std::vector<std::string> StandIns::published() const {
+  std::vector<std::string> out;
+  for (const bus::Bus::Info& topic : bus_.topics())
+    if (std::ranges::any_of(bus_.providers(bus::NameKind::kTopic, topic.name),
+                            [this](bus::ParticipantId p) { return bus_.is_environment(p); }))
+      out.push_back(topic.name);
+  return out;
 }
 
 Status StandIns::act(SimTime) {

@@ -108,6 +108,11 @@ class StandIns final : public Server {
   Status act(SimTime now) override;
   SimTime next_due() const override;
   const std::vector<Heard>& heard() const { return heard_; }
+  /// Where nobody else uses that topic, service or action: the name of another one that somebody uses, from
+  /// which it differs by a slip of the finger; empty if there is none. `unserved`: only a name that nobody serves.
+  std::string meant_by(bus::NameKind kind, const std::string& name, bool unserved) const;
+  /// Topics that rules publish.
+  std::vector<std::string> published() const;
 
  private:
   struct Served;
@@ -123,6 +128,8 @@ class StandIns final : public Server {
   SimTime duration(const Served& server, const Outcome& outcome);
   void on_goal(Served& server, const bus::Delivery& goal);
   void on_call(Served& server, const bus::Delivery& request);
+  /// Whether one of them is another participant.
+  bool has_other(const std::vector<bus::ParticipantId>& those) const;
 
   bus::Bus& bus_;
   bus::ParticipantId self_;

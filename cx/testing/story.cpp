@@ -25,6 +25,7 @@ Status run(Play& play, StoryResult& result) {
   }
   if (failure) result.failures.push_back(failure->text());
   for (std::string& what : judge(play)) result.failures.push_back(std::move(what));
+  for (std::string& note : slips_in_names(play)) result.notes.push_back(std::move(note));
   if (Status s = play.end(); !s && !failure) result.failures.push_back(s.error().text());
   for (const std::string& open : play.left_open())
     if (spec.leaves_nothing)

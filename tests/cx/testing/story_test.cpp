@@ -444,6 +444,85 @@ TEST_F(Stories, ErrorOfARuleFailsTheStoryWithItsPlace) {
   EXPECT_FALSE(result.passed());
 }
 
+/// Rules that open what the story may misspell, and publish three messages.
+constexpr const char* kOpen =
+    "(defrule begin =>\n"
+    "  (ros-msgs-create-client \"/may_i\" \"std_srvs/srv/SetBool\")\n"
+    "  (ros-msgs-create-action-client \"/robot1/pick\" \"cxlab_skills/action/Pick\")\n"
+    "  (ros-msgs-create-action-client \"/robot3/pick\" \"cxlab_skills/action/Pick\")\n"
+    "  (ros-msgs-create-subscription \"/bell\" \"std_msgs/msg/String\")\n"
+    "  (ros-msgs-create-publisher \"/door\" \"geometry_msgs/msg/Vector3\"))\n"
+    "(defrule say (say ?x ?y) =>\n"
+    "  (bind ?m (ros-msgs-create-message \"geometry_msgs/msg/Vector3\"))\n"
+    "  (ros-msgs-set-field ?m \"x\" ?x)\n  (ros-msgs-set-field ?m \"y\" ?y)\n"
+    "  (ros-msgs-publish ?m \"/door\")\n  (ros-msgs-destroy-message ?m))\n";
+
+TEST_F(Stories, ANameThatNobodyUsesIsANoteWhereItMayBeMisspelt) {
+  write("open.clp", kOpen);
+  const auto notes = [&](const std::string& more) {
+    const auto stories = read("- story: s\n  rules: open.clp\n" + more + "  expect: [{fires: begin, within_s: 1}]\n");
+    EXPECT_TRUE(stories) << stories.error().text();
+    StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    EXPECT_TRUE(result.passed()) << more;
+    std::erase_if(result.notes, [](const std::string& note) { return note.find("cleaning up") != note.npos; });
+    return result.notes;
+  };
+  const auto serve = [](const std::string& name) {
+    return "  serve: [{service: " + name + ", type: std_srvs/srv/SetBool}]\n";
+  };
+  const auto skills = [](const std::string& name) {
+    return "  skills: [{action: " + name + ", type: cxlab_skills/action/Pick}]\n";
+  };
+  const auto steps = [](const std::string& step) { return "  steps: [{at: 0.5, " + step + "}]\n"; };
+  const std::string pick = ", type: cxlab_skills/action/Pick", text = ", type: std_msgs/msg/String";
+  EXPECT_THAT(notes(serve("/my_i")), ElementsAre(HasSubstr("t.story.yaml:3: /my_i: the rules have no client of it, but "
+                                                           "one of /may_i, which nobody serves")));
+  EXPECT_THAT(notes(skills("/robot1/pik")),
+              ElementsAre(HasSubstr("t.story.yaml:3: /robot1/pik: the rules have no client "
+                                    "of it, but one of /robot1/pick, which nobody")));
+  EXPECT_THAT(notes(skills("/robot1/pick") + steps("skill: /robot1/pck" + pick)),
+              ElementsAre(HasSubstr("t.story.yaml:4: /robot1/pck: the rules have no client of it, but one of "
+                                    "/robot1/pick")));
+  EXPECT_THAT(notes(steps("publish: /bel" + text)),
+              ElementsAre(HasSubstr("t.story.yaml:3: /bel: the rules do not subscribe to it, but to /bell")));
+  for (const std::string& right :
+       {serve("/may_i"), serve("may_i"), serve("/other"), skills("/robot2/pick"), skills("/robot1/pick"),
+        steps("publish: /bell" + text), steps("publish: /other" + text)})
+    EXPECT_THAT(notes(right), IsEmpty()) << right;
+}
+
+TEST_F(Stories, TheNearestMessageHasMostOfTheFields) {
+  write("open.clp", kOpen);
+  const auto failure = [&](const std::string& expected) {
+    const auto stories = read(
+        "- story: s\n  rules: open.clp\n"
+        "  steps: [{at: 1, assert: (say 1.0 2.0)}, {at: 2, assert: (say 3.0 4.0)}, {at: 3, assert: (say 5.0 6.0)}]\n"
+        "  expect: [{published: " +
+        expected + ", within_s: 4}]\n");
+    EXPECT_TRUE(stories) << stories.error().text();
+    return run_story(stories->front(), {interfaces_dir()}).failures;
+  };
+  const std::string door = "/door, type: geometry_msgs/msg/Vector3, fields: ";
+  EXPECT_THAT(failure(door + "{x: 3, y: 5, z: 0}"), ElementsAre(HasSubstr("y: 4.0, z: 0.0} at 2 s")));
+  EXPECT_THAT(failure(door + "{x: 7, y: 5}"), ElementsAre(HasSubstr("y: 6.0, z: 0.0} at 3 s"))) << "the last";
+  EXPECT_THAT(failure(door + "{x: 1, y: 2}, count: 2"), ElementsAre(HasSubstr("there was 1; nearest: ")));
+  EXPECT_THAT(failure(door + "{x: 1}, after: 3.5"), ElementsAre(HasSubstr("y: 2.0, z: 0.0} at 1 s")));
+}
+
+TEST_F(Stories, ATopicThatNobodyPublishesIsToldWithTheNearest) {
+  write("open.clp", kOpen);
+  const auto failure = [&](const std::string& topic) {
+    const auto stories =
+        read("- story: s\n  rules: open.clp\n  expect: [{published: " + topic + "/msg/Vector3, within_s: 1}]\n");
+    return run_story(stories->front(), {interfaces_dir()}).failures;
+  };
+  EXPECT_THAT(failure("/dor, type: geometry_msgs"),
+              ElementsAre(HasSubstr("there was none; nobody publishes this topic, only /door; did you mean '/door'?")));
+  for (const char* topic : {"/door", "door"})
+    EXPECT_THAT(failure(topic + std::string(", type: geometry_msgs")),
+                ElementsAre(::testing::EndsWith("there was none")));
+}
+
 TEST_F(Stories, AFactDecisionIsSeenAsAnyOther) {
   write("door.clp",
         "(deftemplate door (slot state))\n(deftemplate decision (slot what))\n"
