@@ -179,16 +179,34 @@ class Examination {
     if (reading.forms.size() > 1)
       return add(line, "found " + reading.forms[1].text + " after " + reading.forms.front().text +
                            ", expected one fact: give each an entry of its own");
+    const std::vector<Token> tokens = tokens_of(reading.forms.front());
+    const auto find = [&](const auto& is_wrong) {
+      const auto token = std::ranges::find_if(tokens, is_wrong);
+      return token == tokens.end() ? std::string() : std::string(token->text);
+    };
+    const auto refuse = [&](const std::string& word) {
+      add(line, text + ": " + found_expected(word, "a value: a fact has no variables, and no &, | or ~"));
+    };
+    if (const auto word = find([](const Token& t) { return t.kind == Token::Kind::kConnective; }); !word.empty())
+      return refuse(word);
     const Term term = tree_of(reading.forms.front());
+    if (term.head().empty()) return add(line, found_text(text, "the name of a template first"));
     look_at_handles(text, term, line);
     const auto fact = explain::Pattern::parse_plain(text, spec_.file, line);
     if (!fact) return;  // it has expressions, or CLIPS objects to it when its time comes
     const std::string& name = fact->template_name();
     const bool is_ordered = fact->slot_names().empty();
+    const std::string variable = find([](const Token& t) {
+      const std::string_view word = t.text.substr(t.text.starts_with('$') ? 1 : 0);
+      return t.kind == Token::Kind::kWord && word.starts_with('?') && !word.starts_with("?*");
+    });
+    if (is_ordered && !variable.empty()) return refuse(variable);
     if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name))) {
       const std::size_t told = mistakes_.errors.size();
       add(line, text, explain::check_names(*fact, engine_));
-      if (mistakes_.errors.size() == told && !is_ordered && !checked_) look_at_values(text, term, *fact, line);
+      if (mistakes_.errors.size() != told || is_ordered) return;
+      if (!variable.empty()) return refuse(variable);
+      if (!checked_) look_at_values(text, term, *fact, line);
       return;
     }
     if (!is_ordered || !given_.insert(name).second || may_have(name)) return;
@@ -251,7 +269,8 @@ class Examination {
 
   void look_at_rule(const Expectation& e) {
     if (!engine_.find_construct("defrule", e.text))
-      add(e.line, "there is no rule '" + e.text + '\'' + did_you_mean(e.text, explain::names_of(engine_, "defrule")));
+      add(e.line, "there is no rule '" + e.text + '\'' +
+                      did_you_mean(std::string(without_module(e.text)), explain::names_of(engine_, "defrule")));
   }
 
   void look_at_goal(const Expectation& e) {

@@ -118,6 +118,29 @@ TEST_F(Stories, ValuesOfFactsAreLookedAtBeforeThePlay) {
           HasSubstr(":15: (door (width 3 4)) can match no fact: slot 'width' of template 'door' holds")));
 }
 
+TEST_F(Stories, WhatIsNoFactIsToldInWords) {
+  const auto told = [&](const std::string& fact) {
+    const auto stories = read("- story: s\n  rules: door.clp\n  calls: ['(defglobal ?*name* = Ada)']\n  given: ['" +
+                              fact + "']\n  expect: [{not_fires: slam, within_s: 1}]\n");
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? result.bad->text() : "played";
+  };
+  for (const auto& [fact, found] : std::initializer_list<std::pair<const char*, const char*>>{{"(door (by ?x))", "?x"},
+                                                                                              {"(bell ?)", "?"},
+                                                                                              {"(bell $?x)", "$?x"},
+                                                                                              {"(bell a&b)", "&"},
+                                                                                              {"(door (by ~A))", "~"}})
+    EXPECT_THAT(told(fact), HasSubstr("t.story.yaml:4: " + std::string(fact) + ": found " + found +
+                                      ", expected a value: a fact has no variables, and no &, | or ~"));
+  for (const std::string fact : {"()", "((bell))"})
+    EXPECT_THAT(told(fact), HasSubstr("t.story.yaml:4: found '" + fact + "', expected the name of a template first"));
+  for (const char* fact : {"(door (by ?*name*))", "(bell ?*name*)", "(door (by (str-cat a b)))", "(bell \"?x & y\")",
+                           "(bell (length$ (find-all-facts ((?f door)) (eq ?f:by A))))"})
+    EXPECT_EQ(told(fact), "played") << fact;
+  EXPECT_THAT(play("fires: MAN::opne, within_s: 1").bad->text(),
+              HasSubstr("no rule 'MAN::opne', did you mean 'open'?"));
+}
+
 TEST_F(Stories, AHandleOfNothingIsAMistake) {
   const auto told = [&](const std::string& fact) {
     const auto stories = read(
