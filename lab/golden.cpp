@@ -25,7 +25,8 @@ Status play_again(const testing::StorySpec& story, const fs::path& folder, const
   auto run = Run::open(story.golden);
   if (!run) return run.error();
   if (!run->finished)
-    return input_error("the golden run is not finished: it is still being played, or it was killed", run->folder.string());
+    return input_error("the golden run is not finished: it is still being played, or it was killed",
+                       run->folder.string());
   if (story.end > run->sim_time)
     return input_error("end: " + general_text(to_seconds(story.end), 9) + " s is after the end of the golden run, " +
                        general_text(to_seconds(run->sim_time), 9) + " s");

@@ -177,8 +177,8 @@ class Examination {
     if (reading.forms.empty() || !reading.forms.front().list)
       return add(line, found_text(text, "a fact in parentheses"));
     if (reading.forms.size() > 1)
-      return add(line, "found " + reading.forms[1].text + " after " + reading.forms.front().text +
-                           ", expected one fact: give each an entry of its own");
+      return add(line, found_expected(reading.forms[1].text + " after " + reading.forms.front().text,
+                                      "one fact: give each an entry of its own"));
     const std::vector<Token> tokens = tokens_of(reading.forms.front());
     const auto find = [&](const auto& is_wrong) {
       const auto token = std::ranges::find_if(tokens, is_wrong);
