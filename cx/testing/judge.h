@@ -12,8 +12,8 @@ namespace cxlab::testing {
 /// After the last tick: `file:line: what was expected, by when, what was there` for each expectation that was not met.
 std::vector<std::string> judge(const Play& play);
 
-/// After the last tick: notes on stand-ins and messages of the story that nobody uses. Rules use a name that is the same
-/// but for a slip of the finger.
+/// After the last tick: notes on stand-ins and messages of the story that nobody uses. Rules use a name that is the
+/// same but for a slip of the finger.
 std::vector<std::string> slips_in_names(const Play& play);
 
 /// Whether all that the YAML `wanted` names is in `found`; numbers are compared as numbers.

@@ -86,12 +86,13 @@ class Templates {
     names_ = template_names(engine_);
     for (const std::string_view fact : cx::builtin_facts()) names_.emplace_back(fact);
   }
-  bool may_have(const std::string& name) const {
+  /// `ordered`: whether there may be ordered facts of that name.
+  bool may_have(const std::string& name, bool ordered) const {
     if (std::ranges::count(names_, name) > 0) return true;
     const auto may_make = [&](const std::string& text) {
-      return has_word(text, name) || std::ranges::any_of(kMakers, [&](std::string_view maker) {
-               return text.find(maker) != std::string::npos;
-             });
+      const auto has = [&](std::string_view call) { return text.find(call) != std::string::npos; };
+      return has_word(text, name) || std::ranges::any_of(kMakers, has) ||
+             (ordered && std::ranges::any_of(kMakersOfFacts, has));
     };
     return std::ranges::any_of(spec_.calls, may_make, &Line::text) ||
            std::ranges::any_of(engine_.constructs(), may_make, &ConstructInfo::text);
@@ -103,8 +104,9 @@ class Templates {
   }
 
  private:
-  /// Calls that may bring templates or facts of any name while rules run.
-  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch", "(assert-string", "(eval"};
+  /// Calls that may bring templates of any name while rules run, and those that may bring ordered facts.
+  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch"};
+  static constexpr std::string_view kMakersOfFacts[] = {"(assert-string", "(eval"};
 
   static bool has_word(std::string_view text, std::string_view word) {
     const auto goes_on = [&](std::size_t at) {
@@ -165,10 +167,10 @@ class Examination {
   }
 
   /// Whether rules have, or may get, facts of that name.
-  bool may_have(const std::string& name) {
+  bool may_have(const std::string& name, bool ordered) {
     if (engine_.has("deftemplate", name)) return true;
     if (!templates_) templates_.emplace(play_);
-    return templates_->may_have(name);
+    return templates_->may_have(name, ordered);
   }
 
   void look_at_fact(const std::string& text, int line) {
@@ -201,7 +203,7 @@ class Examination {
       return t.kind == Token::Kind::kWord && word.starts_with('?') && !word.starts_with("?*");
     });
     if (is_ordered && !variable.empty()) return refuse(variable);
-    if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name))) {
+    if (engine_.has("deftemplate", name) || (!is_ordered && !may_have(name, false))) {
       const std::size_t told = mistakes_.errors.size();
       add(line, text, explain::check_names(*fact, engine_));
       if (mistakes_.errors.size() != told || is_ordered) return;
@@ -209,7 +211,7 @@ class Examination {
       if (!checked_) look_at_values(text, term, *fact, line);
       return;
     }
-    if (!is_ordered || !given_.insert(name).second || may_have(name)) return;
+    if (!is_ordered || !given_.insert(name).second || may_have(name, false)) return;
     if (const std::string guess = templates_->guess(name); !guess.empty())
       mistakes_.notes.push_back(play_.at(line, text + ": no rule has facts '" + name + '\'' + guess).text());
   }
@@ -219,7 +221,7 @@ class Examination {
     for (const Term& item : term.items) look_at_handles(text, item, line);
     const std::string& word = term.text;
     if (term.kind != Token::Kind::kWord || word.size() < 3 || !word.starts_with('<') || !word.ends_with('>')) return;
-    if (std::ranges::count(handles_, word) > 0) return;
+    if (is_handle(word)) return;
     if (!word.starts_with("<Fact-") && !word.starts_with("<Pointer-") && did_you_mean(word, handles_).empty()) return;
     add(line, text + ": no fact or goal of this story is " + word +
                   (handles_.empty() ? "; name a fact that is given before: {fact: (...), as: " + word + '}'
@@ -240,26 +242,44 @@ class Examination {
   }
 
   void look_at_retract(const Step& step) {
-    const auto pattern = explain::Pattern::parse_plain(step.text, spec_.file, step.line);
-    if (!pattern) return mistakes_.errors.push_back(pattern.error());
-    const std::string& name = pattern->template_name();
-    if (engine_.has("deftemplate", name) || !(is_given(*pattern) || may_have(name)))
+    const auto pattern = pattern_of(step.text, step.line);
+    if (!pattern) return;
+    if (engine_.has("deftemplate", pattern->template_name()))
+      object_to_pattern(*pattern, "retract " + step.text, step.text, step.line);
+    else if (!is_given(*pattern) && !may_have(*pattern))
       add(step.line, "retract " + step.text, explain::check_names(*pattern, engine_));
   }
 
   void look_at_pattern(const Expectation& e) {
-    const auto pattern = explain::Pattern::parse_plain(e.text, spec_.file, e.line);
-    if (!pattern) return mistakes_.errors.push_back(pattern.error());
-    const std::string& name = pattern->template_name();
-    const std::string what = e.text + " can match no fact";
-    if (engine_.has("deftemplate", name)) {
-      if (!objections_) objections_ = std::make_unique<Objections>(engine_);
-      if (const std::string why = objections_->to_pattern(e.text); !why.empty())
-        add(e.line, what + ": " + plain_objection(*pattern, engine_, why));
-    } else if (!is_given(*pattern) && !may_have(name) &&
-               (!pattern->slot_names().empty() || templates_->is_misspelt(name))) {
-      add(e.line, what, explain::check_names(*pattern, engine_));
+    const auto pattern = pattern_of(e.text, e.line);
+    if (!pattern) return;
+    if (engine_.has("deftemplate", pattern->template_name()))
+      object_to_pattern(*pattern, e.text, e.text, e.line);
+    else if (!is_given(*pattern) && !may_have(*pattern) &&
+             (!pattern->slot_names().empty() || templates_->is_misspelt(pattern->template_name())))
+      add(e.line, e.text + " can match no fact", explain::check_names(*pattern, engine_));
+  }
+
+  /// None: it cannot be read.
+  std::optional<explain::Pattern> pattern_of(const std::string& text, int line) {
+    auto pattern = explain::Pattern::parse_plain(text, spec_.file, line);
+    if (!pattern) {
+      mistakes_.errors.push_back(pattern.error());
+      return std::nullopt;
     }
+    return *std::move(pattern);
+  }
+
+  void object_to_pattern(const explain::Pattern& pattern, const std::string& what, const std::string& text, int line) {
+    if (!objections_) objections_ = std::make_unique<Objections>(engine_);
+    if (const std::string why = objections_->to_pattern(text); !why.empty())
+      add(line, what + " can match no fact: " + plain_objection(pattern, engine_, why));
+  }
+
+  bool is_handle(const std::string& word) const { return std::ranges::count(handles_, word) > 0; }
+
+  bool may_have(const explain::Pattern& pattern) {
+    return may_have(pattern.template_name(), pattern.slot_names().empty());
   }
 
   /// The story makes such ordered facts.
@@ -296,5 +316,7 @@ class Examination {
 }  // namespace
 
 Mistakes mistakes_of(const Play& play, bool checked) { return Examination(play, checked).all(); }
+
+bool may_have_ordered(const Play& play, const std::string& name) { return Templates(play).may_have(name, true); }
 
 }  // namespace cxlab::testing

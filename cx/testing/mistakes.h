@@ -19,4 +19,7 @@ struct Mistakes {
 /// checked before with the same templates need not be `checked` again, which takes the longest.
 Mistakes mistakes_of(const Play& play, bool checked = false);
 
+/// Whether rules have, or may make, ordered facts of that name.
+bool may_have_ordered(const Play& play, const std::string& name);
+
 }  // namespace cxlab::testing

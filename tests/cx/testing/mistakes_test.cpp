@@ -42,7 +42,7 @@ TEST_F(Stories, AllNamesThatAreWrongAreTold) {
   EXPECT_THAT(result.bad->text(),
               HasSubstr("t.story.yaml:3: (door (stte OPEN)): template 'door' has no slot 'stte', did you mean"));
   EXPECT_THAT(result.failures,
-              ElementsAre(HasSubstr("t.story.yaml:4: retract (door (stat OPEN)): template 'door' has no slot 'stat'"),
+              ElementsAre(HasSubstr("t.story.yaml:4: retract (door (stat OPEN)) can match no fact: template"),
                           HasSubstr("t.story.yaml:5: there is no rule 'opne', did you mean 'open'?"),
                           HasSubstr("t.story.yaml:5: (door (sttae OPEN)) can match no fact: template 'door' has no"),
                           HasSubstr("t.story.yaml:5: (dooor) can match no fact: there is no template 'dooor', did you "
@@ -139,6 +139,36 @@ TEST_F(Stories, WhatIsNoFactIsToldInWords) {
     EXPECT_EQ(told(fact), "played") << fact;
   EXPECT_THAT(play("fires: MAN::opne, within_s: 1").bad->text(),
               HasSubstr("no rule 'MAN::opne', did you mean 'open'?"));
+}
+
+TEST_F(Stories, AWrongValueInRetractIsAMistake) {
+  write("door.clp", "(deftemplate door (slot state (allowed-values OPEN CLOSED)))\n");
+  const auto stories = read(
+      "- story: s\n  rules: door.clp\n  steps: [{at: 1, retract: (door (state OPNE))}]\n  expect: [{no_fact: "
+      "(door)}]\n");
+  ASSERT_TRUE(stories) << stories.error().text();
+  const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+  ASSERT_TRUE(result.bad);
+  EXPECT_THAT(result.bad->text(),
+              AllOf(HasSubstr(":3: retract (door (state OPNE)) can match no fact: "), HasSubstr("cannot be OPNE")));
+}
+
+TEST_F(Stories, NamesThatRulesMakeOfTextAreNotDoubted) {
+  write("door.clp",
+        "(defrule make (n ?n) => (assert-string (str-cat \"(goal-\" ?n \" x)\")))\n(defrule read (goal-1 ?) (visitor "
+        "?) =>)\n");
+  const auto played = [&](const std::string& story) {
+    const auto stories = read("- story: s\n  rules: door.clp\n" + story);
+    EXPECT_TRUE(stories) << stories.error().text();
+    return run_story(stories->front(), {interfaces_dir()});
+  };
+  StoryResult result =
+      played("  given: ['(n 30)']\n  expect: [{fact: '(goal-30 x)', within_s: 1}, {no_fact: '(goal-3 x)'}]\n");
+  EXPECT_TRUE(result.passed()) << (result.bad ? result.bad->text() : ::testing::PrintToString(result.failures));
+  EXPECT_THAT(result.notes, IsEmpty());
+  result = played("  given: ['(visitr ada)']\n  expect: [{no_fact: '(goal-3 x)', within_s: 1}]\n");
+  EXPECT_THAT(result.notes,
+              ElementsAre(HasSubstr("(visitr ada): no rule has facts 'visitr', did you mean 'visitor'?")));
 }
 
 TEST_F(Stories, AHandleOfNothingIsAMistake) {
