@@ -75,7 +75,7 @@ class Variables {
       if (loop) {
         const std::string name = variable_name(members.is_list() ? members.items.front() : members);
         its_own_.insert(name);
-        its_own_.insert(name + "-index");  // which foreach and progn$ count
+        if (head != "loop-for-count") its_own_.insert(name + "-index");  // which foreach and progn$ count
       }
       for (const Term& member : members.items)
         if (query && !member.items.empty()) its_own_.insert(variable_name(member.items[0]));

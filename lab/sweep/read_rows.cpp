@@ -202,6 +202,19 @@ std::string metrics_text(const std::string& missing, const MetricNames& names) {
   return out + did_you_mean(missing, all, "; ");
 }
 
+namespace {
+
+Error nothing_to_compare(const std::vector<Row>& rows) {
+  const bool none_counts = std::ranges::none_of(rows, &Row::counts);
+  return input_error("no row has a figure that could be compared" +
+                     std::string(rows.empty() || !none_counts
+                                     ? ""
+                                     : ": no game was completed; the column reason of runs.sqlite has the reasons, and "
+                                       "the page of the sweep (cxlab bench page SWEEP)"));
+}
+
+}  // namespace
+
 Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string& name, const Catalogue& catalogue,
                                  const std::string* scenario) {
   MetricNames names;                 // that have a value
@@ -219,7 +232,7 @@ Expected<MetricOfRows> metric_of(const std::vector<Row>& rows, const std::string
     }
   }
   if (wanted.empty()) wanted = first;
-  if (names.empty()) return input_error("no row has a figure that could be compared");
+  if (names.empty()) return nothing_to_compare(rows);
   if (std::ranges::none_of(names, [&](const auto& one) { return std::ranges::count(one.second, wanted) > 0; }))
     return input_error("no row has a metric '" + wanted + "'; " + metrics_text(wanted, names));
   MetricOfRows out{wanted, wanted};
@@ -244,7 +257,7 @@ Expected<std::map<std::string, MetricOfRows>> metrics_of_scenarios(const std::ve
   for (const Row& row : rows)
     if (scenarios.insert(row.cell.scenario).second)
       if (const auto found = metric_of(rows, name, catalogue, &row.cell.scenario)) out[row.cell.scenario] = *found;
-  if (out.empty()) return input_error("no row has a figure that could be compared");
+  if (out.empty()) return nothing_to_compare(rows);
   return out;
 }
 

@@ -341,7 +341,7 @@ class SweepStatistics(Lab):
                 ("no row has the parts of points; expected some of the columns points_delivery, points_ring", 3, "bench", "plot", "s", "out.svg", "--kind", "parts"),
                 ("lines.csv:5: found 2 fields, expected 9", 3, "bench", "show", "lines.csv"),
                 ("nothing.csv: found no row", 3, "bench", "show", "nothing.csv"),
-                ("no row has a figure that could be compared", 3, "bench", "show", "crashed.csv"),
+                ("no row has a figure that could be compared: no game was completed; the column reason", 3, "bench", "show", "crashed.csv"),
                 ("no row has a metric 'point'; there are points, late_s; did you mean 'points'?", 3, "bench", "show", "s", "--metric", "point"),
                 ("there is no strategy 'c'", 3, "bench", "show", "s", "--against", "c"),
                 ("expected --table with one of: scores, differences, profile, overview, parts, shares", 2, "bench", "show", "s", "--format", "csv"),

@@ -571,6 +571,8 @@ TEST(Check, AFactIsFollowedOverManyVariablesInNoLongTime) {
 TEST(Check, TheIndexOfALoopAndAnOrderedFactOfATemplatesNameAreNoFindings) {
   EXPECT_THAT(seeded("(defrule r (wanted ?id) => (progn$ (?i (create$ 1 2)) (printout t ?i-index ?id)))"), IsEmpty());
   EXPECT_THAT(seeded("(defrule r (wanted ?id) => (foreach ?i (create$ 1 2) (printout t ?i-index ?id)))"), IsEmpty());
+  EXPECT_THAT(seeded("(defrule r (wanted ?id) => (loop-for-count (?i 1 2) (printout t ?i-index ?id)))"),
+              ElementsAre("1 used-once"));
   EXPECT_THAT(seeded("(defrule r (robot ?x&:(> ?x 9)) => (printout t ?x))"), Not(Contains(HasSubstr("unknown-slot"))));
 }
 
