@@ -79,6 +79,17 @@ class Objections {
   std::unique_ptr<RuleEngine> engine_;
 };
 
+/// Whether a call asserts facts of a text that is computed, so that they may have any name. The names in a text that
+/// stands there are words of the rules.
+bool makes_facts_of_text(std::string_view text) {
+  for (const std::string_view call : {"(assert-string ", "(eval "})
+    for (std::size_t at = 0; (at = text.find(call, at)) != std::string_view::npos; at += call.size()) {
+      const std::size_t argument = text.find_first_not_of(" \n\t", at + call.size());
+      if (argument != std::string_view::npos && text[argument] != '"') return true;
+    }
+  return false;
+}
+
 /// Which templates the agent has, and which it may get.
 class Templates {
  public:
@@ -90,9 +101,8 @@ class Templates {
   bool may_have(const std::string& name, bool ordered) const {
     if (std::ranges::count(names_, name) > 0) return true;
     const auto may_make = [&](const std::string& text) {
-      const auto has = [&](std::string_view call) { return text.find(call) != std::string::npos; };
-      return has_word(text, name) || std::ranges::any_of(kMakers, has) ||
-             (ordered && std::ranges::any_of(kMakersOfFacts, has));
+      const auto calls = [&](std::string_view function) { return has_word(text, function); };
+      return has_word(text, name) || std::ranges::any_of(kMakers, calls) || (ordered && makes_facts_of_text(text));
     };
     return std::ranges::any_of(spec_.calls, may_make, &Line::text) ||
            std::ranges::any_of(engine_.constructs(), may_make, &ConstructInfo::text);
@@ -104,17 +114,18 @@ class Templates {
   }
 
  private:
-  /// Calls that may bring templates of any name while rules run, and those that may bring ordered facts.
-  static constexpr std::string_view kMakers[] = {"(build", "(load", "(bload", "(batch"};
-  static constexpr std::string_view kMakersOfFacts[] = {"(assert-string", "(eval"};
+  /// Functions that may bring templates of any name while rules run.
+  static constexpr std::string_view kMakers[] = {"(build", "(load",        "(load*", "(load-facts",
+                                                 "(bload", "(bload-facts", "(batch", "(batch*"};
 
+  /// Whether `word` stands there with nothing before or behind it that belongs to a word.
   static bool has_word(std::string_view text, std::string_view word) {
     const auto goes_on = [&](std::size_t at) {
-      return at < text.size() &&
-             (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '-' || text[at] == '_');
+      return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 ||
+                                  std::string_view("-_*").find(text[at]) != std::string_view::npos);
     };
     for (std::size_t at = 0; (at = text.find(word, at)) != std::string_view::npos; ++at)
-      if (!(at > 0 && goes_on(at - 1)) && !goes_on(at + word.size())) return true;
+      if (!(at > 0 && !word.starts_with('(') && goes_on(at - 1)) && !goes_on(at + word.size())) return true;
     return false;
   }
 
@@ -317,6 +328,9 @@ class Examination {
 
 Mistakes mistakes_of(const Play& play, bool checked) { return Examination(play, checked).all(); }
 
-bool may_have_ordered(const Play& play, const std::string& name) { return Templates(play).may_have(name, true); }
+bool makes_facts_of_text(const Play& play) {
+  const std::vector<ConstructInfo> constructs = play.engine().constructs();
+  return std::ranges::any_of(constructs, [](const ConstructInfo& c) { return makes_facts_of_text(c.text); });
+}
 
 }  // namespace cxlab::testing

@@ -19,7 +19,7 @@ struct Mistakes {
 /// checked before with the same templates need not be `checked` again, which takes the longest.
 Mistakes mistakes_of(const Play& play, bool checked = false);
 
-/// Whether rules have, or may make, ordered facts of that name.
-bool may_have_ordered(const Play& play, const std::string& name);
+/// Whether rules assert facts of texts that they compute, so that they may have any name.
+bool makes_facts_of_text(const Play& play);
 
 }  // namespace cxlab::testing

@@ -141,6 +141,22 @@ TEST_F(Stories, WhatIsNoFactIsToldInWords) {
               HasSubstr("no rule 'MAN::opne', did you mean 'open'?"));
 }
 
+TEST_F(Stories, OnlyCallsThatMakeAnyNameHideMisspeltOnes) {
+  const auto told = [&](const std::string& action) {
+    write("door.clp", "(deftemplate slide (slot loaded))\n(defrule r ?s <- (slide) (poke ?) => " + action + ")\n");
+    const auto stories = read("- story: s\n  rules: door.clp\n  expect: [{no_fact: (poek 1), within_s: 1}]\n");
+    EXPECT_TRUE(stories) << stories.error().text();
+    const StoryResult result = run_story(stories->front(), {interfaces_dir()});
+    return result.bad ? result.bad->text() : result.passed() ? "passed" : result.failures.front();
+  };
+  for (const char* action : {"(modify ?s (loaded 1))", "(assert (loading 1))", "(assert (builder))",
+                             "(assert (evaluated))", "(assert-string \"(barx 1)\")", "(eval \"(+ 1 2)\")"})
+    EXPECT_THAT(told(action), HasSubstr("(poek 1) can match no fact: there is no template 'poek'")) << action;
+  EXPECT_EQ(told("(assert-string (str-cat \"(x\" 1 \")\"))"), "passed");
+  for (const char* action : {"(build (str-cat \"(deffacts x)\"))", "(load* \"none.clp\")", "(load-facts \"none\")"})
+    EXPECT_THAT(told(action), HasSubstr("there is no template 'poek', so this says nothing")) << action;
+}
+
 TEST_F(Stories, AWrongValueInRetractIsAMistake) {
   write("door.clp", "(deftemplate door (slot state (allowed-values OPEN CLOSED)))\n");
   const auto stories = read(
