@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "cx/base/file.h"
+#include "cx/base/number_text.h"
 #include "cx/base/scratch_folder.h"
 #include "cx/journal/file_store.h"
 #include "lab/child.h"

@@ -274,7 +274,7 @@ std::string StoryFacts::with_pointers(const std::string& fact) const {
 }
 
 Status StoryFacts::give_all(cx::Environment& environment) {
-  using Verb = cx::ControlAct::Verb;
+  using Act = cx::ControlAct::Verb;
   if (!sent_.empty())
     if (Status s = hold(environment); !s) return s;
   // Those that are given too: a fact that is asserted again would no longer follow from others.
@@ -282,12 +282,12 @@ Status StoryFacts::give_all(cx::Environment& environment) {
     for (const FactCopy& fact : environment.engine().facts()) (void)retract(environment, fact);
   for (const GivenFact& fact : spec_->given)
     if (Status s = give(environment, fact); !s) return s;
-  if (spec_->moment) (void)environment.act(Verb::kSettle, {});
+  if (spec_->moment) (void)environment.act(Act::kSettle, {});
   return {};
 }
 
 Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
-  using Verb = cx::ControlAct::Verb;
+  using Act = cx::ControlAct::Verb;
   const auto pattern = explain::Pattern::parse_plain(fact.text, spec_->file, fact.line);
   // Where CLIPS knows no template of that name, it takes the fact for an ordered one, and the slots for its mistake.
   if (pattern && pattern->module().empty() && !pattern->slot_names().empty())
@@ -301,7 +301,7 @@ Status StoryFacts::give(cx::Environment& environment, const GivenFact& fact) {
     named_.emplace_back(fact.as, global);
     asserts = "(defglobal " + global + " = " + asserts + ')';
   }
-  const auto done = environment.act(is_plain ? Verb::kAssert : Verb::kLoad, asserts, std::string(kActOfStory));
+  const auto done = environment.act(is_plain ? Act::kAssert : Act::kLoad, asserts, std::string(kActOfStory));
   if (done) return {};
   const std::string& why = done.error().message;
   return input_error(fact.text + ": " + (pattern ? plain_objection(*pattern, environment.engine(), why) : why),
