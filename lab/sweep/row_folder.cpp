@@ -114,10 +114,14 @@ Expected<RowFolder> RowFolder::open(const fs::path& folder, FolderUse use) {
 RowFolder::RowFolder(fs::path folder, Descriptor lock)
     : folder_(std::move(folder)), rows_(folder_ / "rows"), lock_(std::move(lock)) {}
 
-fs::path RowFolder::unfinished(const fs::path& file) const {
+std::string host_name() {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
-  return file.string() + std::string(kUnfinished) + '-' + host + '-' + std::to_string(getpid());
+  return host;
+}
+
+fs::path RowFolder::unfinished(const fs::path& file) const {
+  return file.string() + std::string(kUnfinished) + '-' + host_name() + '-' + std::to_string(getpid());
 }
 
 void RowFolder::remove_unfinished() const {

@@ -59,6 +59,9 @@ class RowMatcher {
 /// Names the suite whose tables are in the folder, by its path.
 inline constexpr const char* kSuiteFile = "suite.txt";
 
+/// The name of this machine.
+std::string host_name();
+
 /// Who works in the folder: a sweep alone, or any number of those that play single cells and collect.
 enum class FolderUse { kAlone, kTogether };
 

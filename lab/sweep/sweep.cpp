@@ -47,12 +47,6 @@ std::set<std::string> libraries() {
   return out;
 }
 
-std::string host_name() {
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  return host;
-}
-
 /// What this process has used so far.
 Circumstances circumstances_now(const std::string& agent_commit) {
   rusage usage{};

@@ -564,7 +564,7 @@ TEST(Check, AFactIsFollowedOverManyVariablesInNoLongTime) {
   };
   EXPECT_EQ(follow(20), 21);
   const std::clock_t begin = std::clock();
-  EXPECT_LT(follow(10000), 200) << "nothing is said of facts that come from far";
+  EXPECT_LT(follow(10000), 200) << "no finding is about facts that come from far";
   EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
 }
 
